@@ -1,0 +1,34 @@
+# Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
+.PHONY: help demo test lint image
+
+SUITE ?= trixie
+IMAGE := --build-arg SUITE=$(SUITE) -t rockslip:$(if $(filter trixie,$(SUITE)),latest,$(SUITE))
+RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
+
+help:
+	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
+	@echo "make test    the test suite"
+	@echo "make lint    ruff and mypy"
+	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
+
+demo:
+	./in-env python3 demos/free_rocking/free_rocking.py
+
+test:
+	./in-env python3 -m pytest tests
+
+lint: $(RUFF)
+	$(RUFF) check .
+	$(RUFF) format --check .
+	./in-env python3 -m mypy geometry solver
+
+# Debian 13 has no ruff: one of our own, on the host, where the package index is reached.
+.cache/lint/bin/ruff:
+	python3 -m venv .cache/lint
+	.cache/lint/bin/pip install --quiet --disable-pip-version-check ruff==0.17.5
+
+image:
+	@if docker info >/dev/null 2>&1; then docker build $(IMAGE) .; \
+	elif podman info >/dev/null 2>&1; then podman build $(IMAGE) .; \
+	else ROCKSLIP_WAY=3 ./in-env true && \
+	    STORAGE_DRIVER=$${STORAGE_DRIVER:-overlay} BUILDAH_ISOLATION=chroot buildah bud --pull-never --layers $(IMAGE) .; fi

@@ -1,0 +1,29 @@
+"""What differs between dolfinx 0.9, 0.10 and 0.11 in taking over a Gmsh model."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from typing import Any
+
+from mpi4py import MPI
+
+from dolfinx.mesh import GhostMode, Mesh, MeshTags, create_cell_partitioner
+
+# dolfinx.io.gmshio became dolfinx.io.gmsh in 0.10.
+_newer = importlib.util.find_spec("dolfinx.io.gmsh") is not None
+_reader: Any = importlib.import_module("dolfinx.io.gmsh" if _newer else "dolfinx.io.gmshio")
+
+
+def model_to_mesh(
+    model: Any, comm: MPI.Intracomm, dimension: int
+) -> tuple[Mesh, MeshTags, MeshTags]:
+    """Distribute the Gmsh model of rank 0, with the cells across a facet known to both sides.
+
+    Returns:
+        Mesh, cell tags and facet tags.
+    """
+    partitioner = create_cell_partitioner(GhostMode.shared_facet)
+    # 0.9 returns a tuple of these three, 0.10 a named tuple that begins with them.
+    data = _reader.model_to_mesh(model, comm, 0, gdim=dimension, partitioner=partitioner)
+    return data[0], data[1], data[2]

@@ -1,0 +1,244 @@
+"""Tables of plain values <-> dataclasses, strictly: the types of the fields say what is allowed.
+
+Understood are `bool`, `str`, `Path`, `Literal[...]`, `Annotated[float, Number(...)]` and the same
+with `int`, tuples of these, dataclasses, tuples of dataclasses, `... | None`, and unions of
+dataclasses that are told apart by their `kind`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from numbers import Integral, Real
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from solver.errors import SceneError, UnknownKey
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Number:
+    """The range of a number; never infinite, never NaN."""
+
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+
+    def holds(self, value: Any) -> bool:
+        """Whether a number lies in the range."""
+        return bool(
+            abs(value) <= sys.float_info.max  # false for NaN and for integers beyond any float
+            and (self.above is None or value > self.above)
+            and (self.at_least is None or value >= self.at_least)
+            and (self.below is None or value < self.below)
+            and (self.at_most is None or value <= self.at_most)
+        )
+
+    def words(self, name: str) -> str:
+        """The range in symbols, such as `0 <= poisson < 0.5`."""
+        low, high = self.above, self.below
+        left = f"{low:g} < " if low is not None else ""
+        right = f" < {high:g}" if high is not None else ""
+        if self.at_least is not None:
+            left = f"{self.at_least:g} <= "
+        if self.at_most is not None:
+            right = f" <= {self.at_most:g}"
+        if left and not right:
+            return f"{name} {'>=' if '=' in left else '>'} {left.split()[0]}"
+        return f"{left}{name}{right}" if left or right else "a finite number"
+
+
+def shown(value: Any) -> str:
+    """A value as TOML would have it, in one short line."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, list | tuple):
+        text = f"[{', '.join(shown(item) for item in value)}]"
+    else:
+        text = f'"{value}"' if isinstance(value, str | Path) else str(value)
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else f"{text[:56]} ..."
+
+
+def nearest(word: str, words: Iterable[str]) -> str | None:
+    """The one of `words` that a misspelt word was meant to be."""
+    from difflib import get_close_matches
+
+    return next(iter(get_close_matches(word, list(words), n=1)), None)
+
+
+class Checked:
+    """Base of the frozen dataclasses whose fields are checked when an instance is made."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Check every field and bring it to its type."""
+        hints = _hints(type(self))
+        for field in _fields(type(self)):
+            value = getattr(self, field.name)
+            object.__setattr__(self, field.name, _checked(hints[field.name], value, key_of(field)))
+
+
+def from_table(cls: type[Any], table: Any, where: str = "") -> Any:
+    """An instance of a dataclass from a table that stands at key path `where`."""
+    if not isinstance(table, Mapping):
+        raise SceneError(where, shown(table), "a table")
+    keys = {key_of(field): field for field in _fields(cls)}
+    for key in table:
+        if key not in keys:
+            raise UnknownKey(_join(where, key), key, ", ".join(keys), nearest(key, keys))
+    values = {}
+    for key, field in keys.items():
+        hint = _hints(cls)[field.name]
+        if key in table:
+            values[field.name] = _nested(hint, table[key], _join(where, key))
+        elif field.default is field.default_factory is dataclasses.MISSING:
+            raise SceneError(_join(where, key), "nothing", _words(hint, key))
+    try:
+        return cls(**values)
+    except SceneError as error:
+        raise error.under(where) from None
+
+
+def to_table(instance: Any) -> dict[str, Any]:
+    """The inverse of `from_table`; what is None is left out, as TOML knows no such value."""
+    table = {}
+    for field in dataclasses.fields(instance):
+        value = getattr(instance, field.name)
+        if value is not None:
+            table[key_of(field)] = _plain(value)
+    return table
+
+
+def _plain(value: Any) -> Any:
+    if dataclasses.is_dataclass(value):
+        return to_table(value)
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return str(value) if isinstance(value, Path) else value
+
+
+def _join(where: str, key: str) -> str:
+    return f"{where}.{key}" if where else key
+
+
+@cache
+def _hints(cls: type[Any]) -> dict[str, Any]:
+    return get_type_hints(cls, include_extras=True)
+
+
+def _fields(cls: Any) -> tuple[dataclasses.Field[Any], ...]:
+    return dataclasses.fields(cls)
+
+
+def key_of(field: dataclasses.Field[Any]) -> str:
+    """The TOML key of a field: its name, or what its metadata says."""
+    return str(field.metadata.get("key", field.name))
+
+
+def _choices(hint: Any) -> tuple[Any, ...]:
+    """The members of a union, else the type alone."""
+    return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+
+
+def _nested(hint: Any, value: Any, where: str) -> Any:
+    """Tables inside a table; other values are left for `check`."""
+    tables = [choice for choice in _choices(hint) if dataclasses.is_dataclass(choice)]
+    if len(tables) == 1:
+        return from_table(tables[0], value, where)
+    if tables:
+        return _by_kind(tables, value, where)
+    item = next(iter(get_args(hint)), None) if get_origin(hint) is tuple else None
+    if not dataclasses.is_dataclass(item):
+        return value
+    if not isinstance(value, list):
+        raise SceneError(where, shown(value), f"an array of tables, [[{where}]]")
+    # A member of an array of tables is addressed by its name, here as in overrides.
+    return tuple(from_table(item, entry, _name(entry, where)) for entry in value)
+
+
+def _name(entry: Any, where: str) -> str:
+    name = entry.get("name", where) if isinstance(entry, Mapping) else where
+    return name if isinstance(name, str) and name else where
+
+
+def _by_kind(tables: list[Any], value: Any, where: str) -> Any:
+    if not isinstance(value, Mapping):
+        raise SceneError(where, shown(value), "a table")
+    kinds = {get_args(_hints(table)["kind"])[0]: table for table in tables}
+    kind = _checked(Literal[tuple(kinds)], value.get("kind"), _join(where, "kind"))
+    return from_table(kinds[kind], value, where)
+
+
+def _words(hint: Any, name: str) -> str:
+    """What a field may hold, in words."""
+    choices = [choice for choice in _choices(hint) if choice is not NoneType]
+    hint, origin = choices[0], get_origin(choices[0])
+    if len(choices) > 1 or dataclasses.is_dataclass(hint):
+        return "a table"
+    if origin is Annotated:
+        kind, rule = get_args(hint)
+        return f"a whole number, {rule.words(name)}" if kind is int else str(rule.words(name))
+    if origin is Literal:
+        return " or ".join(shown(value) for value in get_args(hint))
+    if origin is tuple:
+        items = get_args(hint)
+        if dataclasses.is_dataclass(items[0]):
+            return f"an array of tables, [[{name}]]"
+        return f"{len(items)} values, each {_words(items[0], name)}"
+    return {bool: "true or false", str: "a text", Path: "the name of a file"}[hint]
+
+
+def _checked(hint: Any, value: Any, name: str) -> Any:
+    """A value brought to the type of its field, or a SceneError."""
+    choices = _choices(hint)
+    if value is None and NoneType in choices:
+        return None
+    tables = tuple(choice for choice in choices if dataclasses.is_dataclass(choice))
+    hint, origin = choices[0], get_origin(choices[0])
+    if tables:
+        fits = isinstance(value, tables)
+    elif origin is Annotated:
+        kind, rule = get_args(hint)
+        number = isinstance(value, Integral if kind is int else Real) and not isinstance(
+            value, bool
+        )
+        fits = number and rule.holds(value)
+        value = kind(value) if fits else value
+    elif origin is Literal:
+        # 1 == True == 1.0 in Python, not in TOML
+        fits = any(type(value) is type(word) and value == word for word in get_args(hint))
+    elif origin is tuple:
+        return _checked_tuple(hint, value, name)
+    else:
+        fits = isinstance(value, (str, Path) if hint is Path else hint)
+        value = Path(value) if fits and hint is Path else value
+    if not fits:
+        words = [word for word in get_args(hint) if isinstance(word, str)]
+        hint_word = nearest(value, words) if isinstance(value, str) and origin is Literal else None
+        raise SceneError(name, shown(value), _words(hint, name), hint_word)
+    return value
+
+
+def _checked_tuple(hint: Any, value: Any, name: str) -> tuple[Any, ...]:
+    items = get_args(hint)
+    if not isinstance(value, list | tuple):
+        raise SceneError(name, shown(value), _words(hint, name))
+    if items[-1] is Ellipsis:
+        return tuple(_checked(items[0], entry, name) for entry in value)
+    if len(value) != len(items):
+        raise SceneError(name, shown(value), _words(hint, name))
+    try:
+        return tuple(_checked(*pair, name) for pair in zip(items, value, strict=True))
+    except SceneError:
+        raise SceneError(name, shown(value), _words(hint, name)) from None

@@ -1,0 +1,281 @@
+"""The command `rockslip`.
+
+Heavy imports stand inside the commands that need them. Exit codes: 0 done, 2 bad input, 3 not
+converged, 4 environment, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
+from solver.version import VERSION
+
+#: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
+INTERRUPTED = 130
+
+#: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
+LEFT_BEHIND = (
+    "history.csv",
+    "summary.json",
+    "run.log",
+    "open_in_paraview.py",
+    "fields.pvd",
+    "fields*.pvtu",
+    "fields*.vtu",
+    *(f"{name}.png" for name in ("angle", "phase", "forces", "energy", "deformed", "overlay")),
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Bad input, as everywhere: one line, exit code 2."""
+        if launched_rank() == 0:
+            sys.stderr.write(f"rockslip: {message} (see {self.prog} --help)\n")
+        sys.exit(SceneError.exit_code)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit code.
+
+    Args:
+        arguments: The command line without the name of the program; None: that of this process.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    # What follows "--" is for PETSc, not for argparse
+    cut = words.index("--") if "--" in words else len(words)
+    parser = build_parser()
+    options = parser.parse_args(words[:cut])
+    if options.command is None:
+        if launched_rank() == 0:
+            parser.print_help()
+        return 0
+    if words[cut + 1 :] and options.command != "run":
+        parser.error("options after -- are for `rockslip run`")
+    options.petsc_options = tuple(words[cut + 1 :])
+    try:
+        return int(options.action(options))
+    except RockslipError as error:
+        if launched_rank() == 0:
+            sys.stderr.write(f"rockslip: {error}\n")
+        return error.exit_code
+
+
+def build_parser() -> Parser:
+    """All commands and their options."""
+    parser = Parser(
+        prog="rockslip",
+        description="Rocking and sliding of blocks under base motion, by finite elements.",
+        epilog="Exit codes: 0 done, 2 bad input, 3 not converged, 4 environment, 130 interrupted.",
+    )
+    parser.add_argument("--version", action="version", version=f"rockslip {VERSION}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+
+    def command(name: str, action: Callable[[argparse.Namespace], int], text: str) -> Any:
+        added = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        added.set_defaults(action=action)
+        return added
+
+    run = command("run", run_scene, "simulate a scene; options for PETSc follow after --")
+    check = command("check", check_scene, "derived numbers, expected mode, mesh size; no solve")
+    reference = command("reference", run_reference, "the rigid-body answer, with the same files")
+    for scene_command in (run, check, reference):
+        scene_command.add_argument("scene", metavar="SCENE", type=Path, help="a TOML file")
+        scene_command.add_argument(
+            "--set",
+            dest="overrides",
+            metavar="KEY=VALUE",
+            nargs="+",
+            action="extend",
+            default=[],
+            help="set values of the scene, such as block.height=1.2",
+        )
+    for writing, default in ((run, "SCENE's name + .out"), (reference, "SCENE's name + .rigid")):
+        writing.add_argument(
+            "-o", "--output", metavar="DIR", type=Path, help=f"folder to write; default {default}"
+        )
+        writing.add_argument("--force", action="store_true", help="write over an earlier run")
+        writing.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
+    plot = command("plot", plot_runs, "pictures of one run, or of several runs overlaid")
+    plot.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
+    plot.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, help="folder for an overlay; default the first"
+    )
+    command("info", show_info, "versions of everything that matters, ranks, solvers found")
+    return parser
+
+
+def launched_rank() -> int:
+    """Rank of this process in what mpirun launched, told without starting MPI."""
+    for variable in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
+        if os.environ.get(variable, "").isdigit():
+            return int(os.environ[variable])
+    return 0
+
+
+def run_scene(options: argparse.Namespace) -> int:
+    """`rockslip run`: every rank reads the same scene and takes part."""
+    try:
+        from mpi4py import MPI
+    except ImportError as error:
+        raise EnvironmentTrouble(_remedy(error)) from error
+    comm = MPI.COMM_WORLD
+    if comm.size > 1:
+        _abort_on_exceptions(comm)
+    from solver.scene import parse_scene, read_text
+
+    path = options.scene
+    text = _on_first_rank(comm, lambda: read_text(path))
+    scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
+    folder = options.output or Path(path.stem + ".out")
+    _on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    try:
+        from solver.simulate import simulate
+    except ImportError as error:
+        raise EnvironmentTrouble(_remedy(error)) from error
+    from solver.post.report import report
+    from solver.progress import Progress
+
+    result = simulate(
+        scene,
+        folder=folder,
+        petsc_options=options.petsc_options,
+        progress=Progress(scene.time.end, quiet=options.quiet, rank=comm.rank),
+        log=_tell if options.verbose and comm.rank == 0 else None,
+    )
+    if comm.rank == 0 and not options.quiet:
+        sys.stdout.write(report(result.summary))
+        sys.stdout.write(f"written to {folder}; pictures: rockslip plot {folder}\n")
+    codes = {"not converged": NotConverged.exit_code, "interrupted": INTERRUPTED}
+    return codes.get(result.status, 0)
+
+
+def check_scene(options: argparse.Namespace) -> int:
+    """`rockslip check`."""
+    if launched_rank() == 0:
+        from solver.check import describe
+        from solver.scene import load_scene
+
+        sys.stdout.write(describe(load_scene(options.scene, options.overrides)))
+    return 0
+
+
+def run_reference(options: argparse.Namespace) -> int:
+    """`rockslip reference`: one rank does it, in the time that the others need to leave."""
+    if launched_rank() != 0:
+        return 0
+    from solver.post.report import report
+    from solver.post.summary import summarise, write_json
+    from solver.reference.answer import reference_history, reference_name
+    from solver.scene import load_scene, scene_to_toml
+
+    scene = load_scene(options.scene, options.overrides)
+    folder = options.output or Path(options.scene.stem + ".rigid")
+    claim_folder(folder, options.scene, options.force)
+    began = time.monotonic()
+    history = reference_history(scene, folder / "history.csv")
+    summary = summarise(
+        scene,
+        history,
+        status="completed",
+        cost={"wall_s": time.monotonic() - began, "ranks": 1},
+        versions={"rockslip": VERSION},
+        model=reference_name(scene),
+    )
+    (folder / "scene.toml").write_text(scene_to_toml(scene), encoding="utf-8")
+    write_json(folder / "summary.json", summary)
+    if not options.quiet:
+        sys.stdout.write(f"{summary['model']}\n{report(summary)}written to {folder}\n")
+    return 0
+
+
+def plot_runs(options: argparse.Namespace) -> int:
+    """`rockslip plot`."""
+    if launched_rank() != 0:
+        return 0
+    from solver.post.runs import read_run
+
+    runs = [read_run(folder) for folder in options.runs]
+    try:
+        from solver.post.pictures import picture_run, picture_runs
+    except ImportError as error:
+        raise EnvironmentTrouble(_remedy(error)) from error
+    if len(runs) == 1:
+        files = picture_run(runs[0])
+    else:
+        files = picture_runs(runs, options.output or options.runs[0])
+    sys.stdout.write("".join(f"{file}\n" for file in files))
+    return 0
+
+
+def show_info(options: argparse.Namespace) -> int:
+    """`rockslip info`: every rank starts MPI, the first one tells."""
+    from solver.info import description
+
+    lines = description()
+    if launched_rank() == 0:
+        width = max(len(name) for name, _ in lines) + 2
+        sys.stdout.write("".join(f"{name:{width}}{value}\n" for name, value in lines))
+    return 0
+
+
+def claim_folder(folder: Path, scene: Path, force: bool) -> None:
+    """Make the folder of a run, or refuse to write over what is there."""
+    target = folder / "scene.toml"
+    try:
+        if target.exists() and target.samefile(scene):
+            raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
+        folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()) and not force:
+            raise SceneError("-o", f"{folder}, which is in use", "an empty folder, or --force")
+        for pattern in LEFT_BEHIND:
+            for file in folder.glob(pattern):
+                file.unlink()
+    except OSError as error:
+        reason = (error.strerror or "unusable").lower()
+        raise SceneError("-o", f"{folder} ({reason})", "a folder that can be written") from error
+
+
+def _on_first_rank(comm: Any, action: Callable[[], Any]) -> Any:
+    """What `action` returns on rank 0, on every rank; what it refuses is refused on every rank."""
+    answer: Any = None
+    if comm.rank == 0:
+        try:
+            answer = action()
+        except RockslipError as error:
+            answer = error
+    answer = comm.bcast(answer, root=0)
+    if isinstance(answer, RockslipError):
+        raise answer
+    return answer
+
+
+def _abort_on_exceptions(comm: Any) -> None:
+    """Let an unexpected exception on one rank end all of them, not leave the others waiting."""
+    usual = sys.excepthook
+
+    def hook(kind: Any, value: Any, trace: Any) -> None:
+        usual(kind, value, trace)
+        sys.stderr.flush()
+        comm.Abort(1)
+
+    sys.excepthook = hook
+
+
+def _tell(line: str) -> None:
+    """Write a line of the log."""
+    sys.stderr.write(line.rstrip("\n") + "\n")
+
+
+def _remedy(error: ImportError) -> str:
+    """What to do about a package that is not there."""
+    return f"{error}; the environment is described in README.md, ./in-env rockslip ... has it all"

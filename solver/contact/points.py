@@ -1,0 +1,272 @@
+"""Contact points of a meshed surface: where they are, and the rows that give position and traction there.
+
+A point is a quadrature point of the boundary facets. With the rule "nodes" (Gauss-Lobatto) the points of
+neighbouring facets coincide: they are merged face by face, weights add and tractions average. A corner
+thus carries one point for each face that meets there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import basix
+import basix.ufl
+import numpy as np
+import scipy.sparse as sp
+from dolfinx import fem, mesh
+from numpy.typing import NDArray
+
+from solver.mechanics.material import Material
+from solver.parallel import Layer
+
+Array = NDArray[np.float64]
+
+DENSE_ENTRIES = 50_000
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluations:
+    """One evaluation of the displacement gradient for each facet and rule point; rows in one order everywhere."""
+
+    nodes: NDArray[np.int64]
+    values: Array
+    gradients: Array
+    node_positions: Array
+    normal: Array
+    weight: Array
+    size: Array
+    tag: NDArray[np.int64]
+    position: Array
+
+
+@dataclass(slots=True)
+class SurfaceState:
+    """What the surface knows of one configuration: positions and nominal tractions of its points.
+
+    Attributes:
+        position: x, (points, d), m.
+        traction: T = F S N, (points, d), Pa, averaged over the facets that meet in a point.
+        deformation: F, (evaluations, d, d).
+        stress: S, second Piola-Kirchhoff, (evaluations, d, d), Pa.
+    """
+
+    position: Array
+    traction: Array
+    deformation: Array
+    stress: Array
+
+
+def compact(matrix: sp.spmatrix) -> Any:
+    """The matrix in the form that multiplies fastest: dense while it is small (a sparse product costs 10 us)."""
+    return matrix.toarray() if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES else sp.csr_matrix(matrix)
+
+
+class ContactPoints:
+    """The points of a surface, and the linear maps between them and the unknowns of its layer of nodes."""
+
+    def __init__(self, table: Evaluations, layer: Layer, material: Material, *, gamma: float, degree: int, merge: bool):
+        """Merge the evaluations into points.
+
+        Args:
+            table: Evaluations of all facets.
+            layer: The nodes they refer to.
+            material: Of the body.
+            gamma: Nondimensional Nitsche parameter.
+            degree: Polynomial degree of the displacement.
+            merge: Whether evaluations of one face at one place are one point.
+        """
+        self.layer, self.material = layer, material
+        self.node_positions = table.node_positions
+        count, dimension = table.position.shape
+        scale = np.ptp(table.position, axis=0).max()
+        if merge:
+            keys = np.column_stack([table.tag, np.round(table.position / scale, 9)])
+            _, first, point = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        else:
+            first = point = np.arange(count)
+        point = point.ravel()
+        self.count, self.dimension = len(first), dimension
+        self.weight = np.bincount(point, table.weight)
+        share = table.weight / self.weight[point]
+        average = sp.csr_matrix((share, (point, np.arange(count))), shape=(self.count, count))
+        self.reference = table.position[first]
+        self.tag = table.tag[first]
+        self.normal = average @ table.normal
+        self.gamma_h = gamma * material.longitudinal * degree**2 / (average @ table.size)
+        self._normal = table.normal
+        rows = np.repeat(np.arange(count), table.nodes.shape[1])
+        shape = (count, layer.size)
+        values = average @ sp.csr_matrix((table.values.ravel(), (rows, table.nodes.ravel())), shape=shape)
+        values.data[np.abs(values.data) < 1e-14] = 0.0  # what tabulation leaves at other nodes
+        values.eliminate_zeros()
+        directions = [
+            sp.csr_matrix((table.gradients[:, :, j].ravel(), (rows, table.nodes.ravel())), shape=shape)
+            for j in range(dimension)
+        ]
+        order = np.arange(count * dimension).reshape(dimension, count).T.ravel()
+        gradient = sp.vstack(directions).tocsr()[order]
+        self._sparse = average, values, gradient
+        self._average, self._average_T = compact(average), compact(average.T)
+        self.values, self.values_T = compact(values), compact(values.T)
+        self._gradient, self._gradient_T = compact(gradient), compact(gradient.T)
+        self._identity = np.eye(dimension)
+
+    def evaluate(self, displacement: Array) -> SurfaceState:
+        """Positions and tractions for the displacements (nodes, d) of the layer."""
+        d = self.dimension
+        transposed = (self._gradient @ displacement).reshape(-1, d, d)  # [e, j, i] = du_i/dX_j
+        gradient = transposed.swapaxes(1, 2)
+        strain = 0.5 * (gradient + transposed + transposed @ gradient)
+        stress = self.material.stress(strain)
+        deformation = gradient + self._identity
+        nominal = deformation @ (stress @ self._normal[:, :, None])
+        return SurfaceState(
+            position=self.reference + self.values @ displacement,
+            traction=self._average @ nominal[:, :, 0],
+            deformation=deformation,
+            stress=stress,
+        )
+
+    def traction_gradient(self, old: SurfaceState, new: SurfaceState, vector: Array) -> Array:
+        """Nodal values of `vector`.DT[v]: the discrete gradient of the traction between two states.
+
+        With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is exactly
+        T_new - T_old: work against a traction is a difference of states (after Simo and Tarnow 1992).
+
+        Args:
+            old: State at t_n.
+            new: State at t_{n+1}.
+            vector: One vector per point, (points, d).
+        """
+        d = self.dimension
+        deformation = 0.5 * (old.deformation + new.deformation)
+        stress = 0.5 * (old.stress + new.stress)
+        each = self._average_T @ vector
+        pulled = (each[:, None, :] @ deformation).swapaxes(1, 2) * self._normal[:, None, :]
+        inner = self.material.stress(0.5 * (pulled + pulled.swapaxes(1, 2)))
+        outer = deformation @ inner + each[:, :, None] * (self._normal[:, None, :] @ stress)
+        return self._gradient_T @ outer.swapaxes(1, 2).reshape(-1, d)
+
+    def traction_rows(self) -> sp.csr_matrix:
+        """T of the undeformed body as a linear map, (points d, nodes d): C sym(grad u) N."""
+        d, lame, shear = self.dimension, self.material.lame, self.material.shear
+        average, _, gradient = self._sparse
+        along = [gradient[j::d] for j in range(d)]
+        normals = [sp.diags(self._normal[:, j]) for j in range(d)]
+        across = sum(normals[j] @ along[j] for j in range(d))
+        blocks = [
+            [
+                lame * normals[i] @ along[k] + shear * normals[k] @ along[i] + (shear * across if i == k else 0 * across)
+                for k in range(d)
+            ]
+            for i in range(d)
+        ]
+        points = sp.bmat([[average @ blocks[i][k] for k in range(d)] for i in range(d)]).tocsr()
+        rows = np.arange(self.count * d).reshape(d, self.count).T.ravel()
+        columns = np.arange(self.layer.size * d).reshape(d, self.layer.size).T.ravel()
+        return sp.csr_matrix(points[rows][:, columns])
+
+    def position_rows(self) -> sp.csr_matrix:
+        """Positions as a linear map of the displacements, (points d, nodes d)."""
+        return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension)))
+
+
+def facet_rule(points: str, degree: int, cell: str) -> tuple[Array, Array]:
+    """Points and weights on the unit facet: Gauss-Lobatto ("nodes") or Gauss ("gauss")."""
+    kind = {"interval": basix.CellType.interval}[cell]
+    if points == "nodes":
+        return basix.make_quadrature(kind, 2 * degree - 1, basix.QuadratureType.gll)
+    return basix.make_quadrature(kind, 2 * degree + 1, basix.QuadratureType.gauss_jacobi)
+
+
+def contact_points(
+    V: fem.FunctionSpace, facet_tags: mesh.MeshTags, material: Material, *, points: str, gamma: float
+) -> ContactPoints:
+    """The contact points of all tagged boundary facets of a body; the same on every rank.
+
+    Args:
+        V: Displacement space.
+        facet_tags: Tag of the face that a boundary facet belongs to.
+        material: Of the body.
+        points: "nodes" or "gauss".
+        gamma: Nondimensional Nitsche parameter.
+    """
+    degree = V.ufl_element().degree
+    table, layer = _gather(V, _evaluate_facets(V, facet_tags, points, degree))
+    return ContactPoints(table, layer, material, gamma=gamma, degree=degree, merge=points == "nodes")
+
+
+def _evaluate_facets(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: str, degree: int) -> list[tuple[Any, ...]]:
+    """One record for each owned facet and rule point: what `Evaluations` holds, with global nodes."""
+    domain = V.mesh
+    tdim, topology = domain.topology.dim, domain.topology
+    topology.create_connectivity(tdim - 1, tdim)
+    topology.create_connectivity(tdim, tdim - 1)
+    to_cell, to_facet = topology.connectivity(tdim - 1, tdim), topology.connectivity(tdim, tdim - 1)
+    cell_type = domain.basix_cell()
+    corners, faces = basix.geometry(cell_type), basix.topology(cell_type)[tdim - 1]
+    outward, face_size = basix.cell.facet_outward_normals(cell_type), basix.cell.facet_reference_volumes(cell_type)
+    facet_kind = basix.cell.subentity_types(cell_type)[tdim - 1][0].name
+    rule, rule_weight = facet_rule(points, degree, facet_kind)
+    shape = basix.ufl.element("Lagrange", domain.basix_cell().name, degree)
+    map_shape = basix.ufl.element("Lagrange", domain.basix_cell().name, domain.geometry.cmap.degree)
+    centre = corners.mean(axis=0)[None, :]
+    node_positions = V.tabulate_dof_coordinates()[:, :tdim]
+    exterior = np.intersect1d(mesh.exterior_facet_indices(topology), facet_tags.indices)
+    tag_of = dict(zip(facet_tags.indices.tolist(), facet_tags.values.tolist(), strict=True))
+    records = []
+    for facet in exterior.tolist():
+        cell = to_cell.links(facet)[0]
+        side = int(np.flatnonzero(to_facet.links(cell) == facet)[0])
+        origin = corners[faces[side][0]]
+        edges = np.array([corners[k] - origin for k in faces[side][1:tdim]])
+        local = origin + rule @ edges
+        x = domain.geometry.x[domain.geometry.dofmap[cell], :tdim]
+        volume, area = (_measure(map_shape, x, p, outward[side]) for p in (centre, local.mean(axis=0)[None, :]))
+        h = volume[0] * basix.cell.volume(cell_type) / (area[1] * face_size[side])
+        values, map_values = shape.tabulate(1, local), map_shape.tabulate(1, local)
+        dofs = V.dofmap.cell_dofs(cell)
+        nodes = V.dofmap.index_map.local_to_global(dofs)
+        for q, weight in enumerate(rule_weight):
+            inverse = np.linalg.inv(np.einsum("jk,ki->ij", map_values[1:, q], x))
+            normal = inverse.T @ outward[side]
+            area_q = _measure(map_shape, x, local[q][None, :], outward[side])[1]
+            records.append((
+                nodes, values[0, q], values[1:, q].T @ inverse, node_positions[dofs], normal / np.linalg.norm(normal),
+                weight * area_q * face_size[side], h, tag_of[facet], map_values[0, q] @ x,
+            ))  # fmt: skip
+    return records
+
+
+def _measure(element: Any, x: Array, point: Array, outward: Array) -> tuple[float, float]:
+    """Ratio of current to reference volume, and of current to reference facet area, at a point of a cell."""
+    jacobian = np.einsum("jk,ki->ij", element.tabulate(1, point)[1:, 0], x)
+    volume = abs(float(np.linalg.det(jacobian)))
+    return volume, volume * float(np.linalg.norm(np.linalg.inv(jacobian).T @ outward))
+
+
+def _gather(V: fem.FunctionSpace, records: list[tuple[Any, ...]]) -> tuple[Evaluations, Layer]:
+    """All records in an order that does not depend on the partition, and the layer of their nodes."""
+    comm = V.mesh.comm
+    everything = [record for part in comm.allgather(records) for record in part]
+    nodes, values, gradients, where, normal, weight, size, tag, position = (
+        np.array(column) for column in zip(*everything, strict=True)
+    )
+    scale = np.ptp(position, axis=0).max()
+    places = np.round(np.column_stack([position, where.mean(axis=1)]) / scale, 9)
+    order = np.lexsort((*places.T[::-1], tag))
+    unique, first, inverse = np.unique(nodes, return_index=True, return_inverse=True)
+    node_positions = where.reshape(-1, where.shape[-1])[first]
+    canonical = np.lexsort(np.round(node_positions / scale, 9).T[::-1])
+    rank_in_layer = np.empty(len(unique), dtype=np.int64)
+    rank_in_layer[canonical] = np.arange(len(unique))
+    start, end = V.dofmap.index_map.local_range
+    mine = (unique >= start) & (unique < end)
+    layer = Layer(comm, (unique[mine] - start).astype(np.int32), rank_in_layer[mine], unique[canonical])
+    table = Evaluations(
+        nodes=rank_in_layer[inverse.reshape(nodes.shape)][order], values=values[order], gradients=gradients[order],
+        node_positions=node_positions[canonical], normal=normal[order], weight=weight[order], size=size[order],
+        tag=tag[order], position=position[order],
+    )  # fmt: skip
+    return table, layer

@@ -1,0 +1,91 @@
+"""Contact at velocity level, after each step (the paper's section 3.4).
+
+A contact that stays closed has u_{n+1} = u_n there, so that the velocity update of the time stepping turns
+its velocity round every step. The impulses dt f of the closed points are therefore corrected such that
+
+    0 <= P_n  complementary to  v_n >= 0,     |P_t| <= mu P_n, v_t = 0 inside the cone,     P = dt f + q,
+
+with v <- v + M^-1 G^T q. Kinetic energy can only fall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.compliance import Compliance
+from solver.contact.local_problem import LocalProblem, NoContactSolution
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityCorrection:
+    """Change of the velocity (owned unknowns) and the energy it takes (J/m)."""
+
+    change: Array
+    contact: float
+    friction: float
+
+
+def correct_velocity(
+    compliance: Compliance, frame: Array, velocity: Array, force: Array, dt: float, local: LocalProblem
+) -> VelocityCorrection | None:
+    """Solve the contact problem of velocities at the closed points.
+
+    Args:
+        compliance: G M^-1 G^T of the body.
+        frame: Rows normal and tangential of the plane, (2, 2).
+        velocity: Of all contact points in space, (points, 2), m/s.
+        force: Point forces f of the step, (points, 2), N/m.
+        dt: Step, s.
+        local: Solver of the local problem.
+
+    Returns:
+        The correction, or None where no point is closed or no solution was found.
+    """
+    closed = np.flatnonzero(force[:, 0] > 0)
+    if not len(closed):
+        return None
+    matrix, response = compliance.of(closed)
+    m = len(closed)
+    turned = np.kron(np.eye(m), frame)
+    W = (turned @ matrix @ turned.T).reshape(m, 2, m, 2)
+    before = velocity[closed] @ frame.T
+    impulse = dt * force[closed]
+    slipping = np.abs(impulse[:, 1]) >= local.friction * impulse[:, 0] * (1 - 1e-9)
+    # Where the cone shrinks with P_n, giving back friction could accelerate: then the normal rows alone.
+    for held in (slipping, np.ones(m, dtype=bool)):
+        try:
+            q = _total_impulse(W, before, impulse, held, local) - impulse
+        except NoContactSolution:
+            continue
+        mean = before + 0.5 * _times(W, q)
+        normal, tangential = -float(q[:, 0] @ mean[:, 0]), -float(q[:, 1] @ mean[:, 1])
+        if normal + tangential >= 0:
+            return VelocityCorrection(response @ (q @ frame).ravel(), normal, tangential)
+    return None
+
+
+def _total_impulse(W: Array, before: Array, impulse: Array, held: NDArray[np.bool_], local: LocalProblem) -> Array:
+    """P of all points; those in `held` keep their tangential part and have no tangential row."""
+    free = before - _times(W, impulse)
+    if local.friction:
+        kept = np.flatnonzero(held)
+        free = free + W[:, :, kept, 1] @ impulse[kept, 1]
+        W = W.copy()
+        own = W[kept, 1, kept, 1]
+        W[kept, 1], W[:, :, kept, 1] = 0.0, 0.0
+        W[kept, 1, kept, 1] = own
+        free[kept, 1] = 0.0
+        total = local.solve(W, free, impulse * (1.0, 0.0))
+        total[kept, 1] = impulse[kept, 1]
+        return total
+    return local.solve(W, free, impulse)
+
+
+def _times(W: Array, f: Array) -> Array:
+    """W f for points (m, 2)."""
+    return (W.reshape(f.size, f.size) @ f.ravel()).reshape(f.shape)

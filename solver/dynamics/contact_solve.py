@@ -1,0 +1,152 @@
+"""The nonlinear problem of one step, solved with one factorization: residual, and correction under contact.
+
+The residual is the exact nonlinear one. The tangent is that of the undeformed body, turned with the body's
+rotation R (K(u) = R K_0 R^T up to terms of the size of the strain), so that a correction costs one back
+substitution and one small contact problem:
+
+    du_f = -K^-1 r,    f = solution of the local problem with W = w_c G K^-1 G^T,    du = du_f + w_c K^-1 G^T df.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.compliance import Compliance
+from solver.contact.local_problem import LocalProblem
+from solver.contact.plane_contact import ContactState, PlaneContact
+from solver.contact.points import SurfaceState
+from solver.dynamics.generalized_alpha import TangentWeights
+from solver.dynamics.nonlinear import NonlinearSolver, Outcome
+from solver.mechanics.elastic_body import ElasticBody
+from solver.mechanics.factorization import Factorization
+from solver.parallel import global_sum
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Balance:
+    """The balance of forces to be solved for u: internal + mass M (u - drift) + constant = contact.
+
+    Attributes:
+        contact: Contact memory that the step starts from.
+        weights: Of the tangent.
+        constant: Loads, inertia of the old state (owned unknowns), N/m.
+        drift: u_n + dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
+        traction_weight: Weight of the new traction in the theta term.
+    """
+
+    contact: ContactState
+    weights: TangentWeights
+    constant: Array
+    drift: Array | None
+    traction_weight: float
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """Displacement, surface and point forces that balance, and how SNES came to them."""
+
+    u: Array
+    surface: SurfaceState
+    force: Array
+    outcome: Outcome
+
+
+class ContactSolve:
+    """SNES with the contact problem condensed inside its correction."""
+
+    def __init__(self, body: ElasticBody, interface: PlaneContact, local: LocalProblem, options: Sequence[str]):
+        """Set SNES up for a body and its interface."""
+        self.body, self.interface, self.local = body, interface, local
+        self.points = interface.points
+        self._solver = NonlinearSolver(body.comm, body.size, self._residual, self._correct, options)
+        self._compliances: dict[TangentWeights, Compliance] = {}
+        # Points farther from the plane than this after the free step cannot be pressed into it by the others.
+        self._margin = 0.01 * float(np.ptp(self.points.reference, axis=0).max())
+
+    def solve(self, balance: Balance, guess: Array, force: Array) -> Solution:
+        """Solve a balance from a guess of displacement and point forces."""
+        body = self.body
+        self._balance, self._force = balance, force.copy()
+        self._rotation = body.rotation(guess)
+        self._factor = body.factorization(balance.weights)
+        self._compliance = self._compliance_for(balance.weights, self._factor)
+        self._near: Indices = np.empty(0, dtype=np.int64)
+        u, outcome = self._solver.solve(guess, self._tolerance(guess))
+        return Solution(u, self._surface, self._force, outcome)
+
+    def _compliance_for(self, weights: TangentWeights, factor: Factorization) -> Compliance:
+        """The compliance that belongs to a factorization."""
+        if weights not in self._compliances:
+            rows = self.interface.force_rows, self.interface.read_rows
+            self._compliances[weights] = Compliance(self.body, self.points, factor, *rows)
+        return self._compliances[weights]
+
+    def _tolerance(self, u: Array) -> float:
+        """Residual that counts as zero: a fraction of the forces at work, or the round-off of the stresses."""
+        balance, material = self._balance, self.body.material
+        forces = np.array([balance.constant @ balance.constant, u @ u])
+        load, length = np.sqrt(global_sum(self.body.comm, forces))
+        round_off = 4 * np.finfo(float).eps * material.longitudinal * float(length)
+        return max(TOLERANCE * float(load), round_off)
+
+    def _residual(self, u: Array) -> Array:
+        """Out-of-balance force at u with the current point forces."""
+        body, balance = self.body, self._balance
+        d = body.dimension
+        residual = body.internal_force(u, static=balance.drift is None)
+        residual += balance.constant
+        if balance.drift is not None:
+            residual += balance.weights.mass * body.inertia(u - balance.drift)
+        nodes = u.reshape(-1, d)
+        self._surface = self.points.evaluate(self.points.layer.gather(nodes))
+        old = self._surface if balance.drift is None else balance.contact.surface
+        contact = self.interface.nodal(
+            old, self._surface, self._force, balance.traction_weight, balance.weights.contact
+        )
+        self.points.layer.add(residual.reshape(-1, d), -contact)
+        residual[body.fixed] = 0.0
+        return residual
+
+    def _correct(self, residual: Array) -> Array:
+        """Free step, local contact problem, and the response to the change of the point forces."""
+        d, R, interface = self.body.dimension, self._rotation, self.interface
+        free = -self._factor.solve((residual.reshape(-1, d) @ R).ravel()).reshape(-1, d)
+        layer = self.points.layer.gather(free)
+        moved = (interface.read_rows @ layer.ravel()).reshape(-1, d)
+        frame = interface.frame @ R
+        y = interface.augmented(self._surface) + moved @ frame.T
+        near = np.flatnonzero((y[:, 0] < self._margin) & self._balance.contact.eligible | (self._force[:, 0] > 0))
+        if not len(near):
+            return (free @ R.T).ravel()
+        W, response = self._delassus(near, frame)
+        force = self._force[near]
+        q = y[near] - (W.reshape(2 * len(near), -1) @ force.ravel()).reshape(-1, 2)
+        q[:, 1] -= self._balance.contact.anchor[near]
+        W = W.copy()
+        number = np.arange(len(near))
+        for k in range(2):
+            W[number, k, number, k] += interface.softness[near]
+        new = self.local.solve(W, q, force)
+        self._force[near] = new
+        change = self._balance.weights.contact * (response @ ((new - force) @ frame).ravel())
+        return ((free + change.reshape(-1, d)) @ R.T).ravel()
+
+    def _delassus(self, near: Indices, frame: Array) -> tuple[Array, Array]:
+        """W (m, 2, m, 2) without the interface's own softness, and responses in the frame of the body."""
+        if not np.array_equal(near, self._near):
+            matrix, response = self._compliance.of(near)
+            m = len(near)
+            blocks = matrix.reshape(m, 2, m, 2).transpose(0, 2, 1, 3)
+            turned = frame @ blocks @ frame.T
+            W = self._balance.weights.contact * turned.transpose(0, 2, 1, 3)
+            self._near, self._turned = near, (np.ascontiguousarray(W), response)
+        return self._turned

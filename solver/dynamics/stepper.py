@@ -1,0 +1,251 @@
+"""Steps of an elastic body on a rigid plane: start, advance, and the energy ledger of each step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.compliance import Compliance
+from solver.contact.local_problem import LocalProblem, NoContactSolution
+from solver.contact.plane_contact import ContactState, PlaneContact
+from solver.contact.velocity import correct_velocity
+from solver.dynamics.contact_solve import Balance, ContactSolve, Solution
+from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.mechanics.elastic_body import ElasticBody, StrainWeights
+from solver.mechanics.factorization import Factorization
+from solver.parallel import global_sum
+
+Array = NDArray[np.float64]
+
+
+class StepFailed(Exception):
+    """The nonlinear solve of a step did not converge."""
+
+
+@dataclass(slots=True)
+class State:
+    """Everything a step starts from.
+
+    Attributes:
+        time: t_n, s.
+        u: Displacement of the owned unknowns, m.
+        v: Velocity, m/s.
+        p: Inertia force M a without that of the contact impulse, N/m.
+        contact: Contact memory.
+        kinetic: Kinetic energy, J/m.
+        strain: Strain energy, J/m.
+    """
+
+    time: float
+    u: Array
+    v: Array
+    p: Array
+    contact: ContactState
+    kinetic: float = 0.0
+    strain: float = 0.0
+
+
+@dataclass(slots=True)
+class Exchange:
+    """Energy that a step took in or lost, J/m; each term from its own formula."""
+
+    input: float = 0.0
+    friction: float = 0.0
+    damping: float = 0.0
+    contact: float = 0.0
+    numerical: float = 0.0
+    iterations: int = 0
+
+
+class Stepper:
+    """Time stepping of one body over one interface."""
+
+    def __init__(
+        self,
+        body: ElasticBody,
+        interface: PlaneContact,
+        scheme: GeneralizedAlpha,
+        *,
+        gravity: Array,
+        base_acceleration: Callable[[float], Array] | None = None,
+        velocity_solve: bool = True,
+        petsc_options: Sequence[str] = (),
+    ):
+        """Set the solver up.
+
+        Args:
+            body: The elastic body.
+            interface: Its contact with what carries it.
+            scheme: Time stepping.
+            gravity: Acceleration of gravity, (d,), m/s2.
+            base_acceleration: Acceleration of the ground, t -> (d,), m/s2; None for ground at rest.
+            velocity_solve: Whether contact is also solved at velocity level after each step.
+            petsc_options: Options for SNES.
+        """
+        self.body, self.interface, self.scheme = body, interface, scheme
+        self.gravity, self._base = gravity, base_acceleration
+        self.velocity_solve = velocity_solve
+        self.local = LocalProblem(interface.friction)
+        self.velocity_local = LocalProblem(interface.friction)
+        if interface.theta:
+            body.stiffen(interface.theta_matrix(body.mass_matrix))
+        self._solve = ContactSolve(body, interface, self.local, petsc_options)
+        self._mass_compliance: Compliance | None = None
+
+    def base(self, time: float) -> Array:
+        """Acceleration of the ground, m/s2."""
+        return np.zeros(self.body.dimension) if self._base is None else self._base(time)
+
+    def start(self, u: Array, v: Array, time: float = 0.0) -> State:
+        """A state whose inertia balances loads and stresses without contact forces (r_0 = 0)."""
+        surface = self.interface.points.evaluate(self.layer(u))
+        contact = self.interface.start(surface, self.body.rotation(u))
+        return self._consistent(State(time, u, v, np.zeros_like(u), contact))
+
+    def static_start(self, u: Array, time: float = 0.0) -> State:
+        """Gravity and the ground's first acceleration in equilibrium with contact, at rest.
+
+        Raises:
+            StepFailed: Where there is no equilibrium.
+        """
+        state = self.start(u, np.zeros_like(u), time)
+        body = self.body
+        # The mass term holds the rigid motions of the tangent, far below any elastic stiffness.
+        steadying = 1e-9 * body.material.longitudinal * float(self.interface.points.weight.sum()) / body.mass
+        weights = TangentWeights(mass=steadying, stiffness=1.0, interface=1.0, contact=1.0)
+        body.begin(u, state.v, StrainWeights(new=1.0, old=0.0))
+        balance = Balance(
+            contact=state.contact, weights=weights, constant=-(self.gravity @ body.directional_mass), drift=None, traction_weight=1.0
+        )
+        solution = self._solved(balance, u, state.contact.force)
+        contact, _, _ = self.interface.remember(state.contact, solution.surface, solution.force)
+        return self._consistent(State(time, solution.u, state.v, state.p, contact))
+
+    def _consistent(self, state: State) -> State:
+        """Fill in p_0 = f - F(u_0) - C v_0 and the energies of a state."""
+        body, interface = self.body, self.interface
+        d = body.dimension
+        body.begin(state.u, state.v, StrainWeights(new=1.0, old=0.0, rate=body.damping.stiffness))
+        force = body.internal_force(state.u, static=True)
+        surface = state.contact.surface
+        without = np.zeros_like(state.contact.force)
+        interface.points.layer.add(force.reshape(-1, d), -interface.nodal(surface, surface, without, 1.0, 1.0))
+        momentum = body.inertia(state.v)
+        state.p = self._load(state.time) - force - body.damping.mass * momentum
+        state.p[body.fixed] = 0.0
+        kinetic, strain = global_sum(body.comm, np.array([0.5 * state.v @ momentum, body.strain_energy()]))
+        state.kinetic, state.strain = float(kinetic), float(strain)
+        return state
+
+    def _load(self, time: float) -> Array:
+        """Body forces of gravity and of the accelerated ground, N/m."""
+        return (self.gravity - self.base(time)) @ self.body.directional_mass
+
+    def layer(self, u: Array) -> Array:
+        """Displacements of the surface layer, on every rank."""
+        return self.interface.points.layer.gather(u.reshape(-1, self.body.dimension))
+
+    def _solved(self, balance: Balance, guess: Array, force: Array) -> Solution:
+        """Solve, or say why not."""
+        try:
+            solution = self._solve.solve(balance, guess, force)
+        except NoContactSolution as trouble:
+            raise StepFailed(f"the local contact problem did not settle ({trouble})") from trouble
+        if not solution.outcome.converged:
+            raise StepFailed(f"SNES: {solution.outcome.reason}, residual {solution.outcome.residual:.2e} N/m")
+        return solution
+
+    def advance(self, state: State, dt: float) -> tuple[State, Exchange]:
+        """One step of length `dt`.
+
+        Raises:
+            StepFailed: `state` is then unchanged.
+        """
+        scheme, body, damping = self.scheme, self.body, self.body.damping
+        turned = self.interface.turn(state.contact, body.rotation(state.u))
+        af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
+        load = (1 - af) * self._load(state.time + dt) + af * self._load(state.time)
+        constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
+        if damping.mass:
+            constant += damping.mass * body.inertia(state.v)
+        viscous = 2 * (1 - af) * damping.stiffness / dt
+        strain_weights = StrainWeights(1 - af + viscous, af - viscous, -(1 - 2 * af) * damping.stiffness)
+        body.begin(state.u, state.v, strain_weights)
+        drift = state.u + dt * state.v
+        balance = Balance(
+            contact=state.contact, weights=scheme.weights(dt, damping.mass, damping.stiffness), constant=constant,
+            drift=drift, traction_weight=1 - af,
+        )  # fmt: skip
+        solution = self._solved(balance, drift, state.contact.force)
+        new, exchange = self._update(state, dt, solution)
+        exchange.contact += turned
+        exchange.iterations = solution.outcome.iterations
+        return new, exchange
+
+    def _update(self, state: State, dt: float, solution: Solution) -> tuple[State, Exchange]:
+        """State at t_{n+1} and the ledger of the step."""
+        scheme, body, interface = self.scheme, self.body, self.interface
+        du = solution.u - state.u
+        v = 2 * du / dt - state.v
+        p = body.inertia(du - dt * state.v) / (scheme.beta * dt**2) - (0.5 / scheme.beta - 1) * state.p
+        nodal = interface.nodal(state.contact.surface, solution.surface, solution.force, 0.0, 1.0)
+        interface.points.layer.add(p.reshape(-1, body.dimension), -nodal / (2 * scheme.beta))
+        p[body.fixed] = 0.0
+        contact, friction, lost = interface.remember(state.contact, solution.surface, solution.force)
+        new = State(state.time + dt, solution.u, v, p, contact)
+        exchange = self._ledger(state, new, dt)
+        exchange.friction, exchange.contact = friction, lost
+        if self.velocity_solve:
+            self._correct_velocity(new, dt, exchange)
+        return new, exchange
+
+    def _ledger(self, state: State, new: State, dt: float) -> Exchange:
+        """Energies of the new state before the velocity solve, and what damping and averaging took."""
+        body, damping = self.body, self.body.damping
+        du, dv = new.u - state.u, new.v - state.v
+        momentum = body.inertia(new.v)
+        sums = [
+            0.5 * new.v @ momentum, body.strain_energy(), body.increment_energy(), body.rate_energy(),
+            du @ (new.p - state.p), *(body.directional_mass @ du),
+        ]  # fmt: skip
+        if damping.mass:
+            drag = body.inertia(du)
+            sums += [drag @ du, drag @ dv]
+        kinetic, strain, squared, rate, inertial, *rest = global_sum(body.comm, np.array(sums))
+        moved, dragged = np.array(rest[: body.dimension]), rest[body.dimension :]
+        new.kinetic, new.strain = float(kinetic), float(strain)
+        before, after = self.base(state.time), self.base(new.time)
+        # skew du.dr, r = M a + F + C v - f: what the alpha average of r does not give back.
+        increment = inertial + squared + moved @ (after - before)
+        increment -= self.interface.theta_increment(state.contact.surface, new.contact.surface)
+        increment += damping.stiffness * 2 * (squared / dt - rate)
+        lost = damping.stiffness * squared / dt
+        if dragged:
+            increment += damping.mass * dragged[1]
+            lost += damping.mass * dragged[0] / dt
+        return Exchange(
+            input=-float(moved @ (before + after)) / 2, damping=float(lost), numerical=float(self.scheme.skew * increment)
+        )
+
+    def _correct_velocity(self, new: State, dt: float, exchange: Exchange) -> None:
+        """Solve contact at velocity level and book what it takes."""
+        body, interface = self.body, self.interface
+        if not (new.contact.force[:, 0] > 0).any():
+            return
+        if self._mass_compliance is None:
+            rows = interface.position_rows
+            factor = Factorization(body.hold(body.mass_matrix.copy()))
+            self._mass_compliance = Compliance(body, interface.points, factor, rows, rows)
+        velocity = interface.points.values @ self.layer(new.v)
+        correction = correct_velocity(
+            self._mass_compliance, interface.frame, velocity, new.contact.force, dt, self.velocity_local
+        )
+        if correction is None:
+            return
+        new.v = new.v + correction.change
+        new.kinetic -= correction.contact + correction.friction
+        exchange.contact += correction.contact
+        exchange.friction += correction.friction

@@ -1,0 +1,61 @@
+"""What can go wrong, and the exit code of the command for it."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class RockslipError(Exception):
+    """Anything that ends a run with a message instead of a traceback."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class SceneError(RockslipError):
+    """Bad input; its text is one line."""
+
+    exit_code = 2
+
+    def __init__(self, where: str, got: str, allowed: str, nearest: str | None = None) -> None:
+        """Say what is wrong.
+
+        Args:
+            where: Path of the key, such as `block.poisson`, or the file.
+            got: What stands there, in words.
+            allowed: What may stand there, in words.
+            nearest: The allowed word that looks most like it.
+        """
+        # All four in `args`, so that the error survives pickling between ranks.
+        super().__init__(where, got, allowed, nearest)
+        self.where, self.got, self.allowed, self.nearest = where, got, allowed, nearest
+
+    def under(self, prefix: str) -> SceneError:
+        """The same error for a table that stands at `prefix`."""
+        where = f"{prefix}.{self.where}" if prefix else self.where
+        return type(self)(where, self.got, self.allowed, self.nearest)
+
+    def __str__(self) -> str:
+        """One line."""
+        hint = f", did you mean '{self.nearest}'?" if self.nearest else ""
+        return " ".join(f"{self.where}: got {self.got}, allowed {self.allowed}{hint}".split())
+
+
+class UnknownKey(SceneError):
+    """A key that no table of this kind has."""
+
+    def __str__(self) -> str:
+        """One line."""
+        hint = f", did you mean '{self.nearest}'?" if self.nearest else ","
+        return f"{self.where}: unknown key{hint} allowed {self.allowed}"
+
+
+class NotConverged(RockslipError):
+    """The equations of a step have no solution that was found; what was computed before is kept."""
+
+    exit_code = 3
+
+
+class EnvironmentTrouble(RockslipError):
+    """Something that the run needs is not installed, too old or broken."""
+
+    exit_code = 4

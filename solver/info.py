@@ -1,0 +1,131 @@
+"""What the program runs on: versions, ranks, linear algebra."""
+
+from __future__ import annotations
+
+import importlib
+import platform
+from pathlib import Path
+from typing import Any
+
+from solver.errors import EnvironmentTrouble
+from solver.version import VERSION
+
+#: Python packages whose versions matter, by the attribute that holds the version.
+PACKAGES = {
+    "dolfinx": "__version__",
+    "petsc4py": "__version__",
+    "mpi4py": "__version__",
+    "gmsh": "__version__",
+    "numpy": "__version__",
+    "scipy": "__version__",
+    "numba": "__version__",
+    "pyvista": "__version__",
+    "matplotlib": "__version__",
+}
+
+#: Packages without which `rockslip run` does not work.
+NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy")
+
+#: Direct solvers that PETSc may have, and the factorization that shows whether it does.
+DIRECT_SOLVERS = {
+    "petsc": "lu",
+    "mumps": "lu",
+    "cholmod": "cholesky",
+    "umfpack": "lu",
+    "klu": "lu",
+    "superlu": "lu",
+    "superlu_dist": "lu",
+    "strumpack": "lu",
+    "mkl_pardiso": "lu",
+}
+
+#: Beginnings of the file names of libraries that do the work of BLAS.
+BLAS_LIBRARIES = ("libopenblas", "libblas", "libmkl_rt", "libmkl_core", "libblis", "libatlas")
+
+
+def versions() -> dict[str, str]:
+    """Versions of what a run depends on; for summary.json."""
+    found = {"rockslip": VERSION, "python": platform.python_version()}
+    for package in ("dolfinx", "gmsh", "numpy", "scipy"):
+        found[package] = _version(package)
+    found["petsc"] = petsc_version()
+    found["mpi"] = mpi_version()
+    return found
+
+
+def description() -> list[tuple[str, str]]:
+    """Everything `rockslip info` says, as names and values; called on every rank."""
+    missing = [package for package in NEEDED if _version(package) == "missing"]
+    if missing:
+        raise EnvironmentTrouble(
+            f"{', '.join(missing)} cannot be imported: see README.md, or use ./in-env rockslip ..."
+        )
+    from mpi4py import MPI
+
+    lines = [("rockslip", VERSION), ("python", platform.python_version())]
+    lines += [(package, _version(package)) for package in PACKAGES]
+    lines += [
+        ("petsc", petsc_version()),
+        ("mpi", mpi_version()),
+        ("ranks", str(MPI.COMM_WORLD.size)),
+        ("direct solvers", ", ".join(direct_solvers())),
+        ("BLAS", ", ".join(blas_libraries()) or "unknown"),
+    ]
+    return lines
+
+
+def _version(package: str) -> str:
+    """Version of a Python package, or "missing"."""
+    try:
+        module = importlib.import_module(package)
+    except ImportError:
+        return "missing"
+    return str(getattr(module, PACKAGES[package], "unknown"))
+
+
+def petsc_version() -> str:
+    """Version of PETSc."""
+    from petsc4py import PETSc
+
+    return ".".join(str(part) for part in PETSc.Sys.getVersion())
+
+
+def mpi_version() -> str:
+    """Name and version of the MPI library."""
+    from mpi4py import MPI
+
+    return str(MPI.Get_library_version()).split(",")[0].split("\n")[0].strip()
+
+
+def direct_solvers() -> list[str]:
+    """Direct solvers that PETSc was built with: those that factor a small matrix."""
+    return [name for name, kind in DIRECT_SOLVERS.items() if _factors(name, kind)]
+
+
+def _factors(name: str, kind: str) -> bool:
+    """Whether a solver of that name factors a unit matrix."""
+    from mpi4py import MPI
+    from petsc4py import PETSc
+
+    matrix = PETSc.Mat().createConstantDiagonal(2, 1.0, comm=MPI.COMM_SELF).convert("aij")
+    preconditioner: Any = PETSc.PC().create(MPI.COMM_SELF)
+    try:
+        preconditioner.setOperators(matrix)
+        preconditioner.setType(kind)
+        preconditioner.setFactorSolverType(name)
+        preconditioner.setUp()
+    except PETSc.Error:
+        return False
+    finally:
+        preconditioner.destroy()
+        matrix.destroy()
+    return True
+
+
+def blas_libraries(maps: Path = Path("/proc/self/maps")) -> list[str]:
+    """Files of the BLAS libraries that this process has loaded (Linux; elsewhere none)."""
+    if not maps.is_file():
+        return []
+    fields = [line.split(maxsplit=5) for line in maps.read_text().splitlines()]
+    loaded = {Path(field[5]) for field in fields if len(field) == 6}
+    return sorted(str(file) for file in loaded if file.name.startswith(BLAS_LIBRARIES))

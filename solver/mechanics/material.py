@@ -1,0 +1,63 @@
+"""St. Venant-Kirchhoff: Hooke's law between second Piola-Kirchhoff stress and Green strain.
+
+The law of the paper's plane elements with large deflection: linear elasticity in a body that may
+rotate by any angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """Isotropic elastic material.
+
+    Attributes:
+        young: Young's modulus E, Pa.
+        poisson: Poisson's ratio nu, 0 <= nu < 0.5.
+        density: rho, kg/m3.
+        plane: "strain", "stress", or "solid" in 3-D.
+    """
+
+    young: float
+    poisson: float
+    density: float
+    plane: str = "strain"
+
+    @property
+    def shear(self) -> float:
+        """Second Lame constant mu, Pa."""
+        return self.young / (2 * (1 + self.poisson))
+
+    @property
+    def lame(self) -> float:
+        """First Lame constant lambda, Pa; in plane stress 2 lambda mu/(lambda + 2 mu)."""
+        nu = self.poisson
+        lame = self.young * nu / ((1 + nu) * (1 - 2 * nu))
+        if self.plane == "stress":
+            return 2 * lame * self.shear / (lame + 2 * self.shear)
+        return lame
+
+    @property
+    def longitudinal(self) -> float:
+        """lambda + 2 mu, Pa: the stiffness against a contact pressure."""
+        return self.lame + 2 * self.shear
+
+    def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """S = lambda tr(E) I + 2 mu E for strains (..., d, d)."""
+        stress = 2 * self.shear * strain
+        directions = range(strain.shape[-1])
+        trace = self.lame * sum(strain[..., i, i] for i in directions)
+        for i in directions:
+            stress[..., i, i] += trace
+        return stress
+
+
+def green_strain(gradient: Any) -> Any:
+    """E = (F^T F - I)/2 of a UFL displacement gradient, formed without the cancellation of F^T F - I."""
+    return (gradient + gradient.T + gradient.T * gradient) / 2

@@ -1,0 +1,70 @@
+"""What the ranks of a run say to one another: sums, and the surface layer that all of them hold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+
+def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum of an array over all ranks."""
+    if comm.size == 1:
+        return values
+    total = np.empty_like(values)
+    comm.Allreduce(values, total)
+    return total
+
+
+def any_rank(comm: MPI.Intracomm, flag: bool) -> bool:
+    """True on every rank where `flag` is true on one."""
+    return flag if comm.size == 1 else bool(comm.allreduce(flag, op=MPI.LOR))
+
+
+class Layer:
+    """The nodes of the cells next to a surface, in one order on every rank.
+
+    Contact couples all points of a surface through the rigid motion of the body; there are few of them,
+    so every rank holds them all and the contact problem is solved on each, with the same digits.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, local: NDArray[np.int32], position: NDArray[np.int64], nodes: NDArray[np.int64]):
+        """Set up the exchange.
+
+        Args:
+            comm: The communicator of the mesh.
+            local: Owned nodes of this rank that are in the layer.
+            position: Where each of them stands in the layer.
+            nodes: Global numbers of all nodes of the layer, in its order.
+        """
+        self.comm, self.local, self.position, self.nodes = comm, local, position, nodes
+        self.size = size = len(nodes)
+        if comm.size == 1:
+            self.index = np.empty(size, dtype=np.int64)
+            self.index[position] = local
+        else:
+            self.counts = np.array(comm.allgather(len(local)))
+            self.order = np.concatenate(comm.allgather(position)).astype(np.int64)
+
+    def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of the layer, (size, ...), from those of the owned nodes, (n, ...)."""
+        if self.comm.size == 1:
+            return values[self.index]
+        mine = np.ascontiguousarray(values[self.local])
+        width = int(np.prod(mine.shape[1:]))
+        together = np.empty((len(self.order), *mine.shape[1:]))
+        offsets = np.concatenate([[0], np.cumsum(self.counts)[:-1]])
+        receive: Any = [together, (self.counts * width, offsets * width), MPI.DOUBLE]
+        self.comm.Allgatherv(mine, receive)
+        result = np.empty((self.size, *mine.shape[1:]))
+        result[self.order] = together
+        return result
+
+    def add(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Add values of the layer to those of the owned nodes, in place."""
+        if self.comm.size == 1:
+            target[self.index] += values
+        else:
+            target[self.local] += values[self.position]

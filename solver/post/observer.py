@@ -1,0 +1,86 @@
+"""What is worth writing down of each step: one row of the history."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.dynamics.stepper import Exchange, State, Stepper
+from solver.mechanics.kinematics import lean, unwrap
+from solver.parallel import global_sum
+
+Array = NDArray[np.float64]
+
+
+class Observer:
+    """Angle, slip, gaps, forces and the energy ledger of one block on a rigid plane.
+
+    Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
+    """
+
+    def __init__(self, stepper: Stepper, state: State, thickness: float):
+        """Start at a state.
+
+        Args:
+            stepper: Body, interface, loads.
+            state: Where the run starts.
+            thickness: Of the block, m: forces and energies are those of the whole block.
+        """
+        self._stepper, self._thickness = stepper, thickness
+        self._angle, self._slip = 0.0, 0.0
+        self._exchanged = np.zeros(5)
+        self._gaps = stepper.interface.gaps(state.contact.surface)
+        places = stepper.interface.points.node_positions
+        bottom = places[:, 1] < places[:, 1].min() + 1e-9 * np.ptp(places[:, 1])
+        row = np.flatnonzero(bottom)
+        self._corners = row[[np.argmin(places[row, 0]), np.argmax(places[row, 0])]]
+        self._places = places[self._corners]
+        self._start: float | None = None
+
+    def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
+        """The values of a history row, in the order of `solver.post.history.columns`."""
+        stepper, body = self._stepper, self._stepper.body
+        u = state.u.reshape(-1, body.dimension)
+        momentum = body.inertia(state.v).reshape(-1, body.dimension)
+        arm = body.arm + u
+        spin = float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))
+        sums = global_sum(body.comm, np.array([*(body.directional_mass @ state.u), *momentum.sum(axis=0), spin]))
+        moved, velocity = sums[:2] / body.mass, sums[2:4] / body.mass
+        spin = float(sums[4]) - body.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
+        self._angle = unwrap(lean(body.rotation(state.u)), self._angle)
+        gaps, corners, closed = self._contact(state)
+        centre = body.centre + moved
+        forces = self._thickness * state.contact.force.sum(axis=0)
+        kinematic = [
+            self._angle, spin / body.polar_inertia, self._slip, *corners[:, 0], max(0.0, -float(gaps[:, 0].min())),
+            *centre, *forces,
+        ]  # fmt: skip
+        head = [state.time, step, float(exchange.iterations), float(closed), float(stepper.base(state.time)[0])]
+        return head + [float(value) for value in kinematic] + self._energies(state, exchange, centre)
+
+    def _contact(self, state: State) -> tuple[Array, Array, int]:
+        """Gaps of all points and of the bottom corners, number of closed points; slip is carried on."""
+        interface = self._stepper.interface
+        gaps = interface.gaps(state.contact.surface)
+        closed = state.contact.force[:, 0] > 0
+        moving = np.flatnonzero(closed) if closed.any() else [int(np.argmin(gaps[:, 0]))]
+        self._slip += float(np.mean(gaps[moving, 1] - self._gaps[moving, 1]))
+        self._gaps = gaps
+        displacement = self._stepper.layer(state.u)[self._corners]
+        corners = (self._places + displacement - interface.origin) @ interface.frame.T
+        return gaps, corners, int(closed.sum())
+
+    def _energies(self, state: State, exchange: Exchange, centre: Array) -> list[float]:
+        """Stored, taken in and dissipated energy, J."""
+        stepper = self._stepper
+        gravity = -stepper.body.mass * float(stepper.gravity @ centre)
+        stored = [state.kinetic, state.strain, gravity, 0.0, stepper.interface.energy(state.contact)]
+        self._exchanged += [
+            exchange.input, exchange.friction, exchange.damping, exchange.contact, exchange.numerical
+        ]  # fmt: skip
+        total = sum(stored)
+        if self._start is None:
+            self._start = total
+        error = total - self._start - self._exchanged[0] + self._exchanged[1:].sum()
+        values = [*stored, *self._exchanged, total, error]
+        return [float(self._thickness * value) for value in values]

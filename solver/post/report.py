@@ -1,0 +1,73 @@
+"""A summary in a few lines for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+#: As many impacts are listed at most.
+LISTED = 8
+
+
+def report(summary: Mapping[str, Any]) -> str:
+    """What came of a run."""
+    lines = [f"{summary['status']} at t = {summary['end_s']:.6g} s"]
+    if summary["reason"]:
+        lines[0] += f": {summary['reason']}"
+    for name, block in summary["blocks"].items():
+        lines += _block_lines(name, block)
+    if summary["energy"]:
+        energy = summary["energy"]
+        lines.append(
+            f"energy: largest gain {_number(energy['largest_gain_fraction'], '.1e')}, ledger error "
+            f"{_number(energy['ledger_error_fraction'], '.1e')} of {_number(energy['scale_J'])} J"
+        )
+        losses = {name.removesuffix("_J"): value for name, value in energy["loss"].items()}
+        lost = [f"{name} {_number(value)}" for name, value in losses.items()]
+        lines.append(f"lost to {', '.join(lost)} J")
+    if "wall_s" in summary["cost"]:
+        lines.append(_cost(summary["cost"]))
+    return "\n".join(lines) + "\n"
+
+
+def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
+    """What one block did."""
+    lines = [
+        f"{name}: {block['mode']}, peak angle {math.degrees(block['peak_angle_rad']):.4g} degrees, "
+        f"peak slip {1e3 * block['peak_slip_m']:.3g} mm, "
+        f"residual slip {1e3 * block['residual_slip_m']:.3g} mm"
+    ]
+    impacts = block["impacts"]
+    if impacts:
+        more = " ..." if len(impacts) > LISTED else ""
+        times = " ".join(f"{impact['time_s']:.4f}" for impact in impacts[:LISTED])
+        ratios = " ".join(_number(impact["restitution"], ".3f") for impact in impacts[:LISTED])
+        impact_word = "impact" if len(impacts) == 1 else "impacts"
+        lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
+        lines.append(f"  restitution   {ratios}{more}")
+    return lines
+
+
+def _cost(cost: Mapping[str, Any]) -> str:
+    """What a run cost."""
+    words = [f"{cost['wall_s']:.2f} s in the time loop"]
+    for key, text in (
+        ("setup_s", "{:.2f} s set-up"),
+        ("output_s", "{:.2f} s output"),
+        ("steps", "{} steps"),
+        ("rejected_steps", "{} rejected"),
+        ("newton_iterations", "{} iterations"),
+        ("factorizations", "{} factorizations"),
+        ("unknowns", "{} unknowns"),
+        ("ranks", "{} ranks"),
+    ):
+        if cost.get(key) is not None:
+            word = text.format(cost[key])
+            words.append(word[:-1] if cost[key] == 1 and word.endswith("s") else word)
+    return "cost: " + ", ".join(words)
+
+
+def _number(value: float | None, form: str = ".4g") -> str:
+    """A number, or that it is not known."""
+    return "unknown" if value is None or math.isnan(value) else format(value, form)

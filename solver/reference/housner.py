@@ -1,0 +1,152 @@
+"""Rocking of a rigid block on rigid ground: Housner (1963), nonlinear, with base motion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.block import Block
+from solver.reference.phases import (
+    Acceleration,
+    Recorder,
+    event,
+    first_beyond,
+    integrate,
+    output_times,
+    still,
+)
+
+RESTING_ENERGY = 1e-10
+"""Rocking ends when its energy falls below this part of what overturns the block at rest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RockingReference:
+    """History of a rocking block; angles are positive when it leans towards +x."""
+
+    time: NDArray[np.float64]
+    """s."""
+    angle: NDArray[np.float64]
+    """theta, rad; stays at +-pi/2 once overturned."""
+    angular_velocity: NDArray[np.float64]
+    """rad/s."""
+    impacts: NDArray[np.float64]
+    """Times of the impacts, s."""
+    peaks: NDArray[np.float64]
+    """Angles at which the block turned back, rad, signed, that of its release included."""
+    overturned: bool
+
+
+def housner_restitution(shape: Block) -> float:
+    """Ratio of angular velocities across an impact, e = 1 - 3/2 sin^2 alpha (Housner 1963)."""
+    return 1 - 1.5 * math.sin(shape.slenderness) ** 2
+
+
+def housner(
+    shape: Block,
+    *,
+    gravity: float,
+    tilt: float = 0.0,
+    end: float,
+    step: float,
+    acceleration: Acceleration | None = None,
+    restitution: float | None = None,
+) -> RockingReference:
+    """Rocking from a tilt or from rest, without sliding and without bouncing.
+
+    theta'' = -p^2 [sin(alpha sgn theta - theta) + a_g/g cos(alpha sgn theta - theta)] between
+    impacts and w+ = e w- at impacts; from rest the block uplifts when |a_g| > g B/H. On an incline
+    of angle b the same holds with gravity g cos b and acceleration a_g - g sin b.
+
+    Args:
+        shape: The block.
+        gravity: g, m/s^2.
+        tilt: Angle of release, rad, without angular velocity; 0: at rest.
+        end: s.
+        step: Between output times, s; where the ground moves, also the integrator's largest.
+        acceleration: a_g of the ground, m/s^2; None: it does not move.
+        restitution: e; None: Housner's.
+    """
+    ratio = housner_restitution(shape) if restitution is None else restitution
+    if not 0 <= ratio <= 1 or not abs(tilt) < math.pi / 2:
+        raise ValueError(f"housner: tilt={tilt}, restitution={ratio}")
+    block = _RigidBlock(shape, gravity, acceleration or still, end, step)
+    recorder = Recorder(output_times(end, step))
+    impacts: list[float] = []
+    peaks: list[float] = []
+    time, angle, velocity, overturned = 0.0, tilt, 0.0, False
+    while time < end and not overturned:
+        side = math.copysign(1, angle or velocity)
+        if angle == 0 and block.at_rest(velocity):
+            recorder.rest(time, 0.0)
+            time, side, velocity = *block.uplift(time), 0.0
+            if time >= end:
+                break
+        phase = block.swing(side, time, (angle, velocity))
+        recorder.move(time, phase.t[-1], phase.sol)
+        peaks.extend(state[0] for state in phase.y_events[2])
+        time, angle, velocity = float(phase.t[-1]), float(phase.y[0, -1]), float(phase.y[1, -1])
+        overturned = len(phase.t_events[1]) > 0
+        if len(phase.t_events[0]):
+            impacts.append(time)
+            angle, velocity = 0.0, ratio * velocity
+    if overturned:
+        recorder.rest(time, math.copysign(math.pi / 2, angle))
+    return RockingReference(
+        time=recorder.time,
+        angle=recorder.position,
+        angular_velocity=recorder.velocity,
+        impacts=np.array(impacts),
+        peaks=np.array(peaks),
+        overturned=overturned,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _RigidBlock:
+    """The motion between two events."""
+
+    shape: Block
+    gravity: float
+    ground: Acceleration
+    end: float
+    step: float
+
+    def at_rest(self, velocity: float) -> bool:
+        """Whether the block, standing upright, has too little velocity left to go on."""
+        square = self.shape.frequency(self.gravity) ** 2
+        barrier = square * (1 - math.cos(self.shape.slenderness))
+        return velocity**2 / 2 <= RESTING_ENERGY * barrier
+
+    def uplift(self, time: float) -> tuple[float, float]:
+        """When the block at rest begins to rock, and to which side; at the end if never."""
+        limit = self.gravity * math.tan(self.shape.slenderness)
+        start = first_beyond(self.ground, limit, time, self.end, self.step)
+        if start is None:
+            return self.end, 1.0
+        # The block stays behind the ground: it leans against the ground's acceleration.
+        return start, -math.copysign(1, self.ground(start))
+
+    def swing(self, side: float, start: float, state: tuple[float, float]) -> Any:
+        """About one corner, side = +1 or -1, up to impact (event 0) or overturning (event 1).
+
+        Event 2, which ends nothing, is where the block turns back.
+        """
+        alpha, square = self.shape.slenderness, self.shape.frequency(self.gravity) ** 2
+
+        def rate(time: float, angle: float) -> float:
+            lean = side * alpha - angle
+            return -square * (math.sin(lean) + self.ground(time) / self.gravity * math.cos(lean))
+
+        events = [
+            event(lambda time, y: side * y[0], falling=True, terminal=True),
+            event(lambda time, y: side * y[0] - math.pi / 2, falling=False, terminal=True),
+            event(lambda time, y: side * y[1], falling=True, terminal=False),
+        ]
+        # Over ground that moves, no feature of its motion may be stepped over.
+        step = math.inf if self.ground is still else self.step
+        return integrate(rate, start, self.end, state, step=step, events=events)

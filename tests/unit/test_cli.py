@@ -1,0 +1,325 @@
+"""The command: what it says, what it refuses, and that nothing is written over."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solver import cli
+from solver.cli import main
+from solver.errors import NotConverged
+
+SCENE = """
+title = "A block of granite"
+[[block]]
+width = 0.25
+height = 1.0
+thickness = 0.75
+mass = 503.0
+young = 5.0e10
+poisson = 0.2
+tilt_deg = 3.0
+[contact]
+friction = 0.7
+[time]
+end = 0.3
+step = 0.001
+"""
+
+HEAVY = ("dolfinx", "gmsh", "matplotlib", "mpi4py", "petsc4py", "pyvista")
+
+Captured = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A scene in the current folder, and no mpirun around it."""
+    for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "granite.toml"
+    file.write_text(SCENE)
+    return file
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """`rockslip run` with a solver that does nothing but remember what it was asked."""
+    remembered: list[dict[str, Any]] = []
+    summary = {"end_s": 0.3, "reason": "", "blocks": {}, "energy": {}, "cost": {}}
+
+    def simulate(scene: Any, **options: Any) -> Any:
+        status = scene.title if scene.title in ("interrupted", "not converged") else "completed"
+        if scene.title == "raises":
+            raise NotConverged("static start: no equilibrium")
+        remembered.append({"scene": scene, **options})
+        (options["folder"] / "history.csv").write_text("new")
+        return types.SimpleNamespace(status=status, summary=summary | {"status": status})
+
+    module: Any = types.ModuleType("solver.simulate")
+    module.simulate = simulate
+    monkeypatch.setitem(sys.modules, "solver.simulate", module)
+    return remembered
+
+
+def refused(arguments: list[str], captured: Captured) -> str:
+    """The one line of a refusal with exit code 2."""
+    try:
+        code = main(arguments)
+    except SystemExit as stop:
+        code = int(str(stop.code))
+    output = captured.readouterr()
+    assert code == 2
+    assert output.out == ""
+    assert output.err.startswith("rockslip: ")
+    assert output.err.count("\n") == 1
+    return output.err
+
+
+def test_without_arguments_it_helps(scene: Path, capsys: Captured) -> None:
+    assert main([]) == 0
+    text = capsys.readouterr().out
+    for word in ("run", "check", "reference", "plot", "info", "Exit codes"):
+        assert word in text
+
+
+def test_check_tells_the_numbers_of_the_paper_s_block(scene: Path, capsys: Captured) -> None:
+    """R, alpha, p and e as in verification.md D.2."""
+    assert main(["check", "granite.toml"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for part in (
+        "mass 503 kg",
+        "R 0.5154 m",
+        "alpha 0.24498 rad = 14.036 degrees",
+        "p 3.7783 1/s",
+        "uplift at 0.2500 g",
+        "restitution 0.9118",
+        "expected mode rock",
+        "96 quadrilaterals of degree 1, 119 nodes, 238 unknowns",
+        "300 steps of 0.001 s",
+    ):
+        assert part in text
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+def test_check_counts_other_meshes_and_motions(scene: Path, capsys: Captured) -> None:
+    words = ["block.cell=triangle", "block.degree=2", "block.cells=[2, 3]", "block.tilt_deg=0"]
+    motion = ["motion={kind='sine', amplitude_g=0.4, period=0.5}", "contact.friction=0.2"]
+    assert main(["check", "granite.toml", "--set", *words, "--set", *motion]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "12 triangles of degree 2, 35 nodes, 70 unknowns" in text
+    assert "peak 0.4 g = 3.924 m/s2" in text
+    assert "expected mode slide (" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["check", "absent.toml"], ["absent.toml"]),
+        (["check", "granite.toml", "--set", "block.widht=1"], ["block.widht", "'width'"]),
+        (["check", "granite.toml", "--set", "block.height=-1"], ["block.height", "-1", "> 0"]),
+        (["check", "granite.toml", "--set", "time.step=1"], ["time.step", "step <= end"]),
+        (["run", "granite.toml", "--set", "contact.friction=nan"], ["contact.friction", "nan"]),
+        (["reference", "absent.toml"], ["absent.toml"]),
+        (["run"], ["SCENE", "rockslip run --help"]),
+        (["walk"], ["walk", "run"]),
+        (["check", "granite.toml", "--", "-x"], ["rockslip run"]),
+        (["plot", "nowhere"], ["nowhere", "scene.toml"]),
+        (["reference", "granite.toml", "-o", "."], ["granite.toml", "in use"]),
+    ],
+)
+def test_bad_input_is_one_line(
+    scene: Path, capsys: Captured, arguments: list[str], parts: list[str]
+) -> None:
+    if arguments[0] == "run":
+        pytest.importorskip("mpi4py")
+    line = refused(arguments, capsys)
+    for part in parts[-1:] if arguments[-1] == "." else parts:
+        assert part in line
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+def test_reference_and_its_folder(scene: Path, capsys: Captured) -> None:
+    assert main(["reference", "granite.toml"]) == 0
+    text = capsys.readouterr().out
+    assert "Housner 1963" in text
+    assert "1 impact at 0.1916 s" in text
+    folder = scene.parent / "granite.rigid"
+    names = {file.name for file in folder.iterdir()}
+    assert names == {"history.csv", "scene.toml", "summary.json"}
+    # what it wrote is a scene that means the same
+    before = (folder / "history.csv").read_text()
+    assert main(["reference", "granite.rigid/scene.toml", "-o", "again", "-q"]) == 0
+    assert capsys.readouterr().out == ""
+    assert (scene.parent / "again" / "history.csv").read_text() == before
+
+
+def test_an_earlier_run_is_kept_unless_forced(scene: Path, capsys: Captured) -> None:
+    assert main(["reference", "granite.toml", "-q"]) == 0
+    folder = scene.parent / "granite.rigid"
+    stamp = (folder / "history.csv").read_text()
+    mine = folder / "notes.txt"
+    mine.write_text("mine")
+    (folder / "fields_p0_000001.vtu").write_text("stale")
+    other = ["reference", "granite.toml", "-q", "--set", "block.tilt_deg=2"]
+    assert "in use" in refused(other, capsys)
+    assert (folder / "history.csv").read_text() == stamp
+    assert main([*other, "--force"]) == 0
+    assert (folder / "history.csv").read_text() != stamp
+    assert mine.read_text() == "mine"
+    assert not (folder / "fields_p0_000001.vtu").exists()
+
+
+def test_a_scene_is_never_written_over(scene: Path, capsys: Captured) -> None:
+    folder = scene.parent / "here"
+    folder.mkdir()
+    own = folder / "scene.toml"
+    own.write_text(SCENE)
+    line = refused(["reference", str(own), "-o", "here", "--force"], capsys)
+    assert "holds the scene itself" in line
+    assert own.read_text() == SCENE
+
+
+def test_a_folder_that_cannot_be_made(scene: Path, capsys: Captured) -> None:
+    refused(["reference", "granite.toml", "-o", "granite.toml/below"], capsys)
+
+
+@pytest.mark.serial
+class TestRun:
+    """`rockslip run`, its solver replaced."""
+
+    @pytest.fixture(autouse=True)
+    def with_mpi(self) -> None:
+        pytest.importorskip("mpi4py")
+
+    def test_what_the_solver_is_asked(
+        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
+    ) -> None:
+        words = ["run", "granite.toml", "--set", "block.height=1.2", "-q", "--"]
+        assert main([*words, "-snes_monitor", "-snes_rtol", "1e-9"]) == 0
+        assert calls[0]["scene"].blocks[0].height == 1.2
+        assert calls[0]["folder"] == Path("granite.out")
+        assert calls[0]["petsc_options"] == ("-snes_monitor", "-snes_rtol", "1e-9")
+        assert calls[0]["log"] is None
+        output = capsys.readouterr()
+        assert output.out == output.err == ""
+
+    def test_what_it_says_at_the_end(
+        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
+    ) -> None:
+        assert main(["run", "granite.toml", "-o", "there", "-v"]) == 0
+        assert "rockslip plot there" in capsys.readouterr().out
+        calls[0]["log"]("a line")
+        assert capsys.readouterr().err == "a line\n"
+
+    def test_a_folder_in_use_is_refused_before_computing(
+        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
+    ) -> None:
+        assert main(["run", "granite.toml", "-q"]) == 0
+        assert "in use" in refused(["run", "granite.toml"], capsys)
+        assert len(calls) == 1
+        assert main(["run", "granite.toml", "-q", "--force"]) == 0
+
+    @pytest.mark.parametrize(
+        ("title", "code"), [("interrupted", 130), ("not converged", 3), ("raises", 3)]
+    )
+    def test_exit_codes(
+        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured, title: str, code: int
+    ) -> None:
+        assert main(["run", "granite.toml", "--set", f"title='{title}'"]) == code
+        output = capsys.readouterr()
+        if title == "raises":
+            assert output.err == "rockslip: static start: no equilibrium\n"
+        else:
+            assert title in output.out
+
+    def test_a_solver_that_cannot_be_imported(
+        self, scene: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+    ) -> None:
+        monkeypatch.setitem(sys.modules, "solver.simulate", None)
+        assert main(["run", "granite.toml"]) == 4
+        assert "in-env" in capsys.readouterr().err
+
+
+def test_light_commands_import_nothing_heavy(scene: Path) -> None:
+    """Neither `check` nor `reference` waits for dolfinx."""
+    for words in ("'check', 'granite.toml'", "'reference', 'granite.toml', '-q'"):
+        code = (
+            f"import sys; from solver.cli import main; main([{words}]);"
+            f" sys.exit(' '.join(set({HEAVY}) & set(sys.modules)))"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        assert done.stderr.strip() == ""
+
+
+def test_python_m_solver_is_the_command(scene: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "solver", "--version"], capture_output=True, text=True
+    )
+    assert done.returncode == 0
+    assert done.stdout.startswith("rockslip ")
+
+
+def test_other_ranks_keep_silent(
+    scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "1")
+    assert main(["check", "granite.toml"]) == 0
+    assert main(["reference", "granite.toml"]) == 0
+    assert main([]) == 0
+    with pytest.raises(SystemExit):
+        main(["walk"])
+    output = capsys.readouterr()
+    assert output.out == output.err == ""
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+@pytest.mark.serial
+@pytest.mark.mpi
+def test_bad_input_on_two_ranks_is_one_line(scene: Path) -> None:
+    """Every rank stops, one speaks: a scene that is missing, and one with a bad value."""
+    pytest.importorskip("mpi4py")
+    outside = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
+    for words in (["absent.toml"], ["granite.toml", "--set", "block.poisson=0.5"]):
+        command = ["mpirun", "-n", "2", sys.executable, "-m", "solver", "run", *words]
+        done = subprocess.run(command, env=outside, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2
+        assert done.stderr.count("rockslip:") == 1
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+def test_info_names_what_matters(capsys: Captured) -> None:
+    for package in ("dolfinx", "gmsh", "petsc4py"):
+        pytest.importorskip(package)
+    assert main(["info"]) == 0
+    text = capsys.readouterr().out
+    for word in ("dolfinx", "petsc", "ranks", "mumps", "BLAS", "openblas"):
+        assert word in text
+
+
+def test_blas_is_read_from_the_loaded_files(tmp_path: Path) -> None:
+    from solver.info import blas_libraries
+
+    maps = tmp_path / "maps"
+    maps.write_text(
+        "7f00-7f01 r-xp 00000000 08:01 1  /usr/lib/blas/libblas.so.3\n"
+        "7f01-7f02 r--p 00000000 08:01 1  /usr/lib/blas/libblas.so.3\n"
+        "7f02-7f03 rw-p 00000000 00:00 0 \n"
+        "7f03-7f04 r-xp 00000000 08:01 2  /usr/lib/libc.so.6\n"
+    )
+    assert blas_libraries(maps) == ["/usr/lib/blas/libblas.so.3"]
+    assert blas_libraries(tmp_path / "absent") == []
+
+
+def test_files_that_a_new_run_removes_are_those_that_runs_leave() -> None:
+    """A scene.toml is written over, not removed; folders of fields of any number of ranks go."""
+    assert "scene.toml" not in cli.LEFT_BEHIND
+    names = ("fields000001.pvtu", "fields_p2_000001.vtu", "history.csv", "angle.png")
+    for name in names:
+        assert any(Path(name).match(pattern) for pattern in cli.LEFT_BEHIND)

@@ -1,0 +1,281 @@
+"""The choices of ./in-env: which way it takes, what it says, what it hands on.
+
+Its neighbours (python3, docker, podman, buildah, ...) are small scripts in a folder that is all of
+PATH; each writes down how it was called.
+"""
+
+import shlex
+import shutil
+import signal
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.serial
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+TOOLS = (
+    "bash cat chmod cksum cut dirname env flock head mkdir mktemp mv readlink rm sed sh sleep sort"
+    " tail touch tr true"
+).split()
+ENGINE = """
+case $1 in
+--version) echo "{name} version 1" ;;
+info) [ $# -eq 1 ] || echo "{security}" ;;
+image) [ -e "$LOG.built" ] ;;
+build) touch "$LOG.built" ;;
+run) exit 3 ;;
+esac
+"""
+
+BUILDAH = """
+case $1 in
+inspect) [ -e "$LOG.built" ] && echo OMP_NUM_THREADS=1 ;;
+pull) exit 1 ;;
+bud) touch "$LOG.built" ;;
+from) touch "$LOG.kept.$2"; echo base ;;
+mount) [ -e "$LOG.kept.--pull-never" ] && echo {root} ;;
+esac
+"""
+
+
+class Machine:
+    """A machine with nothing on it but what a test installs."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.bin = folder / "bin"
+        self.home = folder / "home"
+        self.log = folder / "log"
+        self.current = folder / "current folder"
+        for made in (self.bin, self.home, self.current):
+            made.mkdir()
+        for tool in TOOLS:
+            found = shutil.which(tool)
+            if found is not None:
+                (self.bin / tool).symlink_to(found)
+        self.install("python3", "exit 1")
+        self.install("id", "echo 1000")
+
+    def install(self, name: str, body: str = "") -> None:
+        script = self.bin / name
+        script.write_text(f'#!/bin/sh\necho "{name} $*" >>"$LOG"\n{body}\n')
+        script.chmod(0o755)
+
+    def install_engine(self, name: str, security: str = "[]") -> None:
+        self.install(name, ENGINE.format(name=name, security=security))
+
+    def install_debian(self) -> None:
+        """Root on Debian; buildah has no images and reaches no registry."""
+        root = self.folder / "image"
+        (root / "usr/bin").mkdir(parents=True)
+        (root / "usr/bin/env").symlink_to("/usr/bin/env")
+        self.install("id", "echo 0")
+        self.install("apt-get")
+        self.install("mmdebstrap")
+        self.install("unshare", "exit 3")
+        self.install("buildah", BUILDAH.format(root=shlex.quote(str(root))))
+
+    def environment(self, extra: Mapping[str, str]) -> dict[str, str]:
+        return {"PATH": str(self.bin), "HOME": str(self.home), "LOG": str(self.log), **extra}
+
+    def in_env(
+        self, *command: str, cwd: Path | None = None, script: Path | None = None, **extra: str
+    ) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [script or REPOSITORY / "in-env", *command],
+            cwd=cwd or self.current,
+            env=self.environment(extra),
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    def calls(self, start: str) -> list[str]:
+        lines = self.log.read_text().splitlines() if self.log.exists() else []
+        return [line for line in lines if line.startswith(start)]
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    return Machine(tmp_path)
+
+
+def test_without_a_command_it_explains_itself(machine: Machine) -> None:
+    wrong, asked = machine.in_env(), machine.in_env("--help")
+    assert (wrong.returncode, asked.returncode) == (2, 0)
+    assert wrong.stderr == asked.stdout
+    assert asked.stdout.startswith("Usage: ./in-env COMMAND")
+    assert "ROCKSLIP_MOUNT" in asked.stdout and "set -euo" not in asked.stdout
+
+
+def test_without_any_way_one_message_names_all_three(machine: Machine) -> None:
+    done = machine.in_env("true")
+    assert done.returncode == 4
+    assert done.stdout == ""
+    assert done.stderr.startswith("in-env: found no way to dolfinx >= 0.9. ")
+    for word in (
+        "apt install python3-dolfinx",
+        "conda install",
+        "Docker or Podman",
+        "sudo ./in-env",
+    ):
+        assert word in done.stderr
+
+
+def test_this_python_comes_first(machine: Machine) -> None:
+    machine.install("python3")
+    machine.install_engine("docker")
+    done = machine.in_env("sh", "-c", 'echo "$PYTHONPATH"; exit 3', PYTHONPATH="/elsewhere")
+    assert done.returncode == 3
+    assert done.stdout == f"{REPOSITORY}:/elsewhere\n"
+    assert machine.calls("docker") == []
+
+
+def test_the_command_rockslip_is_the_program_of_this_repository(machine: Machine) -> None:
+    machine.install("python3")
+    assert machine.in_env("rockslip", "run", "a b.toml").returncode == 0
+    assert machine.calls("python3 -m") == ["python3 -m solver run a b.toml"]
+
+
+def test_another_suite_is_not_this_python(machine: Machine) -> None:
+    machine.install("python3")
+    assert machine.in_env("true", SUITE="sid").returncode == 4
+    assert machine.in_env("true", SUITE="sid", ROCKSLIP_SUITE="trixie").returncode == 4
+    assert machine.in_env("true", SUITE="sid", ROCKSLIP_SUITE="sid").returncode == 0
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+def test_a_signal_reaches_the_command(machine: Machine, sent: signal.Signals) -> None:
+    machine.install("python3")
+    waiting = "trap 'exit 7' TERM INT HUP; echo ready; while :; do sleep 0.02; done"
+    with subprocess.Popen(
+        [REPOSITORY / "in-env", "sh", "-c", waiting],
+        cwd=machine.current,
+        env=machine.environment({}),
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(sent)
+        assert process.wait(timeout=10) == 7
+
+
+def test_an_engine_builds_once_and_runs(machine: Machine) -> None:
+    machine.install_engine("docker")
+    machine.install_engine("podman")
+    first, second = (machine.in_env("python3", "-c", "pass", CI="true") for _ in range(2))
+    assert (first.returncode, second.returncode) == (3, 3)
+    assert "building the environment" in first.stderr
+    assert second.stderr == ""
+    (built,) = machine.calls("docker build")
+    assert "--target environment --build-arg SUITE=trixie" in built
+    run, again = machine.calls("docker run")
+    assert run == again
+    for part in (
+        "run --rm -i --init ",
+        f" -v {REPOSITORY}:{REPOSITORY} ",
+        f" -v {machine.current}:{machine.current} ",
+        f" -v {machine.home}/.cache/rockslip/trixie:/cache ",
+        f" -w {machine.current} ",
+        f" env PYTHONPATH={REPOSITORY} HOME=/cache ",
+        " CI=true ",
+    ):
+        assert part in run
+    assert run.endswith(" python3 -c pass")
+    assert machine.calls("podman") == []
+
+
+def test_an_engine_that_does_not_answer_is_passed_over(machine: Machine) -> None:
+    machine.install("docker", "exit 1")
+    machine.install_engine("podman")
+    assert machine.in_env("true").returncode == 3
+    assert len(machine.calls("podman run")) == 1
+
+
+@pytest.mark.parametrize(
+    ("engine", "security", "option"),
+    [
+        ("docker", "[name=seccomp]", " --user 1000:1000 "),
+        ("docker", "[name=seccomp name=rootless]", None),
+        ("podman", "[]", " --userns=keep-id "),
+    ],
+)
+def test_files_belong_to_the_caller(
+    machine: Machine, engine: str, security: str, option: str | None
+) -> None:
+    machine.install_engine(engine, security)
+    machine.in_env("true")
+    (run,) = machine.calls(f"{engine} run")
+    if option is None:
+        assert "--user" not in run
+    else:
+        assert option in run
+
+
+def test_debian_as_root_builds_its_own_base_when_no_registry_answers(machine: Machine) -> None:
+    machine.install_debian()
+    assert machine.in_env("python3", "x y").returncode == 3
+    order = [line.split()[1] for line in machine.calls("buildah")]
+    wanted = "inspect inspect pull from add config commit rm bud mount from mount inspect"
+    assert order == wanted.split()
+    (made,) = machine.calls("mmdebstrap")
+    assert made.split()[-2] == "trixie"
+    run = machine.log.read_text().splitlines()[-1]  # the call of unshare carries a whole function
+    assert f" -- /usr/bin/env -i -C {machine.current} OMP_NUM_THREADS=1 PYTHONPATH=" in run
+    assert run.endswith(" python3 x y")
+    assert machine.calls("apt-get") == []
+
+
+def test_debian_as_root_keeps_what_it_built(machine: Machine) -> None:
+    machine.install_debian()
+    machine.in_env("true")
+    before = len(machine.calls("buildah"))
+    assert machine.in_env("true").returncode == 3
+    assert len(machine.calls("buildah")) == before
+    assert len(machine.calls("unshare")) == 2
+
+
+def test_a_build_that_fails_says_so(machine: Machine) -> None:
+    machine.install("docker", '[ "$1" = info ] || [ "$1" = --version ]')
+    done = machine.in_env("true")
+    assert done.returncode == 4
+    assert done.stderr.splitlines()[-1].startswith("in-env: the environment could not be set up")
+
+
+def test_one_way_can_be_insisted_on(machine: Machine) -> None:
+    machine.install("python3")
+    machine.install_engine("docker")
+    assert machine.in_env("true", ROCKSLIP_WAY="2").returncode == 3
+    done = machine.in_env("true", ROCKSLIP_WAY="3")
+    assert done.returncode == 4
+    assert "(only way 3 was tried)" in done.stderr
+    done = machine.in_env("true", ROCKSLIP_WAY="4")
+    assert (done.returncode, done.stderr) == (2, "in-env: ROCKSLIP_WAY: got 4, allowed 1, 2 or 3\n")
+
+
+def test_folders_that_cannot_be_shown_are_refused(machine: Machine) -> None:
+    machine.install_engine("docker")
+    colon = machine.folder / "a:b"
+    colon.mkdir()
+    for cwd, extra, named in (
+        (Path("/"), {}, "/ cannot be shown"),
+        (colon, {}, "a colon in its path"),
+        (None, {"ROCKSLIP_MOUNT": "/nowhere/at/all"}, "no such folder: /nowhere/at/all"),
+    ):
+        done = machine.in_env("true", cwd=cwd, **extra)
+        assert done.returncode == 2
+        assert named in done.stderr
+    assert machine.calls("docker run") == []
+
+
+def test_a_link_to_the_script_finds_the_repository(machine: Machine) -> None:
+    machine.install("python3")
+    link = machine.folder / "link to in-env"
+    link.symlink_to(REPOSITORY / "in-env")
+    done = machine.in_env("sh", "-c", 'echo "$PYTHONPATH"', script=link)
+    assert done.stdout == f"{REPOSITORY}\n"

@@ -1,0 +1,84 @@
+"""History: what is appended is what is read back."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.errors import SceneError
+from solver.post.history import History, columns
+
+
+def test_columns_follow_the_interface() -> None:
+    """Names and order of the columns that users read."""
+    names = columns(["top", "base"])
+    assert names[:5] == (
+        "time_s",
+        "step_s",
+        "newton_iterations",
+        "contact_points_closed",
+        "base.acceleration_m_s2",
+    )
+    assert names[5:7] == ("top.angle_rad", "top.angular_velocity_rad_s")
+    assert names[15] == "base.angle_rad"
+    assert names[-2:] == ("energy.total_J", "energy.ledger_error_J")
+    assert len(names) == 5 + 2 * 10 + 12
+
+
+def test_a_history_comes_back_to_the_last_bit(tmp_path: Path) -> None:
+    """Numbers survive the file, across several flushes and more rows than the first allocation."""
+    rng = np.random.default_rng(7)
+    rows = rng.standard_normal((700, 3)) * 10.0 ** rng.integers(-300, 300, (700, 3))
+    rows[5, 1] = math.nan
+    history = History(["time_s", "a", "b"], tmp_path / "history.csv")
+    for i, row in enumerate(rows):
+        history.append(row)
+        if i % 300 == 0:
+            history.flush()
+    history.flush()
+    history.flush()
+    again = History.read(tmp_path / "history.csv")
+    assert again.columns == history.columns
+    assert len(again) == 700
+    for i, name in enumerate(again.columns):
+        np.testing.assert_array_equal(again[name], rows[:, i])
+        np.testing.assert_array_equal(history[name], rows[:, i])
+
+
+def test_rows_that_are_not_flushed_are_not_in_the_file(tmp_path: Path) -> None:
+    """The file holds whole rows only, and grows by flush."""
+    history = History(["time_s"], tmp_path / "h.csv")
+    history.append([1.0])
+    assert len(History.read(tmp_path / "h.csv")) == 0
+    history.flush()
+    assert History.read(tmp_path / "h.csv")["time_s"].tolist() == [1.0]
+
+
+def test_a_row_of_the_wrong_length_is_refused() -> None:
+    """A forgotten value is an error, not a shifted column."""
+    history = History(["time_s", "a"])
+    with pytest.raises(ValueError, match="got 1 values for 2 columns"):
+        history.append([1.0])
+
+
+def test_a_column_is_a_copy() -> None:
+    """What a caller does to a column does not reach the history."""
+    history = History(["time_s"])
+    history.append([1.0])
+    history["time_s"][0] = 2.0
+    assert history["time_s"][0] == 1.0
+    assert "time_s" in history
+    assert "angle" not in history
+
+
+def test_what_is_no_history_is_refused(tmp_path: Path) -> None:
+    """A missing file and a file with words in it are bad input, in one line."""
+    with pytest.raises(SceneError, match=r"history\.csv"):
+        History.read(tmp_path / "history.csv")
+    (tmp_path / "words.csv").write_text("time_s\nnever\n")
+    with pytest.raises(SceneError, match=r"words\.csv") as raised:
+        History.read(tmp_path / "words.csv")
+    assert "\n" not in str(raised.value)

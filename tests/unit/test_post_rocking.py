@@ -1,0 +1,153 @@
+"""Swings, impacts and modes, against the closed form of slender rocking (Housner 1963)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geometry.block import Block
+from solver.post import rocking
+
+Array = NDArray[np.float64]
+SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=503.0 / 0.1875)
+GRAVITY = 9.81
+ALPHA = SHAPE.slenderness
+
+
+def linear_rocking(
+    start: float, restitution: float, swings: int
+) -> tuple[list[float], list[float]]:
+    """Impact times and peaks of the linear slender block, from verification.md D.1.
+
+    First quarter acosh(1/(1 - phi))/p, phi = theta/alpha;
+    peaks phi' = 1 - sqrt(1 - e^2 (1 - (1 - phi)^2)).
+    """
+    p = SHAPE.frequency(GRAVITY)
+    phi, time = start / ALPHA, 0.0
+    times, peaks = [], [start]
+    for _ in range(swings):
+        quarter = math.acosh(1 / (1 - phi)) / p
+        time += quarter
+        times.append(time)
+        phi = 1 - math.sqrt(1 - restitution**2 * (1 - (1 - phi) ** 2))
+        time += math.acosh(1 / (1 - phi)) / p
+        peaks.append(phi * ALPHA)
+    return times, peaks
+
+
+def linear_history(times: list[float], peaks: list[float], step: float) -> tuple[Array, Array]:
+    """The angle theta = +-[alpha - (alpha - peak) cosh(p (t - t_peak))] of that motion."""
+    p = SHAPE.frequency(GRAVITY)
+    t = np.arange(0, times[-1] - 0.01, step)
+    angle = np.empty_like(t)
+    tops = [0.0]
+    for time, peak in zip(times, peaks[1:], strict=True):
+        tops.append(time + math.acosh(1 / (1 - peak / ALPHA)) / p)
+    for i, now in enumerate(t):
+        k = sum(time <= now for time in times)
+        arc = ALPHA - (ALPHA - peaks[k]) * math.cosh(p * (now - tops[k]))
+        angle[i] = (-1) ** k * arc
+    return t, angle
+
+
+def test_impacts_and_peaks_of_linear_rocking() -> None:
+    """Times to the error of linear interpolation, peaks to that of a parabola, at 1 ms."""
+    times, peaks = linear_rocking(math.radians(3), 0.9, 6)
+    t, angle = linear_history(times, peaks, 1e-3)
+    found = rocking.impacts(t, angle, SHAPE, GRAVITY)
+    np.testing.assert_allclose([i.time_s for i in found], times[:-1], atol=3e-5)
+    turned = rocking.peaks(t, angle, ALPHA)
+    signs = (-1.0) ** np.arange(6)
+    np.testing.assert_allclose([a for _, a in turned], signs * peaks[:6], rtol=2e-6)
+
+
+def test_restitution_from_exact_peaks() -> None:
+    """With peaks that conserve Housner's energy between impacts, e comes out as it went in."""
+    e, peak = 0.9118, math.radians(3)
+    alpha = ALPHA
+    energies = [math.cos(alpha - peak) - math.cos(alpha)]
+    tops = [peak]
+    for _ in range(4):
+        energies.append(e**2 * energies[-1])
+        tops.append(alpha - math.acos(energies[-1] + math.cos(alpha)))
+    # triangular swings with these peaks: the restitution depends on the peaks only
+    t = np.linspace(0, 9, 9001)
+    nodes_t = [0.0] + [1.0 + k for k in range(9)]
+    nodes_a = [tops[0], 0, -tops[1], 0, tops[2], 0, -tops[3], 0, tops[4], 0]
+    angle = np.interp(t, nodes_t, nodes_a)
+    found = rocking.impacts(t, angle, SHAPE, GRAVITY)
+    assert [i.restitution for i in found[:4]] == pytest.approx([e] * 4, rel=1e-3)
+    assert [i.time_s for i in found[:4]] == pytest.approx([1, 3, 5, 7], abs=1e-3)
+
+
+def test_restitution_of_a_swing_that_is_not_over_is_unknown() -> None:
+    """The record ends before the second peak."""
+    t = np.linspace(0, 1, 101)
+    angle = 0.05 * np.cos(1.2 * math.pi * t / 2)
+    found = rocking.impacts(t, angle, SHAPE, GRAVITY)
+    assert len(found) == 1
+    assert found[0].time_s == pytest.approx(1 / 1.2, abs=1e-4)
+    assert found[0].restitution is None
+
+
+def test_a_bounce_on_the_same_side_is_an_impact() -> None:
+    """A squat block may come back to the side from which it fell."""
+    t = np.linspace(0, 2, 2001)
+    angle = 0.02 * np.abs(np.cos(math.pi * t / 2)) + 1e-7
+    found = rocking.impacts(t, angle, SHAPE, GRAVITY)
+    assert [i.time_s for i in found] == pytest.approx([1.0], abs=1e-3)
+    assert found[0].restitution is None  # the second peak is the last row
+
+
+def test_noise_of_a_block_at_rest_is_no_rocking() -> None:
+    """Movements below the stated part of alpha are not counted, whatever their number."""
+    rng = np.random.default_rng(3)
+    t = np.linspace(0, 1, 1001)
+    angle = 0.9 * rocking.SMALLEST_SWING * ALPHA * rng.uniform(-1, 1, 1001)
+    assert rocking.swings(t, angle, ALPHA) == []
+    assert rocking.impacts(t, angle, SHAPE, GRAVITY) == []
+
+
+def test_rocking_to_rest_ends_with_an_impact() -> None:
+    """The last swing ends where it first meets zero, not somewhere in the long rest."""
+    t = np.linspace(0, 3, 3001)
+    angle = np.where(t < 1, 0.02 * np.cos(math.pi * t / 2), 1e-8 * np.sin(40 * (t - 1)))
+    found = rocking.impacts(t, angle, SHAPE, GRAVITY)
+    assert len(found) == 1
+    assert found[0].time_s == pytest.approx(1.0, abs=2e-3)
+    assert found[0].restitution == pytest.approx(0, abs=1e-2)
+
+
+def test_modes() -> None:
+    """Each mode by its own histories."""
+    t = np.linspace(0, 1, 201)
+    still = np.zeros(201)
+    swing = 0.03 * np.cos(2 * math.pi * t)
+    lift = 0.25 * np.abs(np.sin(swing))
+    away = 0.01 * t
+    assert rocking.mode(still, still, still, SHAPE) == "rest"
+    assert rocking.mode(still, away, still, SHAPE) == "slide"
+    assert rocking.mode(swing, still, lift, SHAPE) == "rock"
+    assert rocking.mode(swing, away, lift, SHAPE) == "slide-rock"
+    # a soft block that bends with both corners on the ground does not rock
+    assert rocking.mode(swing, still, still, SHAPE) == "rest"
+    # tipping over; a full turn that ends upright; leaning beyond the balance point at the end
+    assert rocking.mode(math.pi / 2 * t, still, lift, SHAPE) == "overturned"
+    assert rocking.mode(np.minimum(20 * t, 2 * math.pi), still, lift, SHAPE) == "overturned"
+    assert rocking.mode(1.1 * ALPHA * t, still, lift, SHAPE) == "overturned"
+    # beyond the balance point and back: it rocks
+    bold = 1.2 * ALPHA * np.sin(math.pi * t)
+    assert rocking.mode(bold, still, 0.25 * np.abs(np.sin(bold)), SHAPE) == "rock"
+
+
+def test_rocking_energy_is_that_of_the_raised_centre() -> None:
+    """m g (height of the centre above upright) over 4/3 m R^2."""
+    angle = 0.1
+    centre = np.array([-SHAPE.width / 2, SHAPE.height / 2])  # from the right corner
+    turned = math.cos(angle) * centre[1] - math.sin(angle) * centre[0]
+    work = SHAPE.weight(GRAVITY) * (turned - centre[1])
+    expected = work / SHAPE.rotary_inertia_about_corner
+    assert rocking.rocking_energy(angle, SHAPE, GRAVITY) == pytest.approx(expected)

@@ -1,0 +1,99 @@
+"""The summary of a made-up run: names of the interface, numbers known by hand."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from solver.post.history import History, columns
+from solver.post.summary import summarise, write_json
+from solver.scene import Scene, parse_scene
+
+SCENE = """
+title = "made up"
+[[block]]
+name = "stone"
+width = 0.25
+height = 1.0
+thickness = 0.75
+mass = 503.0
+young = 5.0e10
+poisson = 0.2
+[time]
+end = 2.0
+step = 0.01
+"""
+
+
+def made_up_run() -> tuple[Scene, History]:
+    """A quarter swing to the right, a smaller one to the left, and 0.1 J that no formula knows."""
+    scene = parse_scene(SCENE)
+    upright = 503.0 * 9.81 * 0.5
+    history = History(columns(["stone"]))
+    for k in range(201):
+        t = 0.01 * k
+        angle = 0.05 * math.cos(math.pi * t) if t < 0.5 else -0.04 * math.sin(math.pi * (t - 0.5))
+        values = dict.fromkeys(history.columns, 0.0) | {
+            "time_s": t,
+            "stone.angle_rad": angle,
+            "stone.slip_m": -1e-4 * t,
+            "stone.gap_left_m": 0.25 * math.sin(max(angle, 0)),
+            "stone.gap_right_m": 0.25 * math.sin(max(-angle, 0)),
+            "energy.gravity_J": upright + 10.0 - t,
+            "energy.total_J": upright + 10.0 - t,
+            "energy.contact_J": 0.9 * t,
+            "energy.friction_J": 0.05 * t,
+            "energy.ledger_error_J": -0.05 * t,
+        }
+        history.append([values[name] for name in history.columns])
+    return scene, history
+
+
+def test_names_and_numbers() -> None:
+    scene, history = made_up_run()
+    summary = summarise(
+        scene, history, status="completed", cost={"wall_s": 1.5}, versions={"rockslip": "0"}
+    )
+    assert summary["schema"] == 1
+    assert summary["title"] == "made up"
+    assert summary["status"] == "completed"
+    assert summary["cost"] == {"wall_s": 1.5}
+    block = summary["blocks"]["stone"]
+    assert block["mode"] == "rock"
+    assert block["peak_angle_rad"] == pytest.approx(0.05)
+    assert block["peak_slip_m"] == pytest.approx(2e-4)
+    assert block["residual_slip_m"] == pytest.approx(-2e-4)
+    assert [i["time_s"] for i in block["impacts"]] == pytest.approx([0.5, 1.5])
+    alpha = math.atan(0.25)
+    energies = [math.cos(alpha - peak) - math.cos(alpha) for peak in (0.05, 0.04)]
+    e = math.sqrt(energies[1] / energies[0])
+    assert block["impacts"][0]["restitution"] == pytest.approx(e, rel=1e-6)
+    energy = summary["energy"]
+    scale = 10.0 + 1e-3 * 503.0 * 9.81
+    assert energy["scale_J"] == pytest.approx(scale)
+    assert energy["largest_gain_fraction"] == 0.0
+    assert energy["ledger_error_fraction"] == pytest.approx(0.1 / scale)
+    assert energy["loss"]["contact_J"] == pytest.approx(1.8)
+
+
+def test_what_is_not_known_is_null_in_the_file(tmp_path: Path) -> None:
+    scene, history = made_up_run()
+    cost = {"wall_s": math.nan, "steps": 3}
+    summary = summarise(scene, history, status="interrupted", cost=cost, versions={})
+    write_json(tmp_path / "summary.json", summary)
+    again = json.loads((tmp_path / "summary.json").read_text())
+    assert again["cost"] == {"wall_s": None, "steps": 3}
+    assert again["blocks"] == summary["blocks"]
+
+
+def test_a_run_without_a_row_has_a_summary(tmp_path: Path) -> None:
+    scene, _ = made_up_run()
+    summary = summarise(
+        scene, History(columns(["stone"])), status="not converged", cost={}, versions={}, reason="x"
+    )
+    write_json(tmp_path / "summary.json", summary)
+    assert summary["blocks"] == {}
+    assert summary["reason"] == "x"

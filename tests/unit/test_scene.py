@@ -1,0 +1,339 @@
+"""Reading scenes: what is accepted, what is refused and in which words, overrides, round trips."""
+
+import pickle
+import subprocess
+import sys
+
+import pytest
+
+from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.scene import (
+    BlockSpec,
+    Scene,
+    SineSpec,
+    TableSpec,
+    TimeSpec,
+    load_scene,
+    parse_scene,
+    scene_to_toml,
+)
+
+TEXT = """
+title = "Free rocking"
+[[block]]
+width = 0.25
+height = 1
+thickness = 0.75
+mass = 503.0
+young = 5.0e10
+poisson = 0.2
+tilt_deg = 3.0
+[time]
+end = 3.0
+step = 1.0e-3
+"""
+SECOND = """
+[[block]]
+{}width = 1
+height = 1
+density = 2000
+young = 1e9
+poisson = 0
+"""
+SINE = ("motion.kind=sine", "motion.amplitude_g=0.4", "motion.period=0.6")
+
+
+def refusal(*overrides, text=TEXT, **options):
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text, overrides=overrides, **options)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert caught.value.exit_code == 2
+    return message
+
+
+def test_defaults_are_those_of_the_interface():
+    scene = parse_scene(TEXT)
+    block = scene.blocks[0]
+    assert (scene.dimension, scene.plane, scene.gravity, scene.gravity_tilt_deg) == (
+        (2, "strain", 9.81, 0.0)
+    )
+    assert (block.name, block.on, block.model, block.cell) == (
+        ("block", "foundation", "elastic", "quadrilateral")
+    )
+    assert (block.cells, block.degree, block.refinement, block.offset) == ((6, 16), 1, 1.0, 0.0)
+    assert scene.foundation.kind == "rigid"
+    contact = scene.contact
+    assert (contact.points, contact.gamma, contact.theta, contact.friction) == (
+        ("nodes", 100.0, 1, 0.6)
+    )
+    assert contact.velocity_solve is True
+    assert scene.damping is None
+    assert scene.motion is None
+    assert (scene.time.rho_inf, scene.time.initial) == (0.8, "static")
+    assert scene.time.smallest == 1e-3 / 1024
+    assert (scene.output.every, scene.output.fields, scene.output.history_every) == (0.01, "vtk", 1)
+
+
+def test_shape_angles_and_types():
+    scene = parse_scene(TEXT, overrides=["gravity_tilt_deg=30", "gravity=10"])
+    block = scene.blocks[0]
+    assert isinstance(block.height, float)  # written as 1
+    assert block.shape.mass == pytest.approx(503.0)
+    assert block.shape.density == pytest.approx(503.0 / 0.1875)
+    assert block.tilt == pytest.approx(0.05235987755982989)
+    # An incline turns gravity towards +x.
+    assert scene.gravity_vector == pytest.approx((5.0, -8.660254037844386))
+    dense = parse_scene(TEXT.replace("mass = 503.0", "density = 2000"))
+    assert dense.blocks[0].shape.mass == pytest.approx(375.0)
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        (),
+        ("damping.stiffness=1e-4", "block.name=tower", "tower.cells=[3, 7]", "contact.friction=0"),
+        SINE,
+        (*SINE, "motion.cycles=6", "time.smallest=1e-7", "block.cell=triangle"),
+    ],
+)
+def test_round_trip(overrides):
+    scene = parse_scene(TEXT, overrides=overrides)
+    assert parse_scene(scene_to_toml(scene)) == scene
+    assert parse_scene(scene.to_dict()) == scene
+    assert pickle.loads(pickle.dumps(scene)) == scene
+
+
+def test_resolved_scene_names_every_default():
+    tables = parse_scene(TEXT, overrides=SINE).to_dict()
+    assert set(tables) == {
+        *("title", "dimension", "plane", "gravity", "gravity_tilt_deg", "block"),
+        *("foundation", "contact", "motion", "time", "output"),
+    }
+    assert tables["block"][0]["refinement"] == 1.0
+    assert tables["contact"]["gamma"] == 100.0
+    assert tables["time"]["smallest"] == 1e-3 / 1024
+
+
+@pytest.mark.parametrize(
+    ("override", "line"),
+    [
+        ("block.poisson=0.5", "block.poisson: got 0.5, allowed 0 <= poisson < 0.5"),
+        ("block.poisson=-0.1", "block.poisson: got -0.1, allowed 0 <= poisson < 0.5"),
+        ("block.young=0", "block.young: got 0, allowed young > 0"),
+        ("block.height=-1", "block.height: got -1, allowed height > 0"),
+        ("block.height=nan", "block.height: got nan, allowed height > 0"),
+        ("block.height=inf", "block.height: got inf, allowed height > 0"),
+        ("block.height=true", "block.height: got true, allowed height > 0"),
+        ("block.height=tall", 'block.height: got "tall", allowed height > 0'),
+        ("block.height=[1]", "block.height: got [1], allowed height > 0"),
+        ("block.offset=nan", "block.offset: got nan, allowed a finite number"),
+        ("block.tilt_deg=90", "block.tilt_deg: got 90, allowed -90 < tilt_deg < 90"),
+        ("block.refinement=0.9", "block.refinement: got 0.9, allowed refinement >= 1"),
+        ("block.degree=3", "block.degree: got 3, allowed 1 or 2"),
+        ("block.degree=true", "block.degree: got true, allowed 1 or 2"),
+        ("block.degree=1.0", "block.degree: got 1.0, allowed 1 or 2"),
+        ("block.on=other", 'block.on: got "other", allowed "foundation"'),
+        ("block.model=rigid", 'block.model: got "rigid", allowed "elastic"'),
+        ("foundation.kind=oscillator", 'foundation.kind: got "oscillator", allowed "rigid"'),
+        ("dimension=3", "dimension: got 3, allowed 2"),
+        ("gravity=0", "gravity: got 0, allowed gravity > 0"),
+        ("contact.friction=-0.1", "contact.friction: got -0.1, allowed friction >= 0"),
+        ("contact.friction={static=1}", "contact.friction: got a table, allowed friction >= 0"),
+        ("contact.gamma=0", "contact.gamma: got 0, allowed gamma > 0"),
+        ("contact.theta=2", "contact.theta: got 2, allowed 1 or 0 or -1"),
+        ("contact.velocity_solve=1", "contact.velocity_solve: got 1, allowed true or false"),
+        ("damping.stiffness=-1", "damping.stiffness: got -1, allowed stiffness >= 0"),
+        ("damping=3", "damping: got 3, allowed a table"),
+        ("time.step=0", "time.step: got 0, allowed step > 0"),
+        ("time.step=4", "time.step: got 4.0, allowed step <= end = 3"),
+        ("time.smallest=1", "time.smallest: got 1.0, allowed smallest <= step = 0.001"),
+        ("time.rho_inf=1.1", "time.rho_inf: got 1.1, allowed 0 <= rho_inf <= 1"),
+        ("output.every=0", "output.every: got 0, allowed every > 0"),
+        (
+            "output.history_every=0",
+            "output.history_every: got 0, allowed a whole number, history_every >= 1",
+        ),
+        ("title=3", "title: got 3, allowed a text"),
+        ("block.density=1", "block.mass: got both mass and density, allowed exactly one of "),
+        ("motion.amplitude_g=1", 'motion.kind: got nothing, allowed "sine" or "table"'),
+        ("motion.kind=ricker", 'motion.kind: got "ricker", allowed "sine" or "table"'),
+        ("motion.kind=sine", "motion.amplitude_g: got nothing, allowed a finite number"),
+        ("motion.kind=table", "motion.file: got nothing, allowed the name of a file"),
+        ("foo", '--set: got "foo", allowed path=value'),
+        ("=1", '--set: got "=1", allowed path=value'),
+        ("title.x=1", "--set title.x: got title, which is no table"),
+    ],
+)
+def test_refused_values(override, line):
+    assert refusal(override).startswith(line)
+
+
+@pytest.mark.parametrize("cells", ["[0, 4]", "[4, -1]", "[1.5, 4]", "[1, 2, 3]", "[true, 2]", "4"])
+def test_refused_cells(cells):
+    allowed = "2 values, each a whole number, cells >= 1"
+    assert refusal(f"block.cells={cells}") == f"block.cells: got {cells}, allowed {allowed}"
+
+
+@pytest.mark.parametrize(
+    ("override", "start", "nearest"),
+    [
+        ("block.widht=1", "block.widht: unknown key", "width"),
+        ("contact.fricton=1", "contact.fricton: unknown key", "friction"),
+        ("damping.stifness=1", "damping.stifness: unknown key", "stiffness"),
+        ("tiem.step=1", "tiem: unknown key", "time"),
+        ("gravty=9", "gravty: unknown key", "gravity"),
+        ("block.cell=triangel", 'block.cell: got "triangel"', "triangle"),
+        ("plane=strian", 'plane: got "strian"', "strain"),
+        ("blok.width=1", "blok: unknown key", "block"),
+    ],
+)
+def test_nearest_word(override, start, nearest):
+    line = refusal(override)
+    assert line.startswith(start)
+    assert f"did you mean '{nearest}'?" in line
+    assert "allowed" in line
+
+
+def test_keys_of_another_kind_of_motion_are_unknown(tmp_path):
+    assert refusal(*SINE, "motion.units=g").startswith("motion.units: unknown key")
+
+
+def test_missing_keys_and_tables():
+    assert refusal(text=TEXT.replace("width = 0.25", "")) == (
+        "block.width: got nothing, allowed width > 0"
+    )
+    assert refusal(text=TEXT.replace("mass = 503.0", "")).startswith("block.mass: got nothing")
+    assert refusal(text=TEXT.partition("[time]")[0]) == "time: got nothing, allowed a table"
+    assert refusal(text="[time]\nend = 1\nstep = 1").startswith("block: got nothing, allowed an ar")
+    assert refusal(text=TEXT.replace("[[block]]", "[block]")).startswith("block: got a table")
+    assert refusal(text="block = []\n[time]\nend = 1\nstep = 1").startswith("block: got 0 blocks")
+
+
+def test_blocks_are_addressed_by_name():
+    scene = parse_scene(TEXT.replace("[[block]]", '[[block]]\nname = "tower"'))
+    assert scene.blocks[0].name == "tower"
+    text = scene_to_toml(scene)
+    assert parse_scene(text, overrides=["tower.height=1.2"]).blocks[0].height == 1.2
+    assert "did you mean 'width'?" in refusal("tower.widht=1", text=text)
+    assert refusal("tower.height=0", text=text).startswith("tower.height: got 0")
+    assert "did you mean 'tower'?" in refusal("towre.height=2", text=text)
+
+
+@pytest.mark.parametrize("name", ["time", "energy", "foundation", "", "a b", "9", "a.b", "a\\nb"])
+def test_refused_names(name):
+    assert ".name: got" in refusal(text=TEXT.replace("[[block]]", f'[[block]]\nname = "{name}"'))
+
+
+def test_number_of_blocks():
+    assert refusal(text=TEXT + SECOND.format("")).startswith("block.name: got one name twice")
+    two = refusal(text=TEXT + SECOND.format('name = "upper"\n'))
+    assert two == "block: got 2 blocks, allowed one block, [[block]]"
+
+
+def test_override_values():
+    def changed(*overrides):
+        return parse_scene(TEXT, overrides=overrides)
+
+    assert changed("time.step=1e-4").time.step == 1e-4
+    assert changed("block.cell = triangle").blocks[0].cell == "triangle"
+    assert changed('block.cell="triangle"').blocks[0].cell == "triangle"
+    assert changed("block.cells=[2, 3]").blocks[0].cells == (2, 3)
+    assert changed("damping.stiffness=1e-4").damping.stiffness == 1e-4
+    assert changed("title=a = b").title == "a = b"
+    assert changed("title=1\nplane='stress'").plane == "strain"
+    assert changed("time.step=1e-4", "time.step=2e-4").time.step == 2e-4
+    assert changed(*SINE).motion == SineSpec(amplitude_g=0.4, period=0.6)
+
+
+def test_content_is_left_alone():
+    tables = parse_scene(TEXT).to_dict()
+    before = parse_scene(tables).to_dict()
+    parse_scene(tables, overrides=["block.height=7", "damping.mass=1"])
+    assert tables == before
+
+
+def test_sizes_beyond_floating_point():
+    allowed = "allowed a block of finite volume, mass and density"
+    assert allowed in refusal("block.width=1e-300", "block.height=1e-300")
+    assert allowed in refusal("block.width=1e300", "block.height=1e300")
+    assert allowed in refusal("block.width=1e-300", "block.mass=1e300")
+
+
+def test_huge_and_deep_values():
+    assert refusal("block.mass=1" + "0" * 400).startswith("block.mass: got 1000")
+    assert refusal("block.mass=1" + "0" * 5000).startswith("block.mass: got")
+    assert len(refusal("block.cell=" + "x" * 5000)) < 200
+    assert refusal(text="a = " + "[" * 9000 + "]" * 9000).startswith("scene: got unreadable TOML")
+
+
+@pytest.mark.parametrize("file", ["nul\\u0000.csv", "x" * 3000])
+def test_impossible_file_names(file):
+    text = TEXT + f'[motion]\nkind = "table"\nfile = "{file}"\n'
+    assert refusal(text=text).startswith("motion.file: got ")
+
+
+def test_files(tmp_path):
+    file = tmp_path / "scene.toml"
+
+    def line():
+        with pytest.raises(SceneError) as caught:
+            load_scene(file)
+        assert "\n" not in str(caught.value)
+        return str(caught.value)
+
+    assert line() == f"{file}: got no text (no such file or directory), allowed a scene in TOML"
+    file.write_text("")
+    assert line().startswith("scene.toml: got an empty scene")
+    file.write_text("# nothing\n")
+    assert line().startswith("scene.toml: got an empty scene")
+    file.write_text("title = 1\n\n[[block]\n")
+    assert "scene.toml: got unreadable TOML" in line()
+    assert "line 3" in line()
+    file.write_text("a = 1\na = 2\n")
+    assert "line 2" in line()
+    file.write_bytes(b"\xff\xfe\x00")
+    assert "not utf-8" in line()
+    file.write_bytes(b"\xef\xbb\xbf" + TEXT.encode())
+    assert load_scene(file, ["block.height=2"]).blocks[0].height == 2.0
+
+
+def test_table_of_motion_is_looked_for_beside_the_scene(tmp_path):
+    (tmp_path / "scene.toml").write_text(TEXT + '[motion]\nkind = "table"\nfile = "a/m.csv"\n')
+    with pytest.raises(SceneError, match=r"^motion.file: got .*m.csv.*, allowed a file that exis"):
+        load_scene(tmp_path / "scene.toml")
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "m.csv").write_text("0 0\n1 0\n")
+    scene = load_scene(tmp_path / "scene.toml")
+    assert scene.motion == TableSpec(file=tmp_path / "a" / "m.csv")
+    assert parse_scene(scene_to_toml(scene), folder="/elsewhere") == scene
+
+
+def test_scenes_built_in_code_are_checked_too():
+    block = BlockSpec(width=1, height=2, density=2000, young=1e9, poisson=0.2, cells=(2, 4))
+    scene = Scene(blocks=(block,), time=TimeSpec(end=1, step=0.5))
+    assert parse_scene(scene.to_dict()) == scene
+    with pytest.raises(SceneError, match=r"^poisson: got 0\.5, allowed 0 <= poisson < 0\.5"):
+        BlockSpec(width=1, height=2, density=2000, young=1e9, poisson=0.5)
+    with pytest.raises(SceneError, match=r"^block: got 0 blocks"):
+        Scene(blocks=(), time=TimeSpec(end=1, step=0.5))
+
+
+def test_errors_survive_pickling_and_have_exit_codes():
+    for override in ("block.widht=1", "block.poisson=1"):
+        with pytest.raises(SceneError) as caught:
+            parse_scene(TEXT, overrides=[override])
+        assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+    assert (SceneError.exit_code, NotConverged.exit_code, EnvironmentTrouble.exit_code) == (2, 3, 4)
+
+
+@pytest.mark.serial
+def test_light_parts_import_nothing_heavy():
+    modules = "solver.scene, solver.excitation.motion, solver.reference.housner, geometry.block"
+    heavy = "{'dolfinx', 'gmsh', 'mpi4py', 'petsc4py', 'scipy', 'ufl'}"
+    code = f"import sys, {modules}; print(sorted({heavy} & set(sys.modules)))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
+    code = "import sys, solver.scene; print('numpy' in sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "False"
