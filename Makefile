@@ -1,8 +1,6 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
 .PHONY: help demo test lint image
 
-SUITE ?= trixie
-IMAGE := --build-arg SUITE=$(SUITE) -t rockslip:$(if $(filter trixie,$(SUITE)),latest,$(SUITE))
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
 help:
@@ -28,7 +26,4 @@ lint: $(RUFF)
 	.cache/lint/bin/pip install --quiet --disable-pip-version-check ruff==0.17.5
 
 image:
-	@if docker info >/dev/null 2>&1; then docker build $(IMAGE) .; \
-	elif podman info >/dev/null 2>&1; then podman build $(IMAGE) .; \
-	else ROCKSLIP_WAY=3 ./in-env true && \
-	    STORAGE_DRIVER=$${STORAGE_DRIVER:-overlay} BUILDAH_ISOLATION=chroot buildah bud --pull-never --layers $(IMAGE) .; fi
+	./in-env --image

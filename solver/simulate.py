@@ -15,8 +15,7 @@ from mpi4py import MPI
 from geometry.arrangement import initial_position
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
-from solver.contact.plane_contact import PlaneContact
-from solver.contact.points import contact_points
+from solver.contact.faces import ContactFaces
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.dynamics.step_control import Ladder
 from solver.dynamics.stepper import Exchange, State, StepFailed, Stepper
@@ -67,12 +66,14 @@ def build(scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracom
     damping = scene.damping and Damping(mass=scene.damping.mass, stiffness=scene.damping.stiffness)
     body = ElasticBody(mesh.mesh, material, degree=spec.degree, damping=damping)
     contact = scene.contact
-    points = contact_points(body.space, mesh.facet_tags, material, points=contact.points, gamma=contact.gamma)
-    interface = PlaneContact(points, RigidFoundation(), friction=contact.friction, theta=contact.theta)
+    faces = ContactFaces(
+        body.space, mesh.facet_tags, material, RigidFoundation(), points=contact.points, gamma=contact.gamma,
+        friction=contact.friction, theta=contact.theta,
+    )  # fmt: skip
     motion = base_motion(scene.motion, scene.time.end)
     return Stepper(
         body,
-        interface,
+        faces,
         GeneralizedAlpha(scene.time.rho_inf),
         gravity=np.array(scene.gravity_vector),
         base_acceleration=None if motion is None else lambda t: np.array([motion.acceleration(t), 0.0]),

@@ -58,6 +58,12 @@ class Compliance:
         self._last = chosen
         return self._gathered
 
+    def in_frame(self, chosen: Indices, frame: Array) -> Array:
+        """Compliance among the points `chosen` in another frame (its rows are unit vectors), (m, d, m, d)."""
+        m, d = len(chosen), self.body.dimension
+        blocks = self.of(chosen)[0].reshape(m, d, m, d).transpose(0, 2, 1, 3)
+        return np.ascontiguousarray((frame @ blocks @ frame.T).transpose(0, 2, 1, 3))
+
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
         d = self.body.dimension

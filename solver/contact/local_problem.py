@@ -25,6 +25,16 @@ class NoContactSolution(Exception):
     """None of the methods settled the local problem; a smaller time step is the remedy."""
 
 
+def row_sum_scaling(W: Array) -> Array:
+    """R per point and direction, (m, 2): one over the row sums of |W| within a direction."""
+    return 1.0 / np.stack([np.abs(W[:, i, :, i]).sum(axis=1) for i in range(2)], axis=1)
+
+
+def image(W: Array, f: Array) -> Array:
+    """W f for points (m, 2)."""
+    return (W.reshape(f.size, f.size) @ f.ravel()).reshape(f.shape)
+
+
 class States:
     """Closed or open, sticking or slipping (and which way), for each point."""
 
@@ -48,13 +58,19 @@ class LocalProblem:
         self.rescues: Counter[str] = Counter()
         self._last: States | None = None
 
-    def solve(self, W: Array, q: Array, start: Array) -> Array:
+    def solve(self, W: Array, q: Array, start: Array, scaling: Array | None = None) -> Array:
         """Forces (m, 2) for compliance W (m, 2, m, 2), free values q (m, 2) and a guess (m, 2).
+
+        Args:
+            W: Compliance.
+            q: Free values.
+            start: Guess.
+            scaling: `row_sum_scaling(W)`, where it is at hand.
 
         Raises:
             NoContactSolution: Where every method failed.
         """
-        scaling = self._scaling(W)
+        scaling = row_sum_scaling(W) if scaling is None else scaling
         found = self._newton(W, q, start, scaling, self._remembered(len(q)))
         if found is None:
             for rescue in (self._tresca, self._projected, self._gauss_seidel):
@@ -70,10 +86,6 @@ class LocalProblem:
         """The last states, if they belong to as many points."""
         last = self._last
         return last if last is not None and len(last.closed) == count else None
-
-    def _scaling(self, W: Array) -> Array:
-        """r per point and direction, (m, 2)."""
-        return 1.0 / np.stack([np.abs(W[:, i, :, i]).sum(axis=1) for i in range(2)], axis=1)
 
     def _decide(self, f: Array, y: Array, scaling: Array, bound: Array | None) -> States:
         """States by the sign and size of f - r y; `bound` replaces mu f_n in Tresca problems."""
@@ -112,7 +124,7 @@ class LocalProblem:
         """Active-set iteration until the states repeat themselves; None where they cycle."""
         seen = set()
         if states is None:
-            states = self._decide(f, self._image(W, q, f), scaling, bound)
+            states = self._decide(f, q + image(W, f), scaling, bound)
         while True:
             key = states.key()
             if key in seen:
@@ -121,17 +133,12 @@ class LocalProblem:
             found = self._forces(W, q, states, bound)
             if found is None:
                 return None
-            following = self._decide(found, self._image(W, q, found), scaling, bound)
+            following = self._decide(found, q + image(W, found), scaling, bound)
             if following.key() == key:
                 if bound is None:
                     self._last = following
                 return found
             states = following
-
-    @staticmethod
-    def _image(W: Array, q: Array, f: Array) -> Array:
-        """Y = q + W f."""
-        return q + (W.reshape(q.size, q.size) @ f.ravel()).reshape(q.shape)
 
     def _tresca(self, W: Array, q: Array, start: Array, scaling: Array) -> Array | None:
         """Fixed point over problems with frozen friction bounds, each polished by Newton."""
@@ -150,18 +157,16 @@ class LocalProblem:
 
     def _projected(self, W: Array, q: Array, start: Array, scaling: Array) -> Array | None:
         """Projected iteration with one step length, Newton every ten rounds."""
-        del scaling
         f = start.copy()
         flat = W.reshape(q.size, q.size)
         length = 1.0 / np.linalg.norm(flat, 2)
-        per_point = self._scaling(W)
         for k in range(2000):
-            trial = f - length * self._image(W, q, f)
+            trial = f - length * (q + image(W, f))
             f[:, 0] = np.maximum(trial[:, 0], 0.0)
             limit = self.friction * f[:, 0]
             f[:, 1] = np.clip(trial[:, 1], -limit, limit)
             if k % 10 == 9:
-                found = self._newton(W, q, f, per_point)
+                found = self._newton(W, q, f, scaling)
                 if found is not None:
                     return found
         return None

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.compliance import Compliance
-from solver.contact.local_problem import LocalProblem, NoContactSolution
+from solver.contact.local_problem import LocalProblem, NoContactSolution, image
 
 Array = NDArray[np.float64]
 
@@ -30,50 +30,59 @@ class VelocityCorrection:
     friction: float
 
 
-def correct_velocity(
-    compliance: Compliance, frame: Array, velocity: Array, force: Array, dt: float, local: LocalProblem
-) -> VelocityCorrection | None:
-    """Solve the contact problem of velocities at the closed points.
+class VelocityContact:
+    """Solves the contact problem of velocities at the closed points."""
 
-    Args:
-        compliance: G M^-1 G^T of the body.
-        frame: Rows normal and tangential of the plane, (2, 2).
-        velocity: Of all contact points in space, (points, 2), m/s.
-        force: Point forces f of the step, (points, 2), N/m.
-        dt: Step, s.
-        local: Solver of the local problem.
+    def __init__(self, compliance: Compliance, frame: Array, local: LocalProblem):
+        """Take what stays the same.
 
-    Returns:
-        The correction, or None where no point is closed or no solution was found.
-    """
-    closed = np.flatnonzero(force[:, 0] > 0)
-    if not len(closed):
+        Args:
+            compliance: G M^-1 G^T of the body; the mass commutes with rotations, so it is constant in space.
+            frame: Rows normal and tangential of the plane, (2, 2).
+            local: Solver of the local problem.
+        """
+        self._compliance, self._frame, self._local = compliance, frame, local
+        self._closed: NDArray[np.int64] = np.empty(0, dtype=np.int64)
+        self._W = np.empty((0, 2, 0, 2))
+
+    def correct(self, velocity: Array, force: Array, dt: float) -> VelocityCorrection | None:
+        """The correction after a step, or None where no point is closed or no solution was found.
+
+        Args:
+            velocity: Of all contact points in space, (points, 2), m/s.
+            force: Point forces f of the step, (points, 2), N/m.
+            dt: Step, s.
+        """
+        closed = np.flatnonzero(force[:, 0] > 0)
+        if not len(closed):
+            return None
+        if not np.array_equal(closed, self._closed):
+            self._closed, self._W = closed, self._compliance.in_frame(closed, self._frame)
+        W, local = self._W, self._local
+        before = velocity[closed] @ self._frame.T
+        impulse = dt * force[closed]
+        slipping = np.abs(impulse[:, 1]) >= local.friction * impulse[:, 0] * (1 - 1e-9)
+        # Where the cone shrinks with P_n, giving back friction could accelerate: then the normal rows alone.
+        for held in (slipping, np.ones(len(closed), dtype=bool)):
+            try:
+                q = _total_impulse(W, before, impulse, held, local) - impulse
+            except NoContactSolution:
+                continue
+            mean = before + 0.5 * image(W, q)
+            normal, tangential = -float(q[:, 0] @ mean[:, 0]), -float(q[:, 1] @ mean[:, 1])
+            if normal + tangential >= 0:
+                response = self._compliance.of(closed)[1]
+                return VelocityCorrection(response @ (q @ self._frame).ravel(), normal, tangential)
         return None
-    matrix, response = compliance.of(closed)
-    m = len(closed)
-    turned = np.kron(np.eye(m), frame)
-    W = (turned @ matrix @ turned.T).reshape(m, 2, m, 2)
-    before = velocity[closed] @ frame.T
-    impulse = dt * force[closed]
-    slipping = np.abs(impulse[:, 1]) >= local.friction * impulse[:, 0] * (1 - 1e-9)
-    # Where the cone shrinks with P_n, giving back friction could accelerate: then the normal rows alone.
-    for held in (slipping, np.ones(m, dtype=bool)):
-        try:
-            q = _total_impulse(W, before, impulse, held, local) - impulse
-        except NoContactSolution:
-            continue
-        mean = before + 0.5 * _times(W, q)
-        normal, tangential = -float(q[:, 0] @ mean[:, 0]), -float(q[:, 1] @ mean[:, 1])
-        if normal + tangential >= 0:
-            return VelocityCorrection(response @ (q @ frame).ravel(), normal, tangential)
-    return None
 
 
 def _total_impulse(W: Array, before: Array, impulse: Array, held: NDArray[np.bool_], local: LocalProblem) -> Array:
     """P of all points; those in `held` keep their tangential part and have no tangential row."""
-    free = before - _times(W, impulse)
+    free = before - image(W, impulse)
     if local.friction:
         kept = np.flatnonzero(held)
+        if not len(kept):
+            return local.solve(W, free, impulse)
         free = free + W[:, :, kept, 1] @ impulse[kept, 1]
         W = W.copy()
         own = W[kept, 1, kept, 1]
@@ -85,7 +94,3 @@ def _total_impulse(W: Array, before: Array, impulse: Array, held: NDArray[np.boo
         return total
     return local.solve(W, free, impulse)
 
-
-def _times(W: Array, f: Array) -> Array:
-    """W f for points (m, 2)."""
-    return (W.reshape(f.size, f.size) @ f.ravel()).reshape(f.shape)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.compliance import Compliance
-from solver.contact.local_problem import LocalProblem
+from solver.contact.local_problem import LocalProblem, image, row_sum_scaling
 from solver.contact.plane_contact import ContactState, PlaneContact
 from solver.contact.points import SurfaceState
 from solver.dynamics.generalized_alpha import TangentWeights
@@ -28,7 +28,7 @@ from solver.parallel import global_sum
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-TOLERANCE = 1e-9
+TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,8 +69,12 @@ class ContactSolve:
         self.points = interface.points
         self._solver = NonlinearSolver(body.comm, body.size, self._residual, self._correct, options)
         self._compliances: dict[TangentWeights, Compliance] = {}
-        # Points farther from the plane than this after the free step cannot be pressed into it by the others.
-        self._margin = 0.01 * float(np.ptp(self.points.reference, axis=0).max())
+        # Points farther from the plane than this after the free step are not pressed into it by the others.
+        self._margin = 0.002 * float(np.ptp(body.nodes, axis=0).max())
+
+    def destroy(self) -> None:
+        """Free what PETSc holds; collective."""
+        self._solver.destroy()
 
     def solve(self, balance: Balance, guess: Array, force: Array) -> Solution:
         """Solve a balance from a guess of displacement and point forces."""
@@ -92,11 +96,12 @@ class ContactSolve:
 
     def _tolerance(self, u: Array) -> float:
         """Residual that counts as zero: a fraction of the forces at work, or the round-off of the stresses."""
-        balance, material = self._balance, self.body.material
-        forces = np.array([balance.constant @ balance.constant, u @ u])
-        load, length = np.sqrt(global_sum(self.body.comm, forces))
-        round_off = 4 * np.finfo(float).eps * material.longitudinal * float(length)
-        return max(TOLERANCE * float(load), round_off)
+        balance, body = self._balance, self.body
+        squares = global_sum(body.comm, np.array([balance.constant @ balance.constant, u @ u]))
+        load, length = np.sqrt(squares)
+        node_mass = body.mass * body.dimension / body.unknowns
+        stiffness = 0.6 * body.material.longitudinal + 0.1 * balance.weights.mass * node_mass
+        return max(TOLERANCE * float(load), float(np.finfo(float).eps * stiffness * length))
 
     def _residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces."""
@@ -127,26 +132,23 @@ class ContactSolve:
         near = np.flatnonzero((y[:, 0] < self._margin) & self._balance.contact.eligible | (self._force[:, 0] > 0))
         if not len(near):
             return (free @ R.T).ravel()
-        W, response = self._delassus(near, frame)
+        W, scaling, response = self._delassus(near, frame)
         force = self._force[near]
-        q = y[near] - (W.reshape(2 * len(near), -1) @ force.ravel()).reshape(-1, 2)
+        # W holds the interface's own softness too, which is no part of y.
+        q = y[near] - image(W, force) + force * interface.softness[near, None]
         q[:, 1] -= self._balance.contact.anchor[near]
-        W = W.copy()
-        number = np.arange(len(near))
-        for k in range(2):
-            W[number, k, number, k] += interface.softness[near]
-        new = self.local.solve(W, q, force)
+        new = self.local.solve(W, q, force, scaling)
         self._force[near] = new
         change = self._balance.weights.contact * (response @ ((new - force) @ frame).ravel())
         return ((free + change.reshape(-1, d)) @ R.T).ravel()
 
-    def _delassus(self, near: Indices, frame: Array) -> tuple[Array, Array]:
-        """W (m, 2, m, 2) without the interface's own softness, and responses in the frame of the body."""
+    def _delassus(self, near: Indices, frame: Array) -> tuple[Array, Array, Array]:
+        """W (m, 2, m, 2) with the interface's own softness, its scaling, and responses in the frame of the body."""
         if not np.array_equal(near, self._near):
-            matrix, response = self._compliance.of(near)
-            m = len(near)
-            blocks = matrix.reshape(m, 2, m, 2).transpose(0, 2, 1, 3)
-            turned = frame @ blocks @ frame.T
-            W = self._balance.weights.contact * turned.transpose(0, 2, 1, 3)
-            self._near, self._turned = near, (np.ascontiguousarray(W), response)
+            W = self._balance.weights.contact * self._compliance.in_frame(near, frame)
+            number = np.arange(len(near))
+            for k in range(2):
+                W[number, k, number, k] += self.interface.softness[near]
+            response = self._compliance.of(near)[1]
+            self._near, self._turned = near, (W, row_sum_scaling(W), response)
         return self._turned

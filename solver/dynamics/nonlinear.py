@@ -87,14 +87,14 @@ class NonlinearSolver:
         self._residual = residual
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
-        shell = PETSc.Mat().createPython(((size, None), (size, None)), Tangent(), comm=comm)
+        self._shell = shell = PETSc.Mat().createPython(((size, None), (size, None)), Tangent(), comm=comm)
         shell.setUp()
         snes = PETSc.SNES().create(comm)
         snes.setOptionsPrefix(PREFIX)
         snes.setType(PETSc.SNES.Type.NEWTONLS)
         snes.setFunction(self._function, self._r)
         snes.setJacobian(self._jacobian, shell, shell)
-        snes.setTolerances(rtol=0.0, stol=0.0, max_it=30)
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=1e-15, max_it=30)
         ksp = snes.getKSP()
         ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = ksp.getPC()
@@ -102,6 +102,7 @@ class NonlinearSolver:
         pc.setPythonContext(Correction(correct))
         self._set_options(snes, options)
         self.snes = snes
+        self._tolerance = snes.getTolerances()[1]  # the user's, where options name one
 
     @staticmethod
     def _set_options(snes: PETSc.SNES, options: Sequence[str]) -> None:
@@ -125,9 +126,14 @@ class NonlinearSolver:
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """The tangent is constant in the frame of the body: nothing to assemble."""
 
+    def destroy(self) -> None:
+        """Free what PETSc holds; collective."""
+        for thing in (self.snes, self._shell, self._x, self._r):
+            thing.destroy()
+
     def solve(self, unknowns: Array, tolerance: float) -> tuple[Array, Outcome]:
         """Solve from `unknowns` until the residual is below `tolerance` (its Euclidean norm)."""
-        self.snes.setTolerances(atol=tolerance)
+        self.snes.setTolerances(atol=self._tolerance or tolerance)
         self._x.array[:] = unknowns
         self.snes.solve(None, self._x)
         code = self.snes.getConvergedReason()

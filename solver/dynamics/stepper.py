@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.compliance import Compliance
+from solver.contact.faces import ContactFaces, carry_over
 from solver.contact.local_problem import LocalProblem, NoContactSolution
-from solver.contact.plane_contact import ContactState, PlaneContact
-from solver.contact.velocity import correct_velocity
+from solver.contact.plane_contact import ContactState
+from solver.contact.velocity import VelocityContact
 from solver.dynamics.contact_solve import Balance, ContactSolve, Solution
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.mechanics.elastic_body import ElasticBody, StrainWeights
@@ -66,7 +67,7 @@ class Stepper:
     def __init__(
         self,
         body: ElasticBody,
-        interface: PlaneContact,
+        faces: ContactFaces,
         scheme: GeneralizedAlpha,
         *,
         gravity: Array,
@@ -78,22 +79,47 @@ class Stepper:
 
         Args:
             body: The elastic body.
-            interface: Its contact with what carries it.
+            faces: Its faces, and what they may touch.
             scheme: Time stepping.
             gravity: Acceleration of gravity, (d,), m/s2.
             base_acceleration: Acceleration of the ground, t -> (d,), m/s2; None for ground at rest.
             velocity_solve: Whether contact is also solved at velocity level after each step.
             petsc_options: Options for SNES.
         """
-        self.body, self.interface, self.scheme = body, interface, scheme
+        self.body, self.scheme, self._faces = body, scheme, faces
         self.gravity, self._base = gravity, base_acceleration
         self.velocity_solve = velocity_solve
-        self.local = LocalProblem(interface.friction)
-        self.velocity_local = LocalProblem(interface.friction)
-        if interface.theta:
-            body.stiffen(interface.theta_matrix(body.mass_matrix))
-        self._solve = ContactSolve(body, interface, self.local, petsc_options)
-        self._mass_compliance: Compliance | None = None
+        self.local = LocalProblem(faces.friction)
+        self.velocity_local = LocalProblem(faces.friction)
+        self._petsc_options = tuple(petsc_options)
+        self._solve: ContactSolve | None = None
+
+    def _join(self, faces: frozenset[int]) -> None:
+        """Let faces take part in contact; the tangent changes with them."""
+        self.interface = self._faces.join(faces)
+        if self.interface.theta:
+            self.body.stiffen(self.interface.theta_matrix(self.body.mass_matrix))
+        if self._solve is not None:
+            self._solve.destroy()
+        self._solve = ContactSolve(self.body, self.interface, self.local, self._petsc_options)
+        self._velocity: VelocityContact | None = None
+
+    def _turn(self, state: State) -> float:
+        """Before a step: let faces join that have turned towards the plane, choose the points of corners.
+
+        Returns:
+            Interface energy lost by the exchange, J/m; it is added to what contact dissipates.
+        """
+        rotation = self.body.rotation(state.u)
+        facing = self._faces.facing(rotation)
+        lost = 0.0
+        if facing != self._faces.joined:
+            before, interface = self.interface.energy(state.contact), self.interface
+            self._join(facing)
+            fresh = self.interface.start(self.interface.points.evaluate(self.layer(state.u)), rotation)
+            state.contact = carry_over(state.contact, interface, self.interface, fresh)
+            lost = before - self.interface.energy(state.contact)
+        return lost + self.interface.turn(state.contact, rotation)
 
     def base(self, time: float) -> Array:
         """Acceleration of the ground, m/s2."""
@@ -101,8 +127,9 @@ class Stepper:
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
         """A state whose inertia balances loads and stresses without contact forces (r_0 = 0)."""
-        surface = self.interface.points.evaluate(self.layer(u))
-        contact = self.interface.start(surface, self.body.rotation(u))
+        rotation = self.body.rotation(u)
+        self._join(self._faces.facing(rotation))
+        contact = self.interface.start(self.interface.points.evaluate(self.layer(u)), rotation)
         return self._consistent(State(time, u, v, np.zeros_like(u), contact))
 
     def static_start(self, u: Array, time: float = 0.0) -> State:
@@ -151,6 +178,7 @@ class Stepper:
     def _solved(self, balance: Balance, guess: Array, force: Array) -> Solution:
         """Solve, or say why not."""
         try:
+            assert self._solve is not None
             solution = self._solve.solve(balance, guess, force)
         except NoContactSolution as trouble:
             raise StepFailed(f"the local contact problem did not settle ({trouble})") from trouble
@@ -165,7 +193,7 @@ class Stepper:
             StepFailed: `state` is then unchanged.
         """
         scheme, body, damping = self.scheme, self.body, self.body.damping
-        turned = self.interface.turn(state.contact, body.rotation(state.u))
+        turned = self._turn(state)
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
         load = (1 - af) * self._load(state.time + dt) + af * self._load(state.time)
         constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
@@ -235,14 +263,13 @@ class Stepper:
         body, interface = self.body, self.interface
         if not (new.contact.force[:, 0] > 0).any():
             return
-        if self._mass_compliance is None:
+        if self._velocity is None:
             rows = interface.position_rows
             factor = Factorization(body.hold(body.mass_matrix.copy()))
-            self._mass_compliance = Compliance(body, interface.points, factor, rows, rows)
+            compliance = Compliance(body, interface.points, factor, rows, rows)
+            self._velocity = VelocityContact(compliance, interface.frame, self.velocity_local)
         velocity = interface.points.values @ self.layer(new.v)
-        correction = correct_velocity(
-            self._mass_compliance, interface.frame, velocity, new.contact.force, dt, self.velocity_local
-        )
+        correction = self._velocity.correct(velocity, new.contact.force, dt)
         if correction is None:
             return
         new.v = new.v + correction.change

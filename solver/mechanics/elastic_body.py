@@ -85,6 +85,8 @@ class ElasticBody:
         self._compile(domain, degree)
         self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
         self._factorizations: dict[TangentWeights, Factorization] = {}
+        self.factorizations = 0
+        """How many tangents were factorized so far."""
         self._interface: PETSc.Mat | None = None
         self._measure_inertia()
 
@@ -201,6 +203,7 @@ class ElasticBody:
     def stiffen(self, interface: PETSc.Mat) -> None:
         """Hand over the theta term of Nitsche's method, (theta/gamma_h) G_T^T w G_T, which tangents subtract."""
         self._interface = interface
+        self._factorizations.clear()
 
     def factorization(self, weights: TangentWeights) -> Factorization:
         """The tangent of the unrotated body for these weights, factorized once and kept."""
@@ -211,6 +214,7 @@ class ElasticBody:
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
             self._factorizations[weights] = Factorization(self.hold(matrix))
+            self.factorizations += 1
         return self._factorizations[weights]
 
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
@@ -219,8 +223,3 @@ class ElasticBody:
             start = matrix.getOwnershipRange()[0]
             matrix.zeroRowsColumns(self.fixed + start, 1.0)
         return matrix
-
-    @property
-    def factorizations(self) -> int:
-        """How many tangents were factorized so far."""
-        return len(self._factorizations)

@@ -29,13 +29,17 @@ class Observer:
         self._stepper, self._thickness = stepper, thickness
         self._angle, self._slip = 0.0, 0.0
         self._exchanged = np.zeros(5)
+        self._interface = stepper.interface
         self._gaps = stepper.interface.gaps(state.contact.surface)
-        places = stepper.interface.points.node_positions
-        bottom = places[:, 1] < places[:, 1].min() + 1e-9 * np.ptp(places[:, 1])
-        row = np.flatnonzero(bottom)
-        self._corners = row[[np.argmin(places[row, 0]), np.argmax(places[row, 0])]]
-        self._places = places[self._corners]
+        self._corners, self._places = self._bottom()
         self._start: float | None = None
+
+    def _bottom(self) -> tuple[NDArray[np.int64], Array]:
+        """The two bottom corners: where they stand in the layer of the interface, and in the block."""
+        places = self._stepper.interface.points.node_positions
+        row = np.flatnonzero(places[:, 1] < places[:, 1].min() + 1e-9 * np.ptp(places[:, 0]))
+        corners = row[[np.argmin(places[row, 0]), np.argmax(places[row, 0])]]
+        return corners, places[corners]
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
         """The values of a history row, in the order of `solver.post.history.columns`."""
@@ -62,6 +66,9 @@ class Observer:
         """Gaps of all points and of the bottom corners, number of closed points; slip is carried on."""
         interface = self._stepper.interface
         gaps = interface.gaps(state.contact.surface)
+        if interface is not self._interface:  # faces joined: the points are others, the step's slip is not counted
+            self._interface, self._gaps = interface, gaps
+            self._corners, self._places = self._bottom()
         closed = state.contact.force[:, 0] > 0
         moving = np.flatnonzero(closed) if closed.any() else [int(np.argmin(gaps[:, 0]))]
         self._slip += float(np.mean(gaps[moving, 1] - self._gaps[moving, 1]))

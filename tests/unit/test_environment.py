@@ -170,7 +170,7 @@ def test_an_engine_builds_once_and_runs(machine: Machine) -> None:
     machine.install_engine("podman")
     first, second = (machine.in_env("python3", "-c", "pass", CI="true") for _ in range(2))
     assert (first.returncode, second.returncode) == (3, 3)
-    assert "building the environment" in first.stderr
+    assert first.stderr.startswith("in-env: building rockslip-environment:trixie-")
     assert second.stderr == ""
     (built,) = machine.calls("docker build")
     assert "--target environment --build-arg SUITE=trixie" in built
@@ -188,6 +188,16 @@ def test_an_engine_builds_once_and_runs(machine: Machine) -> None:
         assert part in run
     assert run.endswith(" python3 -c pass")
     assert machine.calls("podman") == []
+
+
+def test_the_complete_image_is_built_on_request(machine: Machine) -> None:
+    machine.install("python3")
+    machine.install_engine("docker")
+    assert machine.in_env("--image").returncode == 0
+    stage, whole = machine.calls("docker build")
+    assert " --target environment " in stage
+    assert "--target" not in whole and " -t rockslip:latest " in whole
+    assert machine.calls("docker run") == []
 
 
 def test_an_engine_that_does_not_answer_is_passed_over(machine: Machine) -> None:
@@ -229,6 +239,13 @@ def test_debian_as_root_builds_its_own_base_when_no_registry_answers(machine: Ma
     assert f" -- /usr/bin/env -i -C {machine.current} OMP_NUM_THREADS=1 PYTHONPATH=" in run
     assert run.endswith(" python3 x y")
     assert machine.calls("apt-get") == []
+
+
+def test_debian_as_root_builds_the_complete_image(machine: Machine) -> None:
+    machine.install_debian()
+    assert machine.in_env("--image").returncode == 0
+    assert " -t rockslip:latest " in machine.calls("buildah bud")[-1]
+    assert machine.calls("unshare") == []
 
 
 def test_debian_as_root_keeps_what_it_built(machine: Machine) -> None:

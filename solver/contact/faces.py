@@ -1,0 +1,77 @@
+"""The faces of a body that take part in contact: those turned towards what carries it.
+
+Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a face cost
+time in every iteration, so a face joins when it has turned to within 60 degrees of facing the plane, which a
+block that stands, slides or rocks never lets its sides do; one that tips over does, before it touches with them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from dolfinx import fem, mesh
+from numpy.typing import NDArray
+
+from geometry.foundation import RigidFoundation
+from solver.contact.plane_contact import ContactState, PlaneContact
+from solver.contact.points import contact_points
+from solver.mechanics.material import Material
+
+Array = NDArray[np.float64]
+
+FACING = -0.5
+"""Cosine of the angle between a face's normal and the plane's below which the face joins."""
+
+
+class ContactFaces:
+    """Builds the interface of a body with a rigid plane from the faces that can touch."""
+
+    def __init__(
+        self,
+        space: fem.FunctionSpace,
+        facet_tags: mesh.MeshTags,
+        material: Material,
+        plane: RigidFoundation,
+        *,
+        points: str,
+        gamma: float,
+        friction: float,
+        theta: int,
+    ):
+        """Take what `contact_points` and `PlaneContact` need; nothing is built yet."""
+        self._space, self._tags, self._material, self._plane = space, facet_tags, material, plane
+        self._points, self._gamma, self.friction, self._theta = points, gamma, friction, theta
+        self._normal = np.asarray(plane.normal)
+        everything = contact_points(space, facet_tags, material, points=points, gamma=gamma)
+        self._face = everything.tag
+        self._outward = everything.normal
+        self.joined: frozenset[int] = frozenset()
+
+    def facing(self, rotation: Array) -> frozenset[int]:
+        """Tags of the faces with a facet turned towards the plane, and of those that joined before."""
+        towards = self._outward @ rotation.T @ self._normal < FACING
+        return self.joined | frozenset(np.unique(self._face[towards]).tolist())
+
+    def join(self, faces: frozenset[int]) -> PlaneContact:
+        """The interface of these faces."""
+        self.joined = faces
+        chosen = np.isin(self._tags.values, list(faces))
+        tags = mesh.meshtags(self._space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen])
+        points = contact_points(self._space, tags, self._material, points=self._points, gamma=self._gamma)
+        return PlaneContact(points, self._plane, friction=self.friction, theta=self._theta)
+
+
+def carry_over(state: ContactState, old: PlaneContact, new: PlaneContact, fresh: ContactState) -> ContactState:
+    """The memory of `old`'s points in a fresh state of `new`, which holds the same points and more."""
+    place = {key: k for k, key in enumerate(_keys(old))}
+    for k, key in enumerate(_keys(new)):
+        if key in place:
+            fresh.force[k], fresh.anchor[k] = state.force[place[key]], state.anchor[place[key]]
+            fresh.eligible[k] = state.eligible[place[key]]
+    return fresh
+
+
+def _keys(interface: PlaneContact) -> list[tuple[float, ...]]:
+    """What tells the points of an interface apart: face and place."""
+    points = interface.points
+    scale = np.ptp(points.node_positions, axis=0).max()
+    return [tuple(row) for row in np.column_stack([points.tag, np.round(points.reference / scale, 7) + 0.0]).tolist()]
