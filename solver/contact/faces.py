@@ -62,16 +62,10 @@ class ContactFaces:
 
 def carry_over(state: ContactState, old: PlaneContact, new: PlaneContact, fresh: ContactState) -> ContactState:
     """The memory of `old`'s points in a fresh state of `new`, which holds the same points and more."""
-    place = {key: k for k, key in enumerate(_keys(old))}
-    for k, key in enumerate(_keys(new)):
+    place = {key: k for k, key in enumerate(old.keys())}
+    for k, key in enumerate(new.keys()):
         if key in place:
             fresh.force[k], fresh.anchor[k] = state.force[place[key]], state.anchor[place[key]]
             fresh.eligible[k] = state.eligible[place[key]]
     return fresh
 
-
-def _keys(interface: PlaneContact) -> list[tuple[float, ...]]:
-    """What tells the points of an interface apart: face and place."""
-    points = interface.points
-    scale = np.ptp(points.node_positions, axis=0).max()
-    return [tuple(row) for row in np.column_stack([points.tag, np.round(points.reference / scale, 7) + 0.0]).tolist()]

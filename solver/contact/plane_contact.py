@@ -66,6 +66,13 @@ class PlaneContact:
         self.force_rows = compact(position - theta * scale @ traction)
         self.position_rows, self.traction_rows = compact(position), traction
         self._corners = self._coinciding()
+        scale = np.ptp(points.node_positions, axis=0).max()
+        places = np.column_stack([points.tag, np.round(points.reference / scale, 7) + 0.0])
+        self._keys = [tuple(row) for row in places.tolist()]
+
+    def keys(self) -> list[tuple[float, ...]]:
+        """What tells the points of a body apart, whatever faces have joined: face and place."""
+        return self._keys
 
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
         """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +32,7 @@ class Observer:
         self._angle, self._slip = 0.0, 0.0
         self._exchanged = np.zeros(5)
         self._interface = stepper.interface
-        self._gaps = stepper.interface.gaps(state.contact.surface)
+        self._home = dict(zip(stepper.interface.keys(), stepper.interface.gaps(state.contact.surface)[:, 1], strict=True))
         self._corners, self._places = self._bottom()
         self._start: float | None = None
 
@@ -66,16 +68,28 @@ class Observer:
         """Gaps of all points and of the bottom corners, number of closed points; slip is carried on."""
         interface = self._stepper.interface
         gaps = interface.gaps(state.contact.surface)
-        if interface is not self._interface:  # faces joined: the points are others, the step's slip is not counted
-            self._interface, self._gaps = interface, gaps
+        if interface is not self._interface:
+            self._interface = interface
             self._corners, self._places = self._bottom()
         closed = state.contact.force[:, 0] > 0
-        moving = np.flatnonzero(closed) if closed.any() else [int(np.argmin(gaps[:, 0]))]
-        self._slip += float(np.mean(gaps[moving, 1] - self._gaps[moving, 1]))
-        self._gaps = gaps
+        touching = np.flatnonzero(closed) if closed.any() else [int(np.argmin(gaps[:, 0]))]
+        self._slip = self._slip_of(gaps[:, 1], touching)
         displacement = self._stepper.layer(state.u)[self._corners]
         corners = (self._places + displacement - interface.origin) @ interface.frame.T
         return gaps, corners, int(closed.sum())
+
+    def _slip_of(self, place: Array, touching: Sequence[int] | NDArray[np.int64]) -> float:
+        """Mean displacement of the touching points along the plane since they were at home.
+
+        Home is where a point stood at the start, for points of faces that joined later where it has to be
+        for the slip not to jump when they first touch.
+        """
+        keys = self._interface.keys()
+        known = [place[q] - self._home[keys[q]] for q in touching if keys[q] in self._home]
+        slip = float(np.mean(known)) if known else self._slip
+        for q in touching:
+            self._home.setdefault(keys[q], place[q] - slip)
+        return slip
 
     def _energies(self, state: State, exchange: Exchange, centre: Array) -> list[float]:
         """Stored, taken in and dissipated energy, J."""

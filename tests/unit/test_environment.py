@@ -173,7 +173,7 @@ def test_an_engine_builds_once_and_runs(machine: Machine) -> None:
     assert first.stderr.startswith("in-env: building rockslip-environment:trixie-")
     assert second.stderr == ""
     (built,) = machine.calls("docker build")
-    assert "--target environment --build-arg SUITE=trixie" in built
+    assert " --build-arg SUITE=trixie --target environment " in built
     run, again = machine.calls("docker run")
     assert run == again
     for part in (
