@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from petsc4py import PETSc
+
 import numpy as np
 from dolfinx import cpp, fem
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 
 class PackedForm:

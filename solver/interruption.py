@@ -28,7 +28,12 @@ class Interruption:
                 self._before[number] = signal.signal(number, self._note)
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         """Give the signals back."""
         for number, handler in self._before.items():
             signal.signal(number, handler)
@@ -40,7 +45,11 @@ class Interruption:
     @property
     def signal_name(self) -> str:
         """Name of the signal that came, on the rank that got it."""
-        return signal.Signals(self._signal).name if self._signal is not None else "a signal to another rank"
+        return (
+            signal.Signals(self._signal).name
+            if self._signal is not None
+            else "a signal to another rank"
+        )
 
     def requested(self) -> bool:
         """Whether the run is to stop; collective, the same on every rank."""

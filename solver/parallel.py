@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 
@@ -30,7 +31,13 @@ class Layer:
     so every rank holds them all and the contact problem is solved on each, with the same digits.
     """
 
-    def __init__(self, comm: MPI.Intracomm, local: NDArray[np.int32], position: NDArray[np.int64], nodes: NDArray[np.int64]):
+    def __init__(
+        self,
+        comm: MPI.Intracomm,
+        local: NDArray[np.int32],
+        position: NDArray[np.int64],
+        nodes: NDArray[np.int64],
+    ):
         """Set up the exchange.
 
         Args:

@@ -8,8 +8,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 
 from solver.dynamics.stepper import State, Stepper
 from solver.post.history import History
@@ -24,7 +25,13 @@ class RunFiles:
     leaves what it had.
     """
 
-    def __init__(self, scene: Scene, folder: Path | None, comm: MPI.Intracomm, log: Callable[[str], None] | None):
+    def __init__(
+        self,
+        scene: Scene,
+        folder: Path | None,
+        comm: MPI.Intracomm,
+        log: Callable[[str], None] | None,
+    ):
         """Open the folder and its log."""
         self._scene, self._folder, self._comm, self._also = scene, folder, comm, log
         self._writes = folder is not None and comm.rank == 0
@@ -43,7 +50,12 @@ class RunFiles:
         """Nothing more to open."""
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         """Write what is still in memory, whatever happened."""
         if self._history is not None:
             self._history.flush()
@@ -71,7 +83,9 @@ class RunFiles:
         began = time.perf_counter()
         self._history = history
         body = stepper.body
-        self.log(f"{body.unknowns} unknowns on {body.comm.size} ranks, {stepper.interface.points.count} contact points")
+        self.log(
+            f"{body.unknowns} unknowns on {body.comm.size} ranks, {stepper.interface.points.count} contact points"
+        )
         if self._folder is not None and self._scene.output.fields == "vtk":
             from solver.post.snapshots import Snapshots
 

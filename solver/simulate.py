@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 
 from geometry.arrangement import initial_position
 from geometry.foundation import RigidFoundation
@@ -58,11 +59,17 @@ class Result:
     summary: dict[str, Any]
 
 
-def build(scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracomm = MPI.COMM_WORLD) -> Stepper:
+def build(
+    scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> Stepper:
     """Mesh the block of a scene and set its solver up."""
     spec = scene.blocks[0]
-    mesh = block_mesh(spec.shape, cells=spec.cells, cell=spec.cell, refinement=spec.refinement, comm=comm)
-    material = Material(young=spec.young, poisson=spec.poisson, density=spec.shape.density, plane=scene.plane)
+    mesh = block_mesh(
+        spec.shape, cells=spec.cells, cell=spec.cell, refinement=spec.refinement, comm=comm
+    )
+    material = Material(
+        young=spec.young, poisson=spec.poisson, density=spec.shape.density, plane=scene.plane
+    )
     damping = scene.damping and Damping(mass=scene.damping.mass, stiffness=scene.damping.stiffness)
     body = ElasticBody(mesh.mesh, material, degree=spec.degree, damping=damping)
     contact = scene.contact
@@ -76,7 +83,9 @@ def build(scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracom
         faces,
         GeneralizedAlpha(scene.time.rho_inf),
         gravity=np.array(scene.gravity_vector),
-        base_acceleration=None if motion is None else lambda t: np.array([motion.acceleration(t), 0.0]),
+        base_acceleration=None
+        if motion is None
+        else lambda t: np.array([motion.acceleration(t), 0.0]),
         velocity_solve=contact.velocity_solve,
         petsc_options=petsc_options,
     )
@@ -128,7 +137,9 @@ def simulate(
         setup = time.perf_counter() - began
         status, reason = run.loop(state)
         cost = run.cost(setup, time.perf_counter() - began - setup)
-        summary = summarise(scene, history, status=status, cost=cost, versions=versions(), reason=reason)
+        summary = summarise(
+            scene, history, status=status, cost=cost, versions=versions(), reason=reason
+        )
         files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
     if progress is not None:
         progress.close()
@@ -158,7 +169,10 @@ class _Run:
         exchange = Exchange()
         while not ladder.done:
             if self.interruption.requested():
-                return "interrupted", f"stopped by {self.interruption.signal_name} at t = {state.time:.6g} s"
+                return (
+                    "interrupted",
+                    f"stopped by {self.interruption.signal_name} at t = {state.time:.6g} s",
+                )
             step = ladder.step
             try:
                 state, exchange = self.stepper.advance(state, step)
@@ -166,7 +180,10 @@ class _Run:
                 self.rejected += 1
                 self.files.log(f"t = {state.time:.6g} s: step of {step:.3g} s rejected, {trouble}")
                 if not ladder.reject():
-                    return "not converged", f"at t = {state.time:.6g} s with a step of {step:.3g} s: {trouble}"
+                    return (
+                        "not converged",
+                        f"at t = {state.time:.6g} s with a step of {step:.3g} s: {trouble}",
+                    )
                 continue
             ladder.accept()
             state.time = ladder.time

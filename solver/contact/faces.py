@@ -55,12 +55,18 @@ class ContactFaces:
         """The interface of these faces."""
         self.joined = faces
         chosen = np.isin(self._tags.values, list(faces))
-        tags = mesh.meshtags(self._space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen])
-        points = contact_points(self._space, tags, self._material, points=self._points, gamma=self._gamma)
+        tags = mesh.meshtags(
+            self._space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen]
+        )
+        points = contact_points(
+            self._space, tags, self._material, points=self._points, gamma=self._gamma
+        )
         return PlaneContact(points, self._plane, friction=self.friction, theta=self._theta)
 
 
-def carry_over(state: ContactState, old: PlaneContact, new: PlaneContact, fresh: ContactState) -> ContactState:
+def carry_over(
+    state: ContactState, old: PlaneContact, new: PlaneContact, fresh: ContactState
+) -> ContactState:
     """The memory of `old`'s points in a fresh state of `new`, which holds the same points and more."""
     place = {key: k for k, key in enumerate(old.keys())}
     for k, key in enumerate(new.keys()):
@@ -68,4 +74,3 @@ def carry_over(state: ContactState, old: PlaneContact, new: PlaneContact, fresh:
             fresh.force[k], fresh.anchor[k] = state.force[place[key]], state.anchor[place[key]]
             fresh.eligible[k] = state.eligible[place[key]]
     return fresh
-

@@ -52,9 +52,14 @@ class States:
 class LocalProblem:
     """Solver of the local problem for a friction coefficient; remembers the last states."""
 
-    def __init__(self, friction: float):
-        """Take Coulomb's coefficient mu; 0 drops the tangential unknowns."""
-        self.friction = friction
+    def __init__(self, friction: float, patience: int = 3):
+        """Set up.
+
+        Args:
+            friction: Coulomb's mu; 0 drops the tangential unknowns.
+            patience: How many of the methods behind Newton's may be tried.
+        """
+        self.friction, self._patience = friction, patience
         self.rescues: Counter[str] = Counter()
         self._last: States | None = None
 
@@ -73,7 +78,7 @@ class LocalProblem:
         scaling = row_sum_scaling(W) if scaling is None else scaling
         found = self._newton(W, q, start, scaling, self._remembered(len(q)))
         if found is None:
-            for rescue in (self._tresca, self._projected, self._gauss_seidel):
+            for rescue in (self._tresca, self._projected, self._gauss_seidel)[: self._patience]:
                 found = rescue(W, q, start, scaling)
                 if found is not None:
                     self.rescues[rescue.__name__.strip("_")] += 1
@@ -114,12 +119,20 @@ class LocalProblem:
         if info:
             return None
         f[closed, 0] = x[: len(closed)]
-        f[closed, 1] = direction * (self.friction * f[closed, 0] if bound is None else bound[closed])
+        f[closed, 1] = direction * (
+            self.friction * f[closed, 0] if bound is None else bound[closed]
+        )
         f[stick, 1] = x[len(closed) :]
         return f
 
     def _newton(
-        self, W: Array, q: Array, f: Array, scaling: Array, states: States | None = None, bound: Array | None = None
+        self,
+        W: Array,
+        q: Array,
+        f: Array,
+        scaling: Array,
+        states: States | None = None,
+        bound: Array | None = None,
     ) -> Array | None:
         """Active-set iteration until the states repeat themselves; None where they cycle."""
         seen = set()
@@ -160,7 +173,7 @@ class LocalProblem:
         f = start.copy()
         flat = W.reshape(q.size, q.size)
         length = 1.0 / np.linalg.norm(flat, 2)
-        for k in range(2000):
+        for k in range(1000):
             trial = f - length * (q + image(W, f))
             f[:, 0] = np.maximum(trial[:, 0], 0.0)
             limit = self.friction * f[:, 0]
@@ -172,14 +185,17 @@ class LocalProblem:
         return None
 
     def _gauss_seidel(self, W: Array, q: Array, start: Array, scaling: Array) -> Array | None:
-        """Nonsmooth Gauss-Seidel, each point solved exactly, Newton as a polish."""
+        """Nonsmooth Gauss-Seidel, each point solved exactly, until it stands still or Newton can polish it."""
         f = start.copy()
-        for k in range(2000):
+        for sweep in range(1, 401):
+            before = f.copy()
             for i in range(len(q)):
                 own = W[i, :, i, :]
                 free = q[i] + np.tensordot(W[i], f, 2) - own @ f[i]
                 f[i] = self._one_point(own, free)
-            if k % 20 == 19:
+            if np.abs(f - before).max() <= 1e-13 * np.abs(f).max():
+                return f
+            if sweep % 20 == 0:
                 found = self._newton(W, q, f, scaling)
                 if found is not None:
                     return found

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from petsc4py import PETSc
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from geometry.foundation import RigidFoundation
 from solver.contact.points import ContactPoints, SurfaceState, compact
@@ -46,7 +47,9 @@ class ContactState:
 class PlaneContact:
     """Kinematics, forces and energy of contact with a rigid plane."""
 
-    def __init__(self, points: ContactPoints, plane: RigidFoundation, *, friction: float, theta: int):
+    def __init__(
+        self, points: ContactPoints, plane: RigidFoundation, *, friction: float, theta: int
+    ):
         """Set up the rows.
 
         Args:
@@ -83,7 +86,9 @@ class PlaneContact:
         d = self.points.dimension
         weight = np.repeat(self.theta * self.points.weight * self._inverse_gamma, d)
         local = sp.csr_matrix(self.traction_rows.T @ sp.diags(weight) @ self.traction_rows)
-        unknowns = (self.points.layer.nodes[:, None] * d + np.arange(d)).ravel().astype(PETSc.IntType)
+        unknowns = (
+            (self.points.layer.nodes[:, None] * d + np.arange(d)).ravel().astype(PETSc.IntType)
+        )
         matrix = PETSc.Mat().createAIJ(like.getSizes(), comm=like.comm)
         matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
         start, end = like.getOwnershipRange()
@@ -96,7 +101,9 @@ class PlaneContact:
     def _coinciding(self) -> list[NDArray[np.int64]]:
         """Groups of points of different faces that share a place."""
         scale = np.ptp(self.points.reference, axis=0).max()
-        _, group = np.unique(np.round(self.points.reference / scale, 9), axis=0, return_inverse=True)
+        _, group = np.unique(
+            np.round(self.points.reference / scale, 9), axis=0, return_inverse=True
+        )
         members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
         return [m for m in members if len(m) > 1]
 
@@ -110,7 +117,7 @@ class PlaneContact:
         return mask
 
     def augmented(self, surface: SurfaceState) -> Array:
-        """y = (g, s) - T/gamma_h of all points, (points, 2), m."""
+        """Y = (g, s) - T/gamma_h of all points, (points, 2), m."""
         y = surface.position - self.origin - self._inverse_gamma[:, None] * surface.traction
         return y @ self.frame.T
 
@@ -143,7 +150,14 @@ class PlaneContact:
         state.eligible = eligible
         return before - self.energy(state)
 
-    def nodal(self, old: SurfaceState, new: SurfaceState, force: Array, traction_weight: float, contact_weight: float) -> Array:
+    def nodal(
+        self,
+        old: SurfaceState,
+        new: SurfaceState,
+        force: Array,
+        traction_weight: float,
+        contact_weight: float,
+    ) -> Array:
         """Nodal forces (layer nodes, d) of contact: w_c G^T f and the terms of theta.
 
         Args:
@@ -169,7 +183,9 @@ class PlaneContact:
         stored = 0.5 * float(np.sum(state.force**2 * self.softness[:, None]))
         if self.theta:
             tractions = np.sum(state.surface.traction**2, axis=1)
-            stored -= 0.5 * self.theta * float(tractions @ (self.points.weight * self._inverse_gamma))
+            stored -= (
+                0.5 * self.theta * float(tractions @ (self.points.weight * self._inverse_gamma))
+            )
         return stored
 
     def theta_increment(self, old: SurfaceState, new: SurfaceState) -> float:
@@ -179,7 +195,9 @@ class PlaneContact:
         change = np.sum((new.traction - old.traction) ** 2, axis=1)
         return self.theta * float(change @ (self.points.weight * self._inverse_gamma))
 
-    def remember(self, old: ContactState, surface: SurfaceState, force: Array) -> tuple[ContactState, float, float]:
+    def remember(
+        self, old: ContactState, surface: SurfaceState, force: Array
+    ) -> tuple[ContactState, float, float]:
         """The state after a step, and what friction and the closing and opening of points dissipated (J/m).
 
         Friction: minus the work of the tangential forces on the anchors. Contact: the work of the point
@@ -195,5 +213,7 @@ class PlaneContact:
         contact = -float(np.sum(force * (y - y_old))) - stored - friction
         if self.theta != 1:
             change = (surface.traction - old.surface.traction) @ self.frame.T
-            contact -= (1 - self.theta) * float(np.sum(force * change * self._inverse_gamma[:, None]))
+            contact -= (1 - self.theta) * float(
+                np.sum(force * change * self._inverse_gamma[:, None])
+            )
         return state, friction, contact

@@ -59,13 +59,26 @@ class SurfaceState:
 
 def compact(matrix: sp.spmatrix) -> Any:
     """The matrix in the form that multiplies fastest: dense while it is small (a sparse product costs 10 us)."""
-    return matrix.toarray() if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES else sp.csr_matrix(matrix)
+    return (
+        matrix.toarray()
+        if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES
+        else sp.csr_matrix(matrix)
+    )
 
 
 class ContactPoints:
     """The points of a surface, and the linear maps between them and the unknowns of its layer of nodes."""
 
-    def __init__(self, table: Evaluations, layer: Layer, material: Material, *, gamma: float, degree: int, merge: bool):
+    def __init__(
+        self,
+        table: Evaluations,
+        layer: Layer,
+        material: Material,
+        *,
+        gamma: float,
+        degree: int,
+        merge: bool,
+    ):
         """Merge the evaluations into points.
 
         Args:
@@ -97,11 +110,15 @@ class ContactPoints:
         self._normal = table.normal
         rows = np.repeat(np.arange(count), table.nodes.shape[1])
         shape = (count, layer.size)
-        values = average @ sp.csr_matrix((table.values.ravel(), (rows, table.nodes.ravel())), shape=shape)
+        values = average @ sp.csr_matrix(
+            (table.values.ravel(), (rows, table.nodes.ravel())), shape=shape
+        )
         values.data[np.abs(values.data) < 1e-14] = 0.0  # what tabulation leaves at other nodes
         values.eliminate_zeros()
         directions = [
-            sp.csr_matrix((table.gradients[:, :, j].ravel(), (rows, table.nodes.ravel())), shape=shape)
+            sp.csr_matrix(
+                (table.gradients[:, :, j].ravel(), (rows, table.nodes.ravel())), shape=shape
+            )
             for j in range(dimension)
         ]
         order = np.arange(count * dimension).reshape(dimension, count).T.ravel()
@@ -157,7 +174,9 @@ class ContactPoints:
         across = sum(normals[j] @ along[j] for j in range(d))
         blocks = [
             [
-                lame * normals[i] @ along[k] + shear * normals[k] @ along[i] + (shear * across if i == k else 0 * across)
+                lame * normals[i] @ along[k]
+                + shear * normals[k] @ along[i]
+                + (shear * across if i == k else 0 * across)
                 for k in range(d)
             ]
             for i in range(d)
@@ -181,7 +200,12 @@ def facet_rule(points: str, degree: int, cell: str) -> tuple[Array, Array]:
 
 
 def contact_points(
-    V: fem.FunctionSpace, facet_tags: mesh.MeshTags, material: Material, *, points: str, gamma: float
+    V: fem.FunctionSpace,
+    facet_tags: mesh.MeshTags,
+    material: Material,
+    *,
+    points: str,
+    gamma: float,
 ) -> ContactPoints:
     """The contact points of all tagged boundary facets of a body; the same on every rank.
 
@@ -194,10 +218,14 @@ def contact_points(
     """
     degree = V.ufl_element().degree
     table, layer = _gather(V, _evaluate_facets(V, facet_tags, points, degree))
-    return ContactPoints(table, layer, material, gamma=gamma, degree=degree, merge=points == "nodes")
+    return ContactPoints(
+        table, layer, material, gamma=gamma, degree=degree, merge=points == "nodes"
+    )
 
 
-def _evaluate_facets(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: str, degree: int) -> list[tuple[Any, ...]]:
+def _evaluate_facets(
+    V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: str, degree: int
+) -> list[tuple[Any, ...]]:
     """One record for each owned facet and rule point: what `Evaluations` holds, with global nodes."""
     domain = V.mesh
     tdim, topology = domain.topology.dim, domain.topology
@@ -206,7 +234,10 @@ def _evaluate_facets(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: st
     to_cell, to_facet = topology.connectivity(tdim - 1, tdim), topology.connectivity(tdim, tdim - 1)
     cell_type = domain.basix_cell()
     corners, faces = basix.geometry(cell_type), basix.topology(cell_type)[tdim - 1]
-    outward, face_size = basix.cell.facet_outward_normals(cell_type), basix.cell.facet_reference_volumes(cell_type)
+    outward, face_size = (
+        basix.cell.facet_outward_normals(cell_type),
+        basix.cell.facet_reference_volumes(cell_type),
+    )
     facet_kind = basix.cell.subentity_types(cell_type)[tdim - 1][0].name
     rule, rule_weight = facet_rule(points, degree, facet_kind)
     shape = basix.ufl.element("Lagrange", domain.basix_cell().name, degree)
@@ -223,7 +254,9 @@ def _evaluate_facets(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: st
         edges = np.array([corners[k] - origin for k in faces[side][1:tdim]])
         local = origin + rule @ edges
         x = domain.geometry.x[domain.geometry.dofmap[cell], :tdim]
-        volume, area = (_measure(map_shape, x, p, outward[side]) for p in (centre, local.mean(axis=0)[None, :]))
+        volume, area = (
+            _measure(map_shape, x, p, outward[side]) for p in (centre, local.mean(axis=0)[None, :])
+        )
         h = volume[0] * basix.cell.volume(cell_type) / (area[1] * face_size[side])
         values, map_values = shape.tabulate(1, local), map_shape.tabulate(1, local)
         dofs = V.dofmap.cell_dofs(cell)
@@ -263,7 +296,9 @@ def _gather(V: fem.FunctionSpace, records: list[tuple[Any, ...]]) -> tuple[Evalu
     rank_in_layer[canonical] = np.arange(len(unique))
     start, end = V.dofmap.index_map.local_range
     mine = (unique >= start) & (unique < end)
-    layer = Layer(comm, (unique[mine] - start).astype(np.int32), rank_in_layer[mine], unique[canonical])
+    layer = Layer(
+        comm, (unique[mine] - start).astype(np.int32), rank_in_layer[mine], unique[canonical]
+    )
     table = Evaluations(
         nodes=rank_in_layer[inverse.reshape(nodes.shape)][order], values=values[order], gradients=gradients[order],
         node_positions=node_positions[canonical], normal=normal[order], weight=weight[order], size=size[order],

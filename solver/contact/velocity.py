@@ -30,6 +30,14 @@ class VelocityCorrection:
     friction: float
 
 
+def regularised(W: Array) -> Array:
+    """W with a relative diagonal: Gauss points outnumber the nodes they stand on, and W is singular."""
+    number = np.arange(len(W))
+    for k in range(2):
+        W[number, k, number, k] *= 1 + 1e-8
+    return W
+
+
 class VelocityContact:
     """Solves the contact problem of velocities at the closed points."""
 
@@ -57,7 +65,10 @@ class VelocityContact:
         if not len(closed):
             return None
         if not np.array_equal(closed, self._closed):
-            self._closed, self._W = closed, self._compliance.in_frame(closed, self._frame)
+            self._closed, self._W = (
+                closed,
+                regularised(self._compliance.in_frame(closed, self._frame)),
+            )
         W, local = self._W, self._local
         before = velocity[closed] @ self._frame.T
         impulse = dt * force[closed]
@@ -76,7 +87,9 @@ class VelocityContact:
         return None
 
 
-def _total_impulse(W: Array, before: Array, impulse: Array, held: NDArray[np.bool_], local: LocalProblem) -> Array:
+def _total_impulse(
+    W: Array, before: Array, impulse: Array, held: NDArray[np.bool_], local: LocalProblem
+) -> Array:
     """P of all points; those in `held` keep their tangential part and have no tangential row."""
     free = before - image(W, impulse)
     if local.friction:
@@ -93,4 +106,3 @@ def _total_impulse(W: Array, before: Array, impulse: Array, held: NDArray[np.boo
         total[kept, 1] = impulse[kept, 1]
         return total
     return local.solve(W, free, impulse)
-

@@ -63,7 +63,13 @@ class Solution:
 class ContactSolve:
     """SNES with the contact problem condensed inside its correction."""
 
-    def __init__(self, body: ElasticBody, interface: PlaneContact, local: LocalProblem, options: Sequence[str]):
+    def __init__(
+        self,
+        body: ElasticBody,
+        interface: PlaneContact,
+        local: LocalProblem,
+        options: Sequence[str],
+    ):
         """Set SNES up for a body and its interface."""
         self.body, self.interface, self.local = body, interface, local
         self.points = interface.points
@@ -129,7 +135,9 @@ class ContactSolve:
         moved = (interface.read_rows @ layer.ravel()).reshape(-1, d)
         frame = interface.frame @ R
         y = interface.augmented(self._surface) + moved @ frame.T
-        near = np.flatnonzero((y[:, 0] < self._margin) & self._balance.contact.eligible | (self._force[:, 0] > 0))
+        near = np.flatnonzero(
+            (y[:, 0] < self._margin) & self._balance.contact.eligible | (self._force[:, 0] > 0)
+        )
         if not len(near):
             return (free @ R.T).ravel()
         W, scaling, response = self._delassus(near, frame)

@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
+
+import numpy as np
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
@@ -87,7 +88,9 @@ class NonlinearSolver:
         self._residual = residual
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
-        self._shell = shell = PETSc.Mat().createPython(((size, None), (size, None)), Tangent(), comm=comm)
+        self._shell = shell = PETSc.Mat().createPython(
+            ((size, None), (size, None)), Tangent(), comm=comm
+        )
         shell.setUp()
         snes = PETSc.SNES().create(comm)
         snes.setOptionsPrefix(PREFIX)
@@ -138,7 +141,9 @@ class NonlinearSolver:
         self.snes.solve(None, self._x)
         code = self.snes.getConvergedReason()
         reason = REASONS.get(code, f"SNES reason {code}")
-        return self._x.array_r.copy(), Outcome(code > 0, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), reason)
+        return self._x.array_r.copy(), Outcome(
+            code > 0, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), reason
+        )
 
 
 def _is_name(word: str) -> bool:

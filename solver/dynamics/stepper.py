@@ -90,7 +90,8 @@ class Stepper:
         self.gravity, self._base = gravity, base_acceleration
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(faces.friction)
-        self.velocity_local = LocalProblem(faces.friction)
+        # A step may go without its velocity solve: it is not worth the slow methods.
+        self.velocity_local = LocalProblem(faces.friction, patience=1)
         self._petsc_options = tuple(petsc_options)
         self._solve: ContactSolve | None = None
 
@@ -116,7 +117,9 @@ class Stepper:
         if facing != self._faces.joined:
             before, interface = self.interface.energy(state.contact), self.interface
             self._join(facing)
-            fresh = self.interface.start(self.interface.points.evaluate(self.layer(state.u)), rotation)
+            fresh = self.interface.start(
+                self.interface.points.evaluate(self.layer(state.u)), rotation
+            )
             state.contact = carry_over(state.contact, interface, self.interface, fresh)
             lost = before - self.interface.energy(state.contact)
         return lost + self.interface.turn(state.contact, rotation)
@@ -141,11 +144,20 @@ class Stepper:
         state = self.start(u, np.zeros_like(u), time)
         body = self.body
         # The mass term holds the rigid motions of the tangent, far below any elastic stiffness.
-        steadying = 1e-9 * body.material.longitudinal * float(self.interface.points.weight.sum()) / body.mass
+        steadying = (
+            1e-9
+            * body.material.longitudinal
+            * float(self.interface.points.weight.sum())
+            / body.mass
+        )
         weights = TangentWeights(mass=steadying, stiffness=1.0, interface=1.0, contact=1.0)
         body.begin(u, state.v, StrainWeights(new=1.0, old=0.0))
         balance = Balance(
-            contact=state.contact, weights=weights, constant=-(self.gravity @ body.directional_mass), drift=None, traction_weight=1.0
+            contact=state.contact,
+            weights=weights,
+            constant=-(self.gravity @ body.directional_mass),
+            drift=None,
+            traction_weight=1.0,
         )
         solution = self._solved(balance, u, state.contact.force)
         contact, _, _ = self.interface.remember(state.contact, solution.surface, solution.force)
@@ -159,11 +171,15 @@ class Stepper:
         force = body.internal_force(state.u, static=True)
         surface = state.contact.surface
         without = np.zeros_like(state.contact.force)
-        interface.points.layer.add(force.reshape(-1, d), -interface.nodal(surface, surface, without, 1.0, 1.0))
+        interface.points.layer.add(
+            force.reshape(-1, d), -interface.nodal(surface, surface, without, 1.0, 1.0)
+        )
         momentum = body.inertia(state.v)
         state.p = self._load(state.time) - force - body.damping.mass * momentum
         state.p[body.fixed] = 0.0
-        kinetic, strain = global_sum(body.comm, np.array([0.5 * state.v @ momentum, body.strain_energy()]))
+        kinetic, strain = global_sum(
+            body.comm, np.array([0.5 * state.v @ momentum, body.strain_energy()])
+        )
         state.kinetic, state.strain = float(kinetic), float(strain)
         return state
 
@@ -183,7 +199,9 @@ class Stepper:
         except NoContactSolution as trouble:
             raise StepFailed(f"the local contact problem did not settle ({trouble})") from trouble
         if not solution.outcome.converged:
-            raise StepFailed(f"SNES: {solution.outcome.reason}, residual {solution.outcome.residual:.2e} N/m")
+            raise StepFailed(
+                f"SNES: {solution.outcome.reason}, residual {solution.outcome.residual:.2e} N/m"
+            )
         return solution
 
     def advance(self, state: State, dt: float) -> tuple[State, Exchange]:
@@ -200,7 +218,9 @@ class Stepper:
         if damping.mass:
             constant += damping.mass * body.inertia(state.v)
         viscous = 2 * (1 - af) * damping.stiffness / dt
-        strain_weights = StrainWeights(1 - af + viscous, af - viscous, -(1 - 2 * af) * damping.stiffness)
+        strain_weights = StrainWeights(
+            1 - af + viscous, af - viscous, -(1 - 2 * af) * damping.stiffness
+        )
         body.begin(state.u, state.v, strain_weights)
         drift = state.u + dt * state.v
         balance = Balance(
@@ -218,11 +238,16 @@ class Stepper:
         scheme, body, interface = self.scheme, self.body, self.interface
         du = solution.u - state.u
         v = 2 * du / dt - state.v
-        p = body.inertia(du - dt * state.v) / (scheme.beta * dt**2) - (0.5 / scheme.beta - 1) * state.p
+        p = (
+            body.inertia(du - dt * state.v) / (scheme.beta * dt**2)
+            - (0.5 / scheme.beta - 1) * state.p
+        )
         nodal = interface.nodal(state.contact.surface, solution.surface, solution.force, 0.0, 1.0)
         interface.points.layer.add(p.reshape(-1, body.dimension), -nodal / (2 * scheme.beta))
         p[body.fixed] = 0.0
-        contact, friction, lost = interface.remember(state.contact, solution.surface, solution.force)
+        contact, friction, lost = interface.remember(
+            state.contact, solution.surface, solution.force
+        )
         new = State(state.time + dt, solution.u, v, p, contact)
         exchange = self._ledger(state, new, dt)
         exchange.friction, exchange.contact = friction, lost
@@ -255,7 +280,9 @@ class Stepper:
             increment += damping.mass * dragged[1]
             lost += damping.mass * dragged[0] / dt
         return Exchange(
-            input=-float(moved @ (before + after)) / 2, damping=float(lost), numerical=float(self.scheme.skew * increment)
+            input=-float(moved @ (before + after)) / 2,
+            damping=float(lost),
+            numerical=float(self.scheme.skew * increment),
         )
 
     def _correct_velocity(self, new: State, dt: float, exchange: Exchange) -> None:

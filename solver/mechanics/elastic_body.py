@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from petsc4py import PETSc
+
 import numpy as np
 import ufl
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from solver.compat import PackedForm
 from solver.dynamics.generalized_alpha import TangentWeights
@@ -80,7 +81,9 @@ class ElasticBody:
         self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
         self.clamped = clamped is not None
         bcs = self._clamp(domain, clamped)
-        self.fixed = np.concatenate([bc.dof_indices()[0] for bc in bcs]) if bcs else np.empty(0, np.int32)
+        self.fixed = (
+            np.concatenate([bc.dof_indices()[0] for bc in bcs]) if bcs else np.empty(0, np.int32)
+        )
         self.fixed = self.fixed[self.fixed < self.size]
         self._compile(domain, degree)
         self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
@@ -90,7 +93,9 @@ class ElasticBody:
         self._interface: PETSc.Mat | None = None
         self._measure_inertia()
 
-    def _clamp(self, domain: mesh.Mesh, clamped: Callable[[Array], NDArray[np.bool_]] | None) -> list[fem.DirichletBC]:
+    def _clamp(
+        self, domain: mesh.Mesh, clamped: Callable[[Array], NDArray[np.bool_]] | None
+    ) -> list[fem.DirichletBC]:
         """Homogeneous Dirichlet conditions on the clamped boundary."""
         if clamped is None:
             return []
@@ -107,7 +112,11 @@ class ElasticBody:
         values = (1.0, 0.0, 0.0, material.lame, material.shear)
         self._constants = [fem.Constant(domain, value) for value in values]
         new, old, rate, lame, shear = self._constants
-        identity, test, trial = ufl.Identity(d), ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        identity, test, trial = (
+            ufl.Identity(d),
+            ufl.TestFunction(self.space),
+            ufl.TrialFunction(self.space),
+        )
 
         def stress(strain: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
             return lame * ufl.tr(strain) * identity + 2 * shear * strain
@@ -126,7 +135,9 @@ class ElasticBody:
         linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
         self.stiffness_matrix = PackedForm(linear * dx).matrix()
         inertia = fem.Constant(domain, material.density) * ufl.inner(trial, test)
-        self.mass_matrix = PackedForm(inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})).matrix()
+        self.mass_matrix = PackedForm(
+            inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
+        ).matrix()
         self._product = self.mass_matrix.createVecs()
 
     def _measure_inertia(self) -> None:
@@ -136,7 +147,10 @@ class ElasticBody:
         for i in range(d):
             unit[i, :, i] = 1.0
         self.directional_mass = np.array([self.inertia(unit[i].ravel()) for i in range(d)])
-        sums = [self.directional_mass[0] @ unit[0].ravel(), *(self.directional_mass[i] @ self.nodes.ravel() for i in range(d))]
+        sums = [
+            self.directional_mass[0] @ unit[0].ravel(),
+            *(self.directional_mass[i] @ self.nodes.ravel() for i in range(d)),
+        ]
         total = global_sum(self.comm, np.array(sums))
         self.mass, self.centre = float(total[0]), total[1:] / total[0]
         self.arm = self.nodes - self.centre

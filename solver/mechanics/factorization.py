@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from petsc4py import PETSc
+
 import numpy as np
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 Array = NDArray[np.float64]
 

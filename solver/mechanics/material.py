@@ -45,7 +45,7 @@ class Material:
 
     @property
     def longitudinal(self) -> float:
-        """lambda + 2 mu, Pa: the stiffness against a contact pressure."""
+        """Lambda + 2 mu, Pa: the stiffness against a contact pressure."""
         return self.lame + 2 * self.shear
 
     def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:

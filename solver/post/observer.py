@@ -32,7 +32,13 @@ class Observer:
         self._angle, self._slip = 0.0, 0.0
         self._exchanged = np.zeros(5)
         self._interface = stepper.interface
-        self._home = dict(zip(stepper.interface.keys(), stepper.interface.gaps(state.contact.surface)[:, 1], strict=True))
+        self._home = dict(
+            zip(
+                stepper.interface.keys(),
+                stepper.interface.gaps(state.contact.surface)[:, 1],
+                strict=True,
+            )
+        )
         self._corners, self._places = self._bottom()
         self._start: float | None = None
 
@@ -50,7 +56,9 @@ class Observer:
         momentum = body.inertia(state.v).reshape(-1, body.dimension)
         arm = body.arm + u
         spin = float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))
-        sums = global_sum(body.comm, np.array([*(body.directional_mass @ state.u), *momentum.sum(axis=0), spin]))
+        sums = global_sum(
+            body.comm, np.array([*(body.directional_mass @ state.u), *momentum.sum(axis=0), spin])
+        )
         moved, velocity = sums[:2] / body.mass, sums[2:4] / body.mass
         spin = float(sums[4]) - body.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
         self._angle = unwrap(lean(body.rotation(state.u)), self._angle)
@@ -61,8 +69,16 @@ class Observer:
             self._angle, spin / body.polar_inertia, self._slip, *corners[:, 0], max(0.0, -float(gaps[:, 0].min())),
             *centre, *forces,
         ]  # fmt: skip
-        head = [state.time, step, float(exchange.iterations), float(closed), float(stepper.base(state.time)[0])]
-        return head + [float(value) for value in kinematic] + self._energies(state, exchange, centre)
+        head = [
+            state.time,
+            step,
+            float(exchange.iterations),
+            float(closed),
+            float(stepper.base(state.time)[0]),
+        ]
+        return (
+            head + [float(value) for value in kinematic] + self._energies(state, exchange, centre)
+        )
 
     def _contact(self, state: State) -> tuple[Array, Array, int]:
         """Gaps of all points and of the bottom corners, number of closed points; slip is carried on."""
@@ -95,7 +111,13 @@ class Observer:
         """Stored, taken in and dissipated energy, J."""
         stepper = self._stepper
         gravity = -stepper.body.mass * float(stepper.gravity @ centre)
-        stored = [state.kinetic, state.strain, gravity, 0.0, stepper.interface.energy(state.contact)]
+        stored = [
+            state.kinetic,
+            state.strain,
+            gravity,
+            0.0,
+            stepper.interface.energy(state.contact),
+        ]
         self._exchanged += [
             exchange.input, exchange.friction, exchange.damping, exchange.contact, exchange.numerical
         ]  # fmt: skip
