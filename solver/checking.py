@@ -83,13 +83,14 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Check every field and bring it to its type."""
-        hints = _hints(type(self))
-        for field in _fields(type(self)):
+        cls: Any = type(self)
+        hints = _hints(cls)
+        for field in _fields(cls):
             value = getattr(self, field.name)
             object.__setattr__(self, field.name, _checked(hints[field.name], value, key_of(field)))
 
 
-def from_table(cls: type[Any], table: Any, where: str = "") -> Any:
+def from_table(cls: Any, table: Any, where: str = "") -> Any:
     """An instance of a dataclass from a table that stands at key path `where`."""
     if not isinstance(table, Mapping):
         raise SceneError(where, shown(table), "a table")
@@ -204,7 +205,7 @@ def _checked(hint: Any, value: Any, name: str) -> Any:
     choices = _choices(hint)
     if value is None and NoneType in choices:
         return None
-    tables = tuple(choice for choice in choices if dataclasses.is_dataclass(choice))
+    tables: tuple[Any, ...] = tuple(c for c in choices if dataclasses.is_dataclass(c))
     hint, origin = choices[0], get_origin(choices[0])
     if tables:
         fits = isinstance(value, tables)

@@ -63,6 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.petsc_options = tuple(words[cut + 1 :])
     try:
         return int(options.action(options))
+    except KeyboardInterrupt:  # before or after the run itself, which handles signals on its own
+        return INTERRUPTED
     except RockslipError as error:
         if launched_rank() == 0:
             sys.stderr.write(f"rockslip: {error}\n")
@@ -131,8 +133,10 @@ def run_scene(options: argparse.Namespace) -> int:
     comm = MPI.COMM_WORLD
     if comm.size > 1:
         _abort_on_exceptions(comm)
+    from solver.petsc_options import parse_options
     from solver.scene import parse_scene, read_text
 
+    parse_options(options.petsc_options)  # refused before anything is written
     path = options.scene
     text = _on_first_rank(comm, lambda: read_text(path))
     scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
@@ -278,4 +282,5 @@ def _tell(line: str) -> None:
 
 def _remedy(error: ImportError) -> str:
     """What to do about a package that is not there."""
-    return f"{error}; the environment is described in README.md, ./in-env rockslip ... has it all"
+    said = " ".join(str(error).split())
+    return f"{said}; the environment is described in README.md, ./in-env rockslip ... has it all"

@@ -13,7 +13,7 @@ from solver.parallel import any_rank
 
 
 class Interruption:
-    """While entered, SIGINT and SIGTERM are noted; `requested` tells every rank that one of them was."""
+    """While entered, SIGINT and SIGTERM are noted; `requested` tells every rank that one was."""
 
     def __init__(self, comm: MPI.Intracomm):
         """Watch on behalf of `comm`."""

@@ -27,8 +27,9 @@ def any_rank(comm: MPI.Intracomm, flag: bool) -> bool:
 class Layer:
     """The nodes of the cells next to a surface, in one order on every rank.
 
-    Contact couples all points of a surface through the rigid motion of the body; there are few of them,
-    so every rank holds them all and the contact problem is solved on each, with the same digits.
+    Contact couples all points of a surface through the rigid motion of the body; there are few of
+    them, so every rank holds them all and the contact problem is solved on each, with the same
+    digits.
     """
 
     def __init__(

@@ -12,7 +12,8 @@ from mpi4py import MPI
 
 import numpy as np
 
-from solver.dynamics.stepper import State, Stepper
+from solver.dynamics.state import State
+from solver.dynamics.stepper import Stepper
 from solver.post.history import History
 from solver.post.summary import write_json
 from solver.scene import Scene, scene_to_toml
@@ -21,8 +22,8 @@ from solver.scene import Scene, scene_to_toml
 class RunFiles:
     """Scene, history, log, fields and summary; nothing at all without a folder.
 
-    Rank 0 writes all but the fields. The history is flushed with every snapshot, so that a killed run
-    leaves what it had.
+    Rank 0 writes all but the fields. The history is flushed with every snapshot, so that a killed
+    run leaves what it had.
     """
 
     def __init__(
@@ -37,7 +38,7 @@ class RunFiles:
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None
         self._fields: Any = None
-        self._last = 0.0
+        self._last = self._written = 0.0
         self._began = time.perf_counter()
         self.output_seconds = 0.0
         if self._writes and folder is not None:
@@ -84,7 +85,8 @@ class RunFiles:
         self._history = history
         body = stepper.body
         self.log(
-            f"{body.unknowns} unknowns on {body.comm.size} ranks, {stepper.interface.points.count} contact points"
+            f"{body.unknowns} unknowns, ranks: {body.comm.size}, "
+            f"{stepper.interface.points.count} contact points"
         )
         if self._folder is not None and self._scene.output.fields == "vtk":
             from solver.post.snapshots import Snapshots
@@ -93,14 +95,15 @@ class RunFiles:
             self._fields.write(state)
         self.output_seconds += time.perf_counter() - began
 
-    def snapshot(self, state: State, *, last: bool) -> None:
-        """Write fields and history where it is time to."""
+    def snapshot(self, state: State, *, last: bool = False) -> None:
+        """Write fields and history where it is time to, and at the end if not just done."""
         every = self._scene.output.every
         due = int(np.floor(state.time / every + 1e-9)) > int(np.floor(self._last / every + 1e-9))
         self._last = state.time
-        if self._folder is None or not (due or last):
+        if self._folder is None or not (due or (last and self._written != state.time)):
             return
         began = time.perf_counter()
+        self._written = state.time
         if self._fields is not None:
             self._fields.write(state)
         if self._history is not None:

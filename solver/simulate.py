@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,8 +18,9 @@ from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from solver.contact.faces import ContactFaces
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
+from solver.dynamics.state import Exchange, State
 from solver.dynamics.step_control import Ladder
-from solver.dynamics.stepper import Exchange, State, StepFailed, Stepper
+from solver.dynamics.stepper import StepFailed, Stepper
 from solver.excitation.motion import base_motion
 from solver.info import versions
 from solver.interruption import Interruption
@@ -70,13 +71,20 @@ def build(
     material = Material(
         young=spec.young, poisson=spec.poisson, density=spec.shape.density, plane=scene.plane
     )
-    damping = scene.damping and Damping(mass=scene.damping.mass, stiffness=scene.damping.stiffness)
+    given = scene.damping
+    damping = None if given is None else Damping(mass=given.mass, stiffness=given.stiffness)
     body = ElasticBody(mesh.mesh, material, degree=spec.degree, damping=damping)
     contact = scene.contact
     faces = ContactFaces(
-        body.space, mesh.facet_tags, material, RigidFoundation(), points=contact.points, gamma=contact.gamma,
-        friction=contact.friction, theta=contact.theta,
-    )  # fmt: skip
+        body.space,
+        mesh.facet_tags,
+        material,
+        RigidFoundation(),
+        points=contact.points,
+        gamma=contact.gamma,
+        friction=contact.friction,
+        theta=contact.theta,
+    )
     motion = base_motion(scene.motion, scene.time.end)
     return Stepper(
         body,
@@ -92,7 +100,7 @@ def build(
 
 
 def initial_state(scene: Scene, stepper: Stepper, log: Log) -> State:
-    """Where the block stands at t = 0: in static equilibrium where it begins closed, else unstressed."""
+    """Where the block stands at t = 0: in equilibrium where it begins closed, else unstressed."""
     spec, nodes = scene.blocks[0], stepper.body.nodes
     u = (initial_position(spec.shape, spec.offset, spec.tilt)(nodes) - nodes).ravel()
     if scene.time.initial == "static" and spec.tilt == 0.0:
@@ -117,7 +125,8 @@ def simulate(
     Args:
         scene: What to run.
         folder: Where to leave history, summary, fields; None: no files.
-        petsc_options: Options for SNES, with prefix `rockslip_`, such as ("-rockslip_snes_monitor",).
+        petsc_options: Options for SNES, with prefix `rockslip_`, such as
+            ("-rockslip_snes_monitor",).
         progress: A display; on every rank.
         log: Is told what happens, line by line, besides run.log.
         comm: Communicator.
@@ -160,42 +169,52 @@ class _Run:
     steps: int = 0
     rejected: int = 0
     iterations: int = 0
+    row: list[float] = field(default_factory=list)
 
     def loop(self, state: State) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
         span = self.scene.time
         ladder = Ladder(span.step, span.end, span.smallest)
-        every = self.scene.output.history_every
-        exchange = Exchange()
+        status, reason = "completed", ""
         while not ladder.done:
             if self.interruption.requested():
-                return (
-                    "interrupted",
-                    f"stopped by {self.interruption.signal_name} at t = {state.time:.6g} s",
-                )
+                who = self.interruption.signal_name
+                status, reason = "interrupted", f"stopped by {who} at t = {state.time:.6g} s"
+                break
             step = ladder.step
             try:
                 state, exchange = self.stepper.advance(state, step)
             except StepFailed as trouble:
-                self.rejected += 1
-                self.files.log(f"t = {state.time:.6g} s: step of {step:.3g} s rejected, {trouble}")
-                if not ladder.reject():
-                    return (
-                        "not converged",
-                        f"at t = {state.time:.6g} s with a step of {step:.3g} s: {trouble}",
-                    )
-                continue
+                where = f"at t = {state.time:.6g} s with a step of {step:.3g} s"
+                self.files.log(f"step rejected {where}: {trouble}")
+                if ladder.reject():
+                    continue
+                status, reason = "not converged", f"{where}: {trouble}"
+                break
             ladder.accept()
             state.time = ladder.time
-            self.steps += 1
-            self.iterations += exchange.iterations
-            row = self.observer.row(state, exchange, step)
-            if self.steps % every == 0 or ladder.done:
-                self.history.append(row)
-            self.files.snapshot(state, last=ladder.done)
-            if self.progress is not None:
-                self.progress.update(state.time, step, exchange.iterations)
-        return "completed", ""
+            self._record(state, exchange, step)
+        self.rejected = ladder.rejected
+        self._last_row()
+        self.files.snapshot(state, last=True)
+        return status, reason
+
+    def _record(self, state: State, exchange: Exchange, step: float) -> None:
+        """Write down a step that succeeded."""
+        self.steps += 1
+        self.iterations += exchange.iterations
+        self.row = self.observer.row(state, exchange, step)
+        if self.steps % self.scene.output.history_every == 0:
+            self._last_row()
+        self.files.snapshot(state)
+        if self.progress is not None:
+            self.progress.update(state.time, step, exchange.iterations)
+
+    def _last_row(self) -> None:
+        """Append the row of the last step, once."""
+        if self.row:
+            self.history.append(self.row)
+            self.row = []
 
     def cost(self, setup: float, loop: float) -> dict[str, Any]:
         """What the run took."""

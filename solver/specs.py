@@ -122,7 +122,7 @@ class DampingSpec(Checked):
     """Rayleigh damping: `[damping]`."""
 
     mass: NotNegative = 0.0
-    """alpha_R, 1/s."""
+    """lambda_R, 1/s."""
     stiffness: NotNegative = 0.0
     """beta_R, s."""
 

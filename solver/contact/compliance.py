@@ -1,4 +1,7 @@
-"""Contact compliance (Delassus operator) of an elastic body, column by column as points come near contact."""
+"""Contact compliance (Delassus operator) of an elastic body.
+
+It is computed column by column, as points come near contact.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +20,8 @@ Indices = NDArray[np.int64]
 class Compliance:
     """What unit forces at contact points move: K^-1 (force rows)^T, read through other rows.
 
-    In the frame that rotates with the body all of it is constant. A column is computed when its point
-    first comes near contact, so that a standing block never pays for its sides and top.
+    In the frame that rotates with the body all of it is constant. A column is computed when its
+    point first comes near contact, so that a standing block never pays for its sides and top.
     """
 
     def __init__(
@@ -35,7 +38,8 @@ class Compliance:
             body: The body that the factorization belongs to.
             points: Its contact points.
             factor: Factorized tangent or mass.
-            force_rows: Rows (points d, layer unknowns) whose transpose turns point forces into nodal ones.
+            force_rows: Rows (points d, layer unknowns) whose transpose turns point forces into
+                nodal ones.
             read_rows: Rows of the same shape that read the response.
         """
         self.body, self.points, self.factor = body, points, factor
@@ -44,10 +48,10 @@ class Compliance:
         self._response = np.empty((body.size, 0))
         self._matrix = np.empty((points.count * body.dimension, 0))
         self._last: Indices = np.empty(0, dtype=np.int64)
-        self._gathered = np.empty((0, 0)), np.empty((body.size, 0))
+        self._gathered: tuple[Array, Array] = np.empty((0, 0)), np.empty((body.size, 0))
 
     def of(self, chosen: Indices) -> tuple[Array, Array]:
-        """Compliance (m d, m d) among the points `chosen`, and their responses (owned unknowns, m d)."""
+        """Compliance (m d, m d) among the points `chosen`, responses to them (owned, m d)."""
         if len(chosen) == len(self._last) and np.array_equal(chosen, self._last):
             return self._gathered
         missing = chosen[self._place[chosen] < 0]
@@ -59,7 +63,12 @@ class Compliance:
         return self._gathered
 
     def in_frame(self, chosen: Indices, frame: Array) -> Array:
-        """Compliance among the points `chosen` in another frame (its rows are unit vectors), (m, d, m, d)."""
+        """Compliance among the points `chosen` in another frame, (m, d, m, d).
+
+        Args:
+            chosen: Numbers of the points.
+            frame: Its rows are unit vectors.
+        """
         m, d = len(chosen), self.body.dimension
         blocks = self.of(chosen)[0].reshape(m, d, m, d).transpose(0, 2, 1, 3)
         return np.ascontiguousarray((frame @ blocks @ frame.T).transpose(0, 2, 1, 3))
@@ -72,8 +81,8 @@ class Compliance:
     def _compute(self, missing: Indices) -> None:
         """Solve for the columns of further points."""
         d, layer = self.body.dimension, self.points.layer
-        unit = self.force_rows[self._expand(missing)].T
-        unit = unit.toarray() if sp.issparse(unit) else unit
+        rows = self.force_rows[self._expand(missing)]
+        unit = (rows if isinstance(rows, np.ndarray) else rows.toarray()).T
         right = np.zeros((self.body.owned, d, unit.shape[1]))
         layer.add(right, unit.reshape(layer.size, d, -1))
         right = right.reshape(self.body.size, -1)

@@ -1,8 +1,9 @@
 """The faces of a body that take part in contact: those turned towards what carries it.
 
-Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a face cost
-time in every iteration, so a face joins when it has turned to within 60 degrees of facing the plane, which a
-block that stands, slides or rocks never lets its sides do; one that tips over does, before it touches with them.
+Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a
+face cost time in every iteration, so a face joins when it has turned to within 60 degrees of facing
+the plane, which a block that stands, slides or rocks never lets its sides do; one that tips over
+does, before it touches with them.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class ContactFaces:
         self.joined: frozenset[int] = frozenset()
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of the faces with a facet turned towards the plane, and of those that joined before."""
+        """Tags of faces with a facet turned towards the plane, and of those that joined before."""
         towards = self._outward @ rotation.T @ self._normal < FACING
         return self.joined | frozenset(np.unique(self._face[towards]).tolist())
 
@@ -67,7 +68,7 @@ class ContactFaces:
 def carry_over(
     state: ContactState, old: PlaneContact, new: PlaneContact, fresh: ContactState
 ) -> ContactState:
-    """The memory of `old`'s points in a fresh state of `new`, which holds the same points and more."""
+    """The memory of `old`'s points in a fresh state of `new`, which holds those points and more."""
     place = {key: k for k, key in enumerate(old.keys())}
     for k, key in enumerate(new.keys()):
         if key in place:

@@ -1,17 +1,19 @@
-"""The condensed contact problem: Signorini and Coulomb at a few points coupled by a small dense matrix.
+"""The condensed contact problem: Signorini and Coulomb at points coupled by a small dense matrix.
 
 Unknown are the point forces f = (normal, tangential) of m points with
 
-    y = q + W f,    0 <= f_n  complementary to  y_n >= 0,    |f_t| <= mu f_n,  slip y_t opposite to f_t.
+    y = q + W f,   0 <= f_n  complementary to  y_n >= 0,   |f_t| <= mu f_n,  y_t opposite to f_t.
 
-A semismooth Newton method decides the states by f - r y, with r one over the ROW SUM of |W|: the points of
-a stiff body share its rigid modes, so that W is nearly of rank one and 1/diag(W) too large by about the
-number of points. Where it cycles a chain of slower methods follows; `rescues` counts what each one settled.
+A semismooth Newton method decides the states by f - r y, with r one over the ROW SUM of |W|: the
+points of a stiff body share its rigid modes, so that W is nearly of rank one and 1/diag(W) too
+large by about the number of points. Where it cycles a chain of slower methods follows; `rescues`
+counts what each one settled.
 """
 
 from __future__ import annotations
 
 from collections import Counter
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,8 @@ from scipy.linalg.lapack import dgesv
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+ENUMERATED_POINTS = 5
 
 
 class NoContactSolution(Exception):
@@ -41,7 +45,7 @@ class States:
     __slots__ = ("closed", "direction", "stick")
 
     def __init__(self, closed: Mask, stick: Mask, direction: Array):
-        """Keep the masks; `direction` is the sign of the friction force of slipping points, else 0."""
+        """Keep the masks; `direction`: sign of the friction force of slipping points, else 0."""
         self.closed, self.stick, self.direction = closed, stick, direction
 
     def key(self) -> bytes:
@@ -52,7 +56,7 @@ class States:
 class LocalProblem:
     """Solver of the local problem for a friction coefficient; remembers the last states."""
 
-    def __init__(self, friction: float, patience: int = 3):
+    def __init__(self, friction: float, patience: int = 4):
         """Set up.
 
         Args:
@@ -78,13 +82,17 @@ class LocalProblem:
         scaling = row_sum_scaling(W) if scaling is None else scaling
         found = self._newton(W, q, start, scaling, self._remembered(len(q)))
         if found is None:
-            for rescue in (self._tresca, self._projected, self._gauss_seidel)[: self._patience]:
+            for rescue in (self._tresca, self._projected, self._gauss_seidel, self._enumeration)[
+                : self._patience
+            ]:
                 found = rescue(W, q, start, scaling)
                 if found is not None:
                     self.rescues[rescue.__name__.strip("_")] += 1
                     break
             else:
-                raise NoContactSolution(f"{len(q)} points near contact")
+                raise NoContactSolution(
+                    f"the local contact problem of {len(q)} points did not settle"
+                )
         return found
 
     def _remembered(self, count: int) -> States | None:
@@ -103,26 +111,31 @@ class LocalProblem:
         return States(closed, stick, np.where(closed & ~stick, np.sign(trial[:, 1]), 0.0))
 
     def _forces(self, W: Array, q: Array, states: States, bound: Array | None) -> Array | None:
-        """Forces of given states: y_n = 0 where closed, y_t = 0 where sticking; None if singular."""
-        closed, stick = np.flatnonzero(states.closed), np.flatnonzero(states.stick)
+        """Forces of given states: y_n = 0 where closed, y_t = 0 where stuck; None if singular."""
         f = np.zeros_like(q)
+        closed, stick = np.flatnonzero(states.closed), np.flatnonzero(states.stick)
         if not len(closed):
             return f
-        direction = states.direction[closed]
-        slope = self.friction if bound is None else 0.0
-        normal = W[:, :, closed, 0] + slope * direction * W[:, :, closed, 1]
-        columns = np.concatenate([normal, W[:, :, stick, 1]], axis=2)
-        free = q if bound is None else q + W[:, :, closed, 1] @ (direction * bound[closed])
-        matrix = np.concatenate([columns[closed, 0], columns[stick, 1]])
-        right = -np.concatenate([free[closed, 0], free[stick, 1]])
+        # Flat numbers: normal 2 i, tangential 2 i + 1.
+        unknown = np.concatenate([2 * closed, 2 * stick + 1])
+        flat, free, forces = W.reshape(q.size, q.size), q.ravel(), f.ravel()
+        matrix, right = flat[unknown[:, None], unknown], -free[unknown]
+        slipping = np.flatnonzero(states.direction[closed])
+        if len(slipping):
+            tangential = 2 * closed[slipping] + 1
+            direction = states.direction[closed[slipping]]
+            coupling = flat[unknown[:, None], tangential]
+            if bound is None:
+                matrix[:, slipping] += self.friction * direction * coupling
+            else:
+                right -= coupling @ (direction * bound[closed[slipping]])
         _, _, x, info = dgesv(matrix, right, 1, 1)
         if info:
             return None
-        f[closed, 0] = x[: len(closed)]
-        f[closed, 1] = direction * (
-            self.friction * f[closed, 0] if bound is None else bound[closed]
-        )
-        f[stick, 1] = x[len(closed) :]
+        forces[unknown] = x
+        if len(slipping):
+            size = self.friction * x[slipping] if bound is None else bound[closed[slipping]]
+            forces[tangential] = direction * size
         return f
 
     def _newton(
@@ -185,9 +198,12 @@ class LocalProblem:
         return None
 
     def _gauss_seidel(self, W: Array, q: Array, start: Array, scaling: Array) -> Array | None:
-        """Nonsmooth Gauss-Seidel, each point solved exactly, until it stands still or Newton can polish it."""
+        """Nonsmooth Gauss-Seidel, each point solved exactly.
+
+        It ends when it stands still or Newton can polish it.
+        """
         f = start.copy()
-        for sweep in range(1, 401):
+        for sweep in range(1, 2001):
             before = f.copy()
             for i in range(len(q)):
                 own = W[i, :, i, :]
@@ -201,13 +217,27 @@ class LocalProblem:
                     return found
         return None
 
+    def _enumeration(self, W: Array, q: Array, start: Array, scaling: Array) -> Array | None:
+        """Try every state of every point, for as few points as that is bearable."""
+        if len(q) > ENUMERATED_POINTS:
+            return None
+        for choice in product(range(4), repeat=len(q)):
+            state = np.array(choice)
+            states = States(state > 0, state == 1, np.select([state == 2, state == 3], [1.0, -1.0]))
+            found = self._forces(W, q, states, None)
+            if found is None:
+                continue
+            if self._decide(found, q + image(W, found), scaling, None).key() == states.key():
+                return found
+        return None
+
     def _one_point(self, W: Array, q: Array) -> Array:
         """The force at a single point: open, sticking, or slipping either way."""
         if q[0] >= 0:
             return np.zeros(2)
         mu = self.friction
         if mu:
-            force = -np.linalg.solve(W, q)
+            force: Array = np.asarray(-np.linalg.solve(W, q), dtype=np.float64)
             if force[0] > 0 and abs(force[1]) <= mu * force[0]:
                 return force
         for sign in (1.0, -1.0):

@@ -1,13 +1,14 @@
 """Nitsche contact with Coulomb friction between the points of a body and a rigid plane.
 
-All point quantities are in the frame (normal, tangential) of the plane. With the gap g, the tangential
-position s, the elastic traction T and gamma_h, everything is said in terms of the augmented position
+All point quantities are in the frame (normal, tangential) of the plane. With the gap g, the
+tangential position s, the elastic traction T and gamma_h, everything is said in terms of the
+augmented position
 
-    y = (g, s) - T/gamma_h:     l_n = [-gamma_h y_n]_+,     l_t = projection of -gamma_h (y_t - anchor)
+    y = (g, s) - T/gamma_h:   l_n = [-gamma_h y_n]_+,   l_t = projection of -gamma_h (y_t - anchor)
 
-on |l_t| <= mu l_n. The anchor is the stick memory: it stays while a point sticks, follows (y_t + l_t/gamma_h)
-while it slips, and is y_t while it is open. Point forces are f = w l (Chouly, Hild and Renard; the memory
-and the merging of points are this program's).
+on |l_t| <= mu l_n. The anchor is the stick memory: it stays while a point sticks, follows (y_t +
+l_t/gamma_h) while it slips, and is y_t while it is open. Point forces are f = w l (Chouly, Hild and
+Renard; the memory and the merging of points are this program's).
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ class ContactState:
         surface: Positions and tractions of all points.
         force: f = w l, (points, 2), N/m: normal, tangential; on the body.
         anchor: Stick memory, (points,), m.
-        eligible: Points that may touch: of the coinciding points of a corner, the one whose face opposes
-            the plane.
+        eligible: Points that may touch: of the coinciding points of a corner, the one whose face
+            opposes the plane.
     """
 
     surface: SurfaceState
@@ -71,7 +72,7 @@ class PlaneContact:
         self._corners = self._coinciding()
         scale = np.ptp(points.node_positions, axis=0).max()
         places = np.column_stack([points.tag, np.round(points.reference / scale, 7) + 0.0])
-        self._keys = [tuple(row) for row in places.tolist()]
+        self._keys: list[tuple[float, ...]] = [tuple(row) for row in places]
 
     def keys(self) -> list[tuple[float, ...]]:
         """What tells the points of a body apart, whatever faces have joined: face and place."""
@@ -134,7 +135,8 @@ class PlaneContact:
         """Choose the points of corners anew; a force moves with its place to the other face.
 
         Returns:
-            Interface energy lost by the exchange (weights differ), J/m; added to what contact dissipates.
+            Interface energy lost by the exchange (weights differ), J/m; added to what contact
+            dissipates.
         """
         eligible = self.eligible(rotation)
         if np.array_equal(eligible, state.eligible):
@@ -164,7 +166,8 @@ class PlaneContact:
             old: Surface at t_n.
             new: Surface at t_{n+1}.
             force: Point forces f at t_{n+1}.
-            traction_weight: 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], else 0 to leave it out.
+            traction_weight: 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], else 0 to
+                leave it out.
             contact_weight: w_c.
         """
         in_space = force @ self.frame
@@ -189,7 +192,10 @@ class PlaneContact:
         return stored
 
     def theta_increment(self, old: SurfaceState, new: SurfaceState) -> float:
-        """Theta sum of w |T_{n+1} - T_n|^2/gamma_h, J/m: the interface's part in the numerical dissipation."""
+        """Theta sum of w |T_{n+1} - T_n|^2/gamma_h, J/m.
+
+        It is the interface's part in the numerical dissipation.
+        """
         if not self.theta:
             return 0.0
         change = np.sum((new.traction - old.traction) ** 2, axis=1)
@@ -198,11 +204,11 @@ class PlaneContact:
     def remember(
         self, old: ContactState, surface: SurfaceState, force: Array
     ) -> tuple[ContactState, float, float]:
-        """The state after a step, and what friction and the closing and opening of points dissipated (J/m).
+        """The state after a step; what friction, closing and opening of points dissipated (J/m).
 
-        Friction: minus the work of the tangential forces on the anchors. Contact: the work of the point
-        forces against y that is neither stored in the interface nor lost in friction; for theta = 1 this
-        is sum w |dl|^2/(2 gamma_h), never negative.
+        Friction is minus the work of the tangential forces on the anchors. What contact takes is
+        the work of the point forces against y that is neither stored in the interface nor lost in
+        friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never negative.
         """
         y_old, y = self.augmented(old.surface), self.augmented(surface)
         closed = force[:, 0] > 0

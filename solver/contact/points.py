@@ -1,8 +1,8 @@
-"""Contact points of a meshed surface: where they are, and the rows that give position and traction there.
+"""Contact points of a meshed surface: where they are, rows that give position and traction there.
 
-A point is a quadrature point of the boundary facets. With the rule "nodes" (Gauss-Lobatto) the points of
-neighbouring facets coincide: they are merged face by face, weights add and tractions average. A corner
-thus carries one point for each face that meets there.
+A point is a quadrature point of the boundary facets. With the rule "nodes" (Gauss-Lobatto) the
+points of neighbouring facets coincide: they are merged face by face, weights add and tractions
+average. A corner thus carries one point for each face that meets there.
 """
 
 from __future__ import annotations
@@ -10,34 +10,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import basix
-import basix.ufl
 import numpy as np
 import scipy.sparse as sp
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
+from solver.contact.facets import Evaluations, evaluate_facets, gather
 from solver.mechanics.material import Material
 from solver.parallel import Layer
 
 Array = NDArray[np.float64]
 
 DENSE_ENTRIES = 50_000
-
-
-@dataclass(frozen=True, slots=True)
-class Evaluations:
-    """One evaluation of the displacement gradient for each facet and rule point; rows in one order everywhere."""
-
-    nodes: NDArray[np.int64]
-    values: Array
-    gradients: Array
-    node_positions: Array
-    normal: Array
-    weight: Array
-    size: Array
-    tag: NDArray[np.int64]
-    position: Array
 
 
 @dataclass(slots=True)
@@ -58,7 +42,10 @@ class SurfaceState:
 
 
 def compact(matrix: sp.spmatrix) -> Any:
-    """The matrix in the form that multiplies fastest: dense while it is small (a sparse product costs 10 us)."""
+    """The matrix in the form that multiplies fastest: dense while it is small.
+
+    (A sparse product costs 10 us.)
+    """
     return (
         matrix.toarray()
         if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES
@@ -67,7 +54,7 @@ def compact(matrix: sp.spmatrix) -> Any:
 
 
 class ContactPoints:
-    """The points of a surface, and the linear maps between them and the unknowns of its layer of nodes."""
+    """The points of a surface, and the linear maps between them and the unknowns of its layer."""
 
     def __init__(
         self,
@@ -148,8 +135,9 @@ class ContactPoints:
     def traction_gradient(self, old: SurfaceState, new: SurfaceState, vector: Array) -> Array:
         """Nodal values of `vector`.DT[v]: the discrete gradient of the traction between two states.
 
-        With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is exactly
-        T_new - T_old: work against a traction is a difference of states (after Simo and Tarnow 1992).
+        With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is
+        exactly T_new - T_old: work against a traction is a difference of states (after Simo and
+        Tarnow 1992).
 
         Args:
             old: State at t_n.
@@ -191,14 +179,6 @@ class ContactPoints:
         return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension)))
 
 
-def facet_rule(points: str, degree: int, cell: str) -> tuple[Array, Array]:
-    """Points and weights on the unit facet: Gauss-Lobatto ("nodes") or Gauss ("gauss")."""
-    kind = {"interval": basix.CellType.interval}[cell]
-    if points == "nodes":
-        return basix.make_quadrature(kind, 2 * degree - 1, basix.QuadratureType.gll)
-    return basix.make_quadrature(kind, 2 * degree + 1, basix.QuadratureType.gauss_jacobi)
-
-
 def contact_points(
     V: fem.FunctionSpace,
     facet_tags: mesh.MeshTags,
@@ -217,91 +197,7 @@ def contact_points(
         gamma: Nondimensional Nitsche parameter.
     """
     degree = V.ufl_element().degree
-    table, layer = _gather(V, _evaluate_facets(V, facet_tags, points, degree))
+    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree))
     return ContactPoints(
         table, layer, material, gamma=gamma, degree=degree, merge=points == "nodes"
     )
-
-
-def _evaluate_facets(
-    V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: str, degree: int
-) -> list[tuple[Any, ...]]:
-    """One record for each owned facet and rule point: what `Evaluations` holds, with global nodes."""
-    domain = V.mesh
-    tdim, topology = domain.topology.dim, domain.topology
-    topology.create_connectivity(tdim - 1, tdim)
-    topology.create_connectivity(tdim, tdim - 1)
-    to_cell, to_facet = topology.connectivity(tdim - 1, tdim), topology.connectivity(tdim, tdim - 1)
-    cell_type = domain.basix_cell()
-    corners, faces = basix.geometry(cell_type), basix.topology(cell_type)[tdim - 1]
-    outward, face_size = (
-        basix.cell.facet_outward_normals(cell_type),
-        basix.cell.facet_reference_volumes(cell_type),
-    )
-    facet_kind = basix.cell.subentity_types(cell_type)[tdim - 1][0].name
-    rule, rule_weight = facet_rule(points, degree, facet_kind)
-    shape = basix.ufl.element("Lagrange", domain.basix_cell().name, degree)
-    map_shape = basix.ufl.element("Lagrange", domain.basix_cell().name, domain.geometry.cmap.degree)
-    centre = corners.mean(axis=0)[None, :]
-    node_positions = V.tabulate_dof_coordinates()[:, :tdim]
-    exterior = np.intersect1d(mesh.exterior_facet_indices(topology), facet_tags.indices)
-    tag_of = dict(zip(facet_tags.indices.tolist(), facet_tags.values.tolist(), strict=True))
-    records = []
-    for facet in exterior.tolist():
-        cell = to_cell.links(facet)[0]
-        side = int(np.flatnonzero(to_facet.links(cell) == facet)[0])
-        origin = corners[faces[side][0]]
-        edges = np.array([corners[k] - origin for k in faces[side][1:tdim]])
-        local = origin + rule @ edges
-        x = domain.geometry.x[domain.geometry.dofmap[cell], :tdim]
-        volume, area = (
-            _measure(map_shape, x, p, outward[side]) for p in (centre, local.mean(axis=0)[None, :])
-        )
-        h = volume[0] * basix.cell.volume(cell_type) / (area[1] * face_size[side])
-        values, map_values = shape.tabulate(1, local), map_shape.tabulate(1, local)
-        dofs = V.dofmap.cell_dofs(cell)
-        nodes = V.dofmap.index_map.local_to_global(dofs)
-        for q, weight in enumerate(rule_weight):
-            inverse = np.linalg.inv(np.einsum("jk,ki->ij", map_values[1:, q], x))
-            normal = inverse.T @ outward[side]
-            area_q = _measure(map_shape, x, local[q][None, :], outward[side])[1]
-            records.append((
-                nodes, values[0, q], values[1:, q].T @ inverse, node_positions[dofs], normal / np.linalg.norm(normal),
-                weight * area_q * face_size[side], h, tag_of[facet], map_values[0, q] @ x,
-            ))  # fmt: skip
-    return records
-
-
-def _measure(element: Any, x: Array, point: Array, outward: Array) -> tuple[float, float]:
-    """Ratio of current to reference volume, and of current to reference facet area, at a point of a cell."""
-    jacobian = np.einsum("jk,ki->ij", element.tabulate(1, point)[1:, 0], x)
-    volume = abs(float(np.linalg.det(jacobian)))
-    return volume, volume * float(np.linalg.norm(np.linalg.inv(jacobian).T @ outward))
-
-
-def _gather(V: fem.FunctionSpace, records: list[tuple[Any, ...]]) -> tuple[Evaluations, Layer]:
-    """All records in an order that does not depend on the partition, and the layer of their nodes."""
-    comm = V.mesh.comm
-    everything = [record for part in comm.allgather(records) for record in part]
-    nodes, values, gradients, where, normal, weight, size, tag, position = (
-        np.array(column) for column in zip(*everything, strict=True)
-    )
-    scale = np.ptp(position, axis=0).max()
-    places = np.round(np.column_stack([position, where.mean(axis=1)]) / scale, 9)
-    order = np.lexsort((*places.T[::-1], tag))
-    unique, first, inverse = np.unique(nodes, return_index=True, return_inverse=True)
-    node_positions = where.reshape(-1, where.shape[-1])[first]
-    canonical = np.lexsort(np.round(node_positions / scale, 9).T[::-1])
-    rank_in_layer = np.empty(len(unique), dtype=np.int64)
-    rank_in_layer[canonical] = np.arange(len(unique))
-    start, end = V.dofmap.index_map.local_range
-    mine = (unique >= start) & (unique < end)
-    layer = Layer(
-        comm, (unique[mine] - start).astype(np.int32), rank_in_layer[mine], unique[canonical]
-    )
-    table = Evaluations(
-        nodes=rank_in_layer[inverse.reshape(nodes.shape)][order], values=values[order], gradients=gradients[order],
-        node_positions=node_positions[canonical], normal=normal[order], weight=weight[order], size=size[order],
-        tag=tag[order], position=position[order],
-    )  # fmt: skip
-    return table, layer

@@ -1,9 +1,11 @@
 """Contact at velocity level, after each step (the paper's section 3.4).
 
-A contact that stays closed has u_{n+1} = u_n there, so that the velocity update of the time stepping turns
-its velocity round every step. The impulses dt f of the closed points are therefore corrected such that
+A contact that stays closed has u_{n+1} = u_n there, so that the velocity update of the time
+stepping turns its velocity round every step. The impulses dt f of the closed points are therefore
+corrected such that
 
-    0 <= P_n  complementary to  v_n >= 0,     |P_t| <= mu P_n, v_t = 0 inside the cone,     P = dt f + q,
+    0 <= P_n  complementary to  v_n >= 0,   |P_t| <= mu P_n, v_t = 0 inside the cone,   P = dt f +
+    q,
 
 with v <- v + M^-1 G^T q. Kinetic energy can only fall.
 """
@@ -31,7 +33,7 @@ class VelocityCorrection:
 
 
 def regularised(W: Array) -> Array:
-    """W with a relative diagonal: Gauss points outnumber the nodes they stand on, and W is singular."""
+    """W with a relative diagonal: Gauss points may outnumber their nodes, W is singular then."""
     number = np.arange(len(W))
     for k in range(2):
         W[number, k, number, k] *= 1 + 1e-8
@@ -45,13 +47,14 @@ class VelocityContact:
         """Take what stays the same.
 
         Args:
-            compliance: G M^-1 G^T of the body; the mass commutes with rotations, so it is constant in space.
+            compliance: G M^-1 G^T of the body; the mass commutes with rotations, so it is constant
+                in space.
             frame: Rows normal and tangential of the plane, (2, 2).
             local: Solver of the local problem.
         """
         self._compliance, self._frame, self._local = compliance, frame, local
         self._closed: NDArray[np.int64] = np.empty(0, dtype=np.int64)
-        self._W = np.empty((0, 2, 0, 2))
+        self._W: Array = np.empty((0, 2, 0, 2))
 
     def correct(self, velocity: Array, force: Array, dt: float) -> VelocityCorrection | None:
         """The correction after a step, or None where no point is closed or no solution was found.
@@ -73,7 +76,8 @@ class VelocityContact:
         before = velocity[closed] @ self._frame.T
         impulse = dt * force[closed]
         slipping = np.abs(impulse[:, 1]) >= local.friction * impulse[:, 0] * (1 - 1e-9)
-        # Where the cone shrinks with P_n, giving back friction could accelerate: then the normal rows alone.
+        # Where the cone shrinks with P_n, giving back friction could accelerate: then the normal
+        # rows alone.
         for held in (slipping, np.ones(len(closed), dtype=bool)):
             try:
                 q = _total_impulse(W, before, impulse, held, local) - impulse

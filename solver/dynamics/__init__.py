@@ -1,0 +1,1 @@
+"""Time stepping: scheme, steps, their nonlinear solve and their sizes."""

@@ -1,10 +1,11 @@
-"""The nonlinear problem of one step, solved with one factorization: residual, and correction under contact.
+"""The nonlinear problem of one step, solved with one factorization.
 
-The residual is the exact nonlinear one. The tangent is that of the undeformed body, turned with the body's
-rotation R (K(u) = R K_0 R^T up to terms of the size of the strain), so that a correction costs one back
-substitution and one small contact problem:
+The residual is the exact nonlinear one. The tangent is that of the undeformed body, turned with the
+body's rotation R (K(u) = R K_0 R^T up to terms of the size of the strain), so that a correction
+costs one back substitution and one small contact problem:
 
-    du_f = -K^-1 r,    f = solution of the local problem with W = w_c G K^-1 G^T,    du = du_f + w_c K^-1 G^T df.
+    du_f = -K^-1 r,    f = solution of the local problem with W = w_c G K^-1 G^T,
+    du = du_f + w_c K^-1 G^T df.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.compliance import Compliance
-from solver.contact.local_problem import LocalProblem, image, row_sum_scaling
+from solver.contact.local_problem import LocalProblem, NoContactSolution, image, row_sum_scaling
 from solver.contact.plane_contact import ContactState, PlaneContact
 from solver.contact.points import SurfaceState
 from solver.dynamics.generalized_alpha import TangentWeights
@@ -28,7 +29,7 @@ from solver.parallel import global_sum
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +40,7 @@ class Balance:
         contact: Contact memory that the step starts from.
         weights: Of the tangent.
         constant: Loads, inertia of the old state (owned unknowns), N/m.
+        load: The loads alone; a residual is small or large in relation to them.
         drift: u_n + dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
         traction_weight: Weight of the new traction in the theta term.
     """
@@ -46,17 +48,22 @@ class Balance:
     contact: ContactState
     weights: TangentWeights
     constant: Array
+    load: Array
     drift: Array | None
     traction_weight: float
 
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """Displacement, surface and point forces that balance, and how SNES came to them."""
+    """Displacement, surface and point forces that balance, and how SNES came to them.
+
+    `residual` is what is left of the out-of-balance force.
+    """
 
     u: Array
     surface: SurfaceState
     force: Array
+    residual: Array
     outcome: Outcome
 
 
@@ -73,9 +80,11 @@ class ContactSolve:
         """Set SNES up for a body and its interface."""
         self.body, self.interface, self.local = body, interface, local
         self.points = interface.points
-        self._solver = NonlinearSolver(body.comm, body.size, self._residual, self._correct, options)
+        functions = self._residual, self._correct, NoContactSolution
+        self._solver = NonlinearSolver(body.comm, body.size, *functions, options)
         self._compliances: dict[TangentWeights, Compliance] = {}
-        # Points farther from the plane than this after the free step are not pressed into it by the others.
+        # Points farther from the plane than this after the free step are not pressed into it by the
+        # others.
         self._margin = 0.002 * float(np.ptp(body.nodes, axis=0).max())
 
     def destroy(self) -> None:
@@ -91,7 +100,7 @@ class ContactSolve:
         self._compliance = self._compliance_for(balance.weights, self._factor)
         self._near: Indices = np.empty(0, dtype=np.int64)
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
-        return Solution(u, self._surface, self._force, outcome)
+        return Solution(u, self._surface, self._force, self._solver.residual, outcome)
 
     def _compliance_for(self, weights: TangentWeights, factor: Factorization) -> Compliance:
         """The compliance that belongs to a factorization."""
@@ -101,13 +110,14 @@ class ContactSolve:
         return self._compliances[weights]
 
     def _tolerance(self, u: Array) -> float:
-        """Residual that counts as zero: a fraction of the forces at work, or the round-off of the stresses."""
+        """Residual that counts as zero: a fraction of the forces, or round-off of the stresses."""
         balance, body = self._balance, self.body
-        squares = global_sum(body.comm, np.array([balance.constant @ balance.constant, u @ u]))
-        load, length = np.sqrt(squares)
+        load, constant = balance.load, balance.constant
+        squares = global_sum(body.comm, np.array([load @ load, constant @ constant, u @ u]))
+        weight, inertia, length = (float(value) for value in np.sqrt(squares))
         node_mass = body.mass * body.dimension / body.unknowns
         stiffness = 0.6 * body.material.longitudinal + 0.1 * balance.weights.mass * node_mass
-        return max(TOLERANCE * float(load), float(np.finfo(float).eps * stiffness * length))
+        return max(TOLERANCE * (weight or inertia), float(np.finfo(float).eps) * stiffness * length)
 
     def _residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces."""
@@ -130,7 +140,8 @@ class ContactSolve:
     def _correct(self, residual: Array) -> Array:
         """Free step, local contact problem, and the response to the change of the point forces."""
         d, R, interface = self.body.dimension, self._rotation, self.interface
-        free = -self._factor.solve((residual.reshape(-1, d) @ R).ravel()).reshape(-1, d)
+        turned = residual.reshape(-1, d) @ R
+        free = -self._factor.solve(turned.ravel()).reshape(-1, d)
         layer = self.points.layer.gather(free)
         moved = (interface.read_rows @ layer.ravel()).reshape(-1, d)
         frame = interface.frame @ R
@@ -151,7 +162,7 @@ class ContactSolve:
         return ((free + change.reshape(-1, d)) @ R.T).ravel()
 
     def _delassus(self, near: Indices, frame: Array) -> tuple[Array, Array, Array]:
-        """W (m, 2, m, 2) with the interface's own softness, its scaling, and responses in the frame of the body."""
+        """W (m, 2, m, 2) with the interface's softness, its scaling, responses in body frame."""
         if not np.array_equal(near, self._near):
             W = self._balance.weights.contact * self._compliance.in_frame(near, frame)
             number = np.arange(len(near))

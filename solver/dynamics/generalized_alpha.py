@@ -1,4 +1,4 @@
-"""Generalized-alpha with contact impulses outside the average: coefficients and updates, pure numbers.
+"""Generalized-alpha with contact impulses outside the average: coefficients, pure numbers.
 
 The weights `alpha_m`, `alpha_f` are those of the OLD state (Chung and Hulbert 1993). Unlike there,
 beta = gamma_n/2, which makes
@@ -6,26 +6,22 @@ beta = gamma_n/2, which makes
     v_{n+1} = 2 (u_{n+1} - u_n)/dt - v_n
 
 hold for every rho_inf, so that the work of any force against u_{n+1} - u_n is the change of kinetic
-energy it causes. The contact force c acts at t_{n+1} alone and its impulse is not carried over (after
-Chen, Acary, Virlez and Bruls 2013, and Kane et al. 1999): it moves u by dt^2/2 M^-1 c and v by dt M^-1 c.
+energy it causes. The contact force c acts at t_{n+1} alone and its impulse is not carried over
+(after Chen, Acary, Virlez and Bruls 2013, and Kane et al. 1999): it moves u by dt^2/2 M^-1 c and v
+by dt M^-1 c.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True)
 class GeneralizedAlpha:
     """Coefficients of the scheme, all from `rho_inf` in [0, 1].
 
-    With beta = gamma_n/2 the spectral radius at infinite frequency is 1 for every `rho_inf`: it sets the
-    damping of the middle frequencies only.
+    With beta = gamma_n/2 the spectral radius at infinite frequency is 1 for every `rho_inf`: it
+    sets the damping of the middle frequencies only.
     """
 
     rho_inf: float
@@ -57,12 +53,8 @@ class GeneralizedAlpha:
 
     @property
     def skew(self) -> float:
-        """1/2 - alpha_f: the numerical dissipation of a step is `skew` du.dr (du, dr: increments)."""
+        """1/2 - alpha_f: a step's numerical dissipation is `skew` du.dr (du, dr: increments)."""
         return 0.5 - self.alpha_f
-
-    def old_weight_of_midstep(self, dt: float, time: float) -> float:
-        """The instant t_n + (1 - alpha_f) dt at which averaged loads stand."""
-        return time + (1 - self.alpha_f) * dt
 
     def weights(self, dt: float, mass_damping: float, stiffness_damping: float) -> TangentWeights:
         """The weights of mass, stiffness and interface in the tangent of a step of length `dt`.
@@ -79,12 +71,6 @@ class GeneralizedAlpha:
             interface=1 - self.alpha_f,
             contact=self.contact_weight,
         )
-
-    def predictor(
-        self, dt: float, u: NDArray[np.float64], v: NDArray[np.float64], a: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """u_n + dt v_n + dt^2 (1/2 - beta) a_n."""
-        return u + dt * v + dt**2 * (0.5 - self.beta) * a
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,9 @@
 """PETSc SNES, told what the residual is and how to correct it.
 
-SNES drives, monitors and judges; the correction (free step, local contact problem, compliance) stands where
-a preconditioned Krylov method stands elsewhere: `newtonls`, line search `basic`, `preonly`, a shell matrix
-and a Python preconditioner. All options are within reach under the prefix, as in
+SNES drives, monitors and judges; the correction (free step, local contact problem, compliance)
+stands where a preconditioned Krylov method stands elsewhere: `newtonls`, line search `basic`,
+`preonly`, a shell matrix and a Python preconditioner. All options are within reach under the
+prefix, as in
 
     rockslip run scene.toml -- -rockslip_snes_monitor
 """
@@ -18,9 +19,12 @@ from petsc4py import PETSc
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.petsc_options import PREFIX, parse_options
+
 Array = NDArray[np.float64]
 
-PREFIX = "rockslip_"
+ROUND_OFF = 50.0
+"""A residual within this factor of its tolerance that no longer falls is round-off."""
 
 REASONS = {
     2: "residual below its absolute tolerance",
@@ -56,13 +60,19 @@ class Tangent:
 class Correction:
     """The preconditioner of SNES: turns a residual into the negative of a correction."""
 
-    def __init__(self, correct: Callable[[Array], Array]):
-        """Take the function that gives the correction du for a residual."""
-        self._correct = correct
+    def __init__(self, correct: Callable[[Array], Array], failure: type[Exception]):
+        """Take the function that gives the correction du for a residual, and what it may raise."""
+        self._correct, self._failure = correct, failure
+        self.trouble: Exception | None = None
 
     def apply(self, pc: PETSc.PC, residual: PETSc.Vec, negative: PETSc.Vec) -> None:
         """Called by PETSc; the residual is locked and may only be read."""
-        negative.array[:] = -self._correct(residual.array_r)
+        try:
+            negative.array[:] = -self._correct(residual.array_r)
+        except self._failure as trouble:
+            # No exception may pass through PETSc: not-a-number ends SNES.
+            self.trouble = trouble
+            negative.array[:] = np.nan
 
 
 class NonlinearSolver:
@@ -74,6 +84,7 @@ class NonlinearSolver:
         size: int,
         residual: Callable[[Array], Array],
         correct: Callable[[Array], Array],
+        failure: type[Exception],
         options: Sequence[str] = (),
     ):
         """Set SNES up.
@@ -83,9 +94,11 @@ class NonlinearSolver:
             size: Owned unknowns of this rank.
             residual: Residual at given unknowns.
             correct: Correction for the residual at the unknowns last given.
+            failure: What `correct` raises where there is no correction.
             options: PETSc options, as on a command line; they override what is set here.
         """
         self._residual = residual
+        self._first = self._before = 0.0
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
         self._shell = shell = PETSc.Mat().createPython(
@@ -96,13 +109,15 @@ class NonlinearSolver:
         snes.setOptionsPrefix(PREFIX)
         snes.setType(PETSc.SNES.Type.NEWTONLS)
         snes.setFunction(self._function, self._r)
+        snes.setConvergenceTest(self._judge)
         snes.setJacobian(self._jacobian, shell, shell)
         snes.setTolerances(rtol=0.0, atol=0.0, stol=1e-15, max_it=30)
         ksp = snes.getKSP()
         ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = ksp.getPC()
         pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(Correction(correct))
+        self._correction = Correction(correct, failure)
+        pc.setPythonContext(self._correction)
         self._set_options(snes, options)
         self.snes = snes
         self._tolerance = snes.getTolerances()[1]  # the user's, where options name one
@@ -112,10 +127,7 @@ class NonlinearSolver:
         """Let SNES read the user's options, and take them out of PETSc's data base again."""
         database = PETSc.Options()
         chosen: dict[str, str | None] = {f"-{PREFIX}snes_linesearch_type": "basic"}
-        for position, word in enumerate(options):
-            if _is_name(word):
-                following = options[position + 1] if position + 1 < len(options) else None
-                chosen[word] = None if following is None or _is_name(following) else following
+        chosen.update(parse_options(options))
         for name, value in chosen.items():
             database.setValue(name, value)
         snes.setFromOptions()
@@ -126,6 +138,26 @@ class NonlinearSolver:
         """Residual, called by SNES."""
         r.array[:] = self._residual(x.array_r)
 
+    def _judge(self, snes: PETSc.SNES, iterations: int, norms: tuple[float, float, float]) -> int:
+        """SNES's own test, and an end where round-off keeps the residual from falling further."""
+        unknowns, correction, residual = norms
+        rtol, atol, stol, _ = snes.getTolerances()
+        if iterations == 0:
+            self._first = residual
+        before, self._before = self._before, residual
+        if not np.isfinite(residual):
+            return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
+        if residual <= atol:
+            return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
+        if iterations == 0:
+            return 0
+        if residual <= rtol * self._first:
+            return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE)
+        stands_still = iterations > 1 and residual > 0.5 * before and residual < ROUND_OFF * atol
+        if correction <= stol * unknowns or stands_still:
+            return int(PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE)
+        return 0
+
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """The tangent is constant in the frame of the body: nothing to assemble."""
 
@@ -134,18 +166,20 @@ class NonlinearSolver:
         for thing in (self.snes, self._shell, self._x, self._r):
             thing.destroy()
 
+    @property
+    def residual(self) -> Array:
+        """What was left of the residual when SNES stopped (owned unknowns)."""
+        return self._r.array_r.copy()
+
     def solve(self, unknowns: Array, tolerance: float) -> tuple[Array, Outcome]:
         """Solve from `unknowns` until the residual is below `tolerance` (its Euclidean norm)."""
         self.snes.setTolerances(atol=self._tolerance or tolerance)
         self._x.array[:] = unknowns
+        self._correction.trouble = None
         self.snes.solve(None, self._x)
         code = self.snes.getConvergedReason()
-        reason = REASONS.get(code, f"SNES reason {code}")
+        trouble = self._correction.trouble
+        reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")
         return self._x.array_r.copy(), Outcome(
             code > 0, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), reason
         )
-
-
-def _is_name(word: str) -> bool:
-    """Whether a word of a command line names an option (and is not a negative number)."""
-    return word.startswith("-") and len(word) > 1 and not word[1].isdigit() and word[1] != "."

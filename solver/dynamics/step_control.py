@@ -1,4 +1,4 @@
-"""The ladder of time steps dt, dt/2, dt/4, ...: down where a step fails, up again where it fits the grid."""
+"""The ladder of time steps dt, dt/2, dt/4, ...: down where one fails, up where the grid allows."""
 
 from __future__ import annotations
 

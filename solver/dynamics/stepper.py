@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from contextlib import ExitStack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.compliance import Compliance
 from solver.contact.faces import ContactFaces, carry_over
-from solver.contact.local_problem import LocalProblem, NoContactSolution
-from solver.contact.plane_contact import ContactState
+from solver.contact.local_problem import LocalProblem
 from solver.contact.velocity import VelocityContact
 from solver.dynamics.contact_solve import Balance, ContactSolve, Solution
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.dynamics.state import Exchange, State
 from solver.mechanics.elastic_body import ElasticBody, StrainWeights
 from solver.mechanics.factorization import Factorization
 from solver.parallel import global_sum
@@ -24,41 +24,6 @@ Array = NDArray[np.float64]
 
 class StepFailed(Exception):
     """The nonlinear solve of a step did not converge."""
-
-
-@dataclass(slots=True)
-class State:
-    """Everything a step starts from.
-
-    Attributes:
-        time: t_n, s.
-        u: Displacement of the owned unknowns, m.
-        v: Velocity, m/s.
-        p: Inertia force M a without that of the contact impulse, N/m.
-        contact: Contact memory.
-        kinetic: Kinetic energy, J/m.
-        strain: Strain energy, J/m.
-    """
-
-    time: float
-    u: Array
-    v: Array
-    p: Array
-    contact: ContactState
-    kinetic: float = 0.0
-    strain: float = 0.0
-
-
-@dataclass(slots=True)
-class Exchange:
-    """Energy that a step took in or lost, J/m; each term from its own formula."""
-
-    input: float = 0.0
-    friction: float = 0.0
-    damping: float = 0.0
-    contact: float = 0.0
-    numerical: float = 0.0
-    iterations: int = 0
 
 
 class Stepper:
@@ -93,27 +58,26 @@ class Stepper:
         # A step may go without its velocity solve: it is not worth the slow methods.
         self.velocity_local = LocalProblem(faces.friction, patience=1)
         self._petsc_options = tuple(petsc_options)
-        self._solve: ContactSolve | None = None
+        self._resources = ExitStack()
 
     def _join(self, faces: frozenset[int]) -> None:
         """Let faces take part in contact; the tangent changes with them."""
         self.interface = self._faces.join(faces)
         if self.interface.theta:
             self.body.stiffen(self.interface.theta_matrix(self.body.mass_matrix))
-        if self._solve is not None:
-            self._solve.destroy()
+        self._resources.close()
         self._solve = ContactSolve(self.body, self.interface, self.local, self._petsc_options)
+        self._resources.callback(self._solve.destroy)
         self._velocity: VelocityContact | None = None
 
-    def _turn(self, state: State) -> float:
-        """Before a step: let faces join that have turned towards the plane, choose the points of corners.
+    def _turn(self, state: State) -> None:
+        """Before a step: let faces join that turned to the plane, choose the points of corners.
 
-        Returns:
-            Interface energy lost by the exchange, J/m; it is added to what contact dissipates.
+        The interface energy that this loses is kept in the state, also where the step then fails;
+        it is added to what contact dissipates.
         """
         rotation = self.body.rotation(state.u)
         facing = self._faces.facing(rotation)
-        lost = 0.0
         if facing != self._faces.joined:
             before, interface = self.interface.energy(state.contact), self.interface
             self._join(facing)
@@ -121,8 +85,8 @@ class Stepper:
                 self.interface.points.evaluate(self.layer(state.u)), rotation
             )
             state.contact = carry_over(state.contact, interface, self.interface, fresh)
-            lost = before - self.interface.energy(state.contact)
-        return lost + self.interface.turn(state.contact, rotation)
+            state.exchanged += before - self.interface.energy(state.contact)
+        state.exchanged += self.interface.turn(state.contact, rotation)
 
     def base(self, time: float) -> Array:
         """Acceleration of the ground, m/s2."""
@@ -152,10 +116,12 @@ class Stepper:
         )
         weights = TangentWeights(mass=steadying, stiffness=1.0, interface=1.0, contact=1.0)
         body.begin(u, state.v, StrainWeights(new=1.0, old=0.0))
+        gravity = self.gravity @ body.directional_mass
         balance = Balance(
             contact=state.contact,
             weights=weights,
-            constant=-(self.gravity @ body.directional_mass),
+            constant=-gravity,
+            load=gravity,
             drift=None,
             traction_weight=1.0,
         )
@@ -193,11 +159,7 @@ class Stepper:
 
     def _solved(self, balance: Balance, guess: Array, force: Array) -> Solution:
         """Solve, or say why not."""
-        try:
-            assert self._solve is not None
-            solution = self._solve.solve(balance, guess, force)
-        except NoContactSolution as trouble:
-            raise StepFailed(f"the local contact problem did not settle ({trouble})") from trouble
+        solution = self._solve.solve(balance, guess, force)
         if not solution.outcome.converged:
             raise StepFailed(
                 f"SNES: {solution.outcome.reason}, residual {solution.outcome.residual:.2e} N/m"
@@ -208,10 +170,10 @@ class Stepper:
         """One step of length `dt`.
 
         Raises:
-            StepFailed: `state` is then unchanged.
+            StepFailed: `state` can then be tried again with another step.
         """
         scheme, body, damping = self.scheme, self.body, self.body.damping
-        turned = self._turn(state)
+        self._turn(state)
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
         load = (1 - af) * self._load(state.time + dt) + af * self._load(state.time)
         constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
@@ -224,12 +186,16 @@ class Stepper:
         body.begin(state.u, state.v, strain_weights)
         drift = state.u + dt * state.v
         balance = Balance(
-            contact=state.contact, weights=scheme.weights(dt, damping.mass, damping.stiffness), constant=constant,
-            drift=drift, traction_weight=1 - af,
-        )  # fmt: skip
+            contact=state.contact,
+            weights=scheme.weights(dt, damping.mass, damping.stiffness),
+            constant=constant,
+            load=load,
+            drift=drift,
+            traction_weight=1 - af,
+        )
         solution = self._solved(balance, drift, state.contact.force)
         new, exchange = self._update(state, dt, solution)
-        exchange.contact += turned
+        exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations
         return new, exchange
 
@@ -238,36 +204,37 @@ class Stepper:
         scheme, body, interface = self.scheme, self.body, self.interface
         du = solution.u - state.u
         v = 2 * du / dt - state.v
-        p = (
-            body.inertia(du - dt * state.v) / (scheme.beta * dt**2)
-            - (0.5 / scheme.beta - 1) * state.p
-        )
+        p = body.inertia(du - dt * state.v)
+        p /= scheme.beta * dt**2
+        p -= (0.5 / scheme.beta - 1) * state.p
         nodal = interface.nodal(state.contact.surface, solution.surface, solution.force, 0.0, 1.0)
-        interface.points.layer.add(p.reshape(-1, body.dimension), -nodal / (2 * scheme.beta))
+        nodal /= -2 * scheme.beta
+        interface.points.layer.add(p.reshape(-1, body.dimension), nodal)
         p[body.fixed] = 0.0
         contact, friction, lost = interface.remember(
             state.contact, solution.surface, solution.force
         )
         new = State(state.time + dt, solution.u, v, p, contact)
-        exchange = self._ledger(state, new, dt)
+        exchange = self._ledger(state, new, dt, solution.residual)
         exchange.friction, exchange.contact = friction, lost
         if self.velocity_solve:
             self._correct_velocity(new, dt, exchange)
         return new, exchange
 
-    def _ledger(self, state: State, new: State, dt: float) -> Exchange:
-        """Energies of the new state before the velocity solve, and what damping and averaging took."""
+    def _ledger(self, state: State, new: State, dt: float, residual: Array) -> Exchange:
+        """Energies of the new state before the velocity solve; what damping and averaging took."""
         body, damping = self.body, self.body.damping
         du, dv = new.u - state.u, new.v - state.v
         momentum = body.inertia(new.v)
-        sums = [
-            0.5 * new.v @ momentum, body.strain_energy(), body.increment_energy(), body.rate_energy(),
-            du @ (new.p - state.p), *(body.directional_mass @ du),
-        ]  # fmt: skip
+        sums = [0.5 * new.v @ momentum, body.strain_energy(), residual @ du]
+        sums += [body.increment_energy(), body.rate_energy()]
+        sums += [du @ (new.p - state.p), *(body.directional_mass @ du)]
         if damping.mass:
             drag = body.inertia(du)
             sums += [drag @ du, drag @ dv]
-        kinetic, strain, squared, rate, inertial, *rest = global_sum(body.comm, np.array(sums))
+        kinetic, strain, left, squared, rate, inertial, *rest = global_sum(
+            body.comm, np.array(sums)
+        )
         moved, dragged = np.array(rest[: body.dimension]), rest[body.dimension :]
         new.kinetic, new.strain = float(kinetic), float(strain)
         before, after = self.base(state.time), self.base(new.time)
@@ -282,7 +249,8 @@ class Stepper:
         return Exchange(
             input=-float(moved @ (before + after)) / 2,
             damping=float(lost),
-            numerical=float(self.scheme.skew * increment),
+            # `left`: work of the out-of-balance force that the iteration left.
+            numerical=float(self.scheme.skew * increment - left),
         )
 
     def _correct_velocity(self, new: State, dt: float, exchange: Exchange) -> None:

@@ -1,0 +1,1 @@
+"""Elastic bodies: material, kinematics, forces, factorized tangents."""

@@ -1,7 +1,7 @@
-"""An elastic body: what it weighs, how it resists, and one factorization of that for each step size.
+"""An elastic body: what it weighs, how it resists, one factorization of that for each step size.
 
-Total Lagrangian, St. Venant-Kirchhoff. All vectors are per unit of thickness and hold the owned unknowns
-of a rank, node by node.
+Total Lagrangian, St. Venant-Kirchhoff. All vectors are per unit of thickness and hold the owned
+unknowns of a rank, node by node.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Damping:
 
 @dataclass(frozen=True, slots=True)
 class StrainWeights:
-    """S = C:(new E_{n+1} + old E_n + rate dE_n/dt), the stress that a step's internal force stands on."""
+    """S = C:(new E_{n+1} + old E_n + rate dE_n/dt), the stress of a step's internal force."""
 
     new: float
     old: float
@@ -67,7 +67,8 @@ class ElasticBody:
             material: Its material.
             degree: Polynomial degree of the displacement.
             damping: Rayleigh damping; None assembles no such terms.
-            clamped: Marker of boundary points held fixed, as dolfinx's `locate_entities_boundary` takes it.
+            clamped: Marker of boundary points held fixed, as dolfinx's `locate_entities_boundary`
+                takes it.
         """
         self.material, self.damping = material, damping or Damping()
         d = domain.geometry.dim
@@ -139,9 +140,10 @@ class ElasticBody:
             inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
         ).matrix()
         self._product = self.mass_matrix.createVecs()
+        self._factor, self._image = (vector.array for vector in self._product)  # kept
 
     def _measure_inertia(self) -> None:
-        """Mass, centre and the moments that the best-fit rotation needs, from the consistent mass."""
+        """Mass, centre and moments that the best-fit rotation needs, from the consistent mass."""
         d = self.dimension
         unit = np.zeros((d, self.owned, d))
         for i in range(d):
@@ -160,10 +162,9 @@ class ElasticBody:
 
     def inertia(self, vector: Array) -> Array:
         """M x, with the consistent mass."""
-        x, y = self._product
-        x.array[:] = vector
-        self.mass_matrix.mult(x, y)
-        return y.array_r.copy()
+        self._factor[:] = vector
+        self.mass_matrix.mult(*self._product)
+        return self._image.copy()
 
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""
@@ -190,7 +191,7 @@ class ElasticBody:
             function.x.scatter_forward()
 
     def internal_force(self, u: Array, *, static: bool = False) -> Array:
-        """The averaged internal force at displacement u: stress of averaged strain, midpoint gradient.
+        """Averaged internal force at displacement u: stress of averaged strain, midpoint gradient.
 
         With `static` the midpoint is the configuration itself.
         """
@@ -215,7 +216,11 @@ class ElasticBody:
         return self._rate_form.scalar() if self.damping.stiffness else 0.0
 
     def stiffen(self, interface: PETSc.Mat) -> None:
-        """Hand over the theta term of Nitsche's method, (theta/gamma_h) G_T^T w G_T, which tangents subtract."""
+        """Hand over the theta term of Nitsche's method, which tangents subtract.
+
+        Args:
+            interface: (theta/gamma_h) G_T^T w G_T.
+        """
         self._interface = interface
         self._factorizations.clear()
 

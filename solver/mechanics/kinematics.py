@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rotation nearest to a moment matrix (d, d): its polar factor.
 
-    `moment` = sum of m x (X - X_mean)^T over a body, x current and X reference positions; the result is
-    the mass-weighted best-fit rotation of the body (Kabsch 1976).
+    `moment` = sum of m x (X - X_mean)^T over a body, x current and X reference positions; the
+    result is the mass-weighted best-fit rotation of the body (Kabsch 1976).
     """
     if moment.shape == (2, 2):
-        (xx, xy), (yx, yy) = moment.tolist()
-        c, s = xx + yy, yx - xy
+        c, s = float(moment[0, 0] + moment[1, 1]), float(moment[1, 0] - moment[0, 1])
         length = (c * c + s * s) ** 0.5
         c, s = c / length, s / length
         return np.array([[c, -s], [s, c]])

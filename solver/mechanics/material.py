@@ -59,5 +59,5 @@ class Material:
 
 
 def green_strain(gradient: Any) -> Any:
-    """E = (F^T F - I)/2 of a UFL displacement gradient, formed without the cancellation of F^T F - I."""
+    """E = (F^T F - I)/2 of a UFL displacement gradient, without the cancellation of F^T F - I."""
     return (gradient + gradient.T + gradient.T * gradient) / 2

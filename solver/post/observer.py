@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.dynamics.stepper import Exchange, State, Stepper
+from solver.dynamics.state import Exchange, State
+from solver.dynamics.stepper import Stepper
 from solver.mechanics.kinematics import lean, unwrap
 from solver.parallel import global_sum
 
@@ -43,7 +44,7 @@ class Observer:
         self._start: float | None = None
 
     def _bottom(self) -> tuple[NDArray[np.int64], Array]:
-        """The two bottom corners: where they stand in the layer of the interface, and in the block."""
+        """The two bottom corners: where they stand in the interface's layer, and in the block."""
         places = self._stepper.interface.points.node_positions
         row = np.flatnonzero(places[:, 1] < places[:, 1].min() + 1e-9 * np.ptp(places[:, 0]))
         corners = row[[np.argmin(places[row, 0]), np.argmax(places[row, 0])]]
@@ -65,10 +66,9 @@ class Observer:
         gaps, corners, closed = self._contact(state)
         centre = body.centre + moved
         forces = self._thickness * state.contact.force.sum(axis=0)
-        kinematic = [
-            self._angle, spin / body.polar_inertia, self._slip, *corners[:, 0], max(0.0, -float(gaps[:, 0].min())),
-            *centre, *forces,
-        ]  # fmt: skip
+        penetration = max(0.0, -float(gaps[:, 0].min()))
+        kinematic = [self._angle, spin / body.polar_inertia, self._slip, *corners[:, 0]]
+        kinematic += [penetration, *centre, *forces]
         head = [
             state.time,
             step,
@@ -81,7 +81,7 @@ class Observer:
         )
 
     def _contact(self, state: State) -> tuple[Array, Array, int]:
-        """Gaps of all points and of the bottom corners, number of closed points; slip is carried on."""
+        """Gaps of all points and of the bottom corners, number of closed points; slip goes on."""
         interface = self._stepper.interface
         gaps = interface.gaps(state.contact.surface)
         if interface is not self._interface:
@@ -97,8 +97,8 @@ class Observer:
     def _slip_of(self, place: Array, touching: Sequence[int] | NDArray[np.int64]) -> float:
         """Mean displacement of the touching points along the plane since they were at home.
 
-        Home is where a point stood at the start, for points of faces that joined later where it has to be
-        for the slip not to jump when they first touch.
+        Home is where a point stood at the start, for points of faces that joined later where it has
+        to be for the slip not to jump when they first touch.
         """
         keys = self._interface.keys()
         known = [place[q] - self._home[keys[q]] for q in touching if keys[q] in self._home]
@@ -119,8 +119,12 @@ class Observer:
             stepper.interface.energy(state.contact),
         ]
         self._exchanged += [
-            exchange.input, exchange.friction, exchange.damping, exchange.contact, exchange.numerical
-        ]  # fmt: skip
+            exchange.input,
+            exchange.friction,
+            exchange.damping,
+            exchange.contact,
+            exchange.numerical,
+        ]
         total = sum(stored)
         if self._start is None:
             self._start = total

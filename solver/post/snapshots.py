@@ -1,4 +1,4 @@
-"""Snapshots of a run for ParaView: the functions that the field writer writes, filled from a state."""
+"""Snapshots of a run for ParaView: the functions the field writer writes, filled from a state."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 from dolfinx import fem
 
-from solver.dynamics.stepper import State, Stepper
+from solver.dynamics.state import State
+from solver.dynamics.stepper import Stepper
 from solver.post.fields import FieldWriter
 from solver.post.paraview import paraview_script
 

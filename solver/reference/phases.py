@@ -72,7 +72,8 @@ class Recorder:
 
 def output_times(end: float, step: float) -> NDArray[np.float64]:
     """0, step, 2 step ... up to `end`."""
-    return np.arange(int(end / step * (1 + 1e-12)) + 1, dtype=np.float64) * step
+    times = np.arange(int(end / step * (1 + 1e-12)) + 1, dtype=np.float64) * step
+    return np.minimum(times, end)  # k step may exceed the end by round-off, and no phase reaches it
 
 
 def event(function: Callable[..., float], *, falling: bool, terminal: bool) -> Any:

@@ -202,10 +202,14 @@ class TestRun:
         self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
     ) -> None:
         words = ["run", "granite.toml", "--set", "block.height=1.2", "-q", "--"]
-        assert main([*words, "-snes_monitor", "-snes_rtol", "1e-9"]) == 0
+        assert main([*words, "-rockslip_snes_monitor", "-rockslip_snes_rtol", "1e-9"]) == 0
         assert calls[0]["scene"].blocks[0].height == 1.2
         assert calls[0]["folder"] == Path("granite.out")
-        assert calls[0]["petsc_options"] == ("-snes_monitor", "-snes_rtol", "1e-9")
+        assert calls[0]["petsc_options"] == (
+            "-rockslip_snes_monitor",
+            "-rockslip_snes_rtol",
+            "1e-9",
+        )
         assert calls[0]["log"] is None
         output = capsys.readouterr()
         assert output.out == output.err == ""

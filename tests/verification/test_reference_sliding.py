@@ -73,3 +73,16 @@ def test_without_friction_the_block_stays_in_space():
 def test_step_changes_the_output_times_only():
     coarse, fine = slip(half_sine, 0.3, step=0.01), slip(half_sine, 0.3, step=0.001)
     np.testing.assert_allclose(coarse.slip, fine.slip[::10], atol=1e-9)
+
+
+def test_the_last_time_belongs_to_the_motion() -> None:
+    """0.29/2e-4 steps end beyond 0.29 by round-off: the block must not jump back."""
+    result = sliding(
+        acceleration=lambda t: 0.2 * 9.81 * np.sin(4 * np.pi * t),
+        friction=0.1,
+        gravity=9.81,
+        end=0.29,
+        step=2e-4,
+    )
+    assert result.slip[-1] == pytest.approx(result.slip[-2], rel=1e-2)
+    assert result.slip[-1] < -0.015

@@ -1,0 +1,49 @@
+"""What a step starts from, and what it exchanges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.plane_contact import ContactState
+
+Array = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class State:
+    """Everything a step starts from.
+
+    Attributes:
+        time: t_n, s.
+        u: Displacement of the owned unknowns, m.
+        v: Velocity, m/s.
+        p: Inertia force M a without that of the contact impulse, N/m.
+        contact: Contact memory.
+        kinetic: Kinetic energy, J/m.
+        strain: Strain energy, J/m.
+        exchanged: Interface energy lost since t_n by choosing other contact points, J/m.
+    """
+
+    time: float
+    u: Array
+    v: Array
+    p: Array
+    contact: ContactState
+    kinetic: float = 0.0
+    strain: float = 0.0
+    exchanged: float = 0.0
+
+
+@dataclass(slots=True)
+class Exchange:
+    """Energy that a step took in or lost, J/m; each term from its own formula."""
+
+    input: float = 0.0
+    friction: float = 0.0
+    damping: float = 0.0
+    contact: float = 0.0
+    numerical: float = 0.0
+    iterations: int = 0

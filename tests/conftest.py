@@ -1,0 +1,33 @@
+"""What all tests share."""
+
+import gc
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(autouse=True)
+def ranks_in_step() -> Iterator[None]:
+    """Collect garbage and wait for the other ranks after each test.
+
+    PETSc objects are destroyed collectively: left to the collector of each rank they are destroyed
+    at different times. Ranks exist for tests that imported MPI only.
+    """
+    yield
+    gc.collect()
+    mpi = sys.modules.get("mpi4py.MPI")
+    if mpi is not None:
+        mpi.COMM_WORLD.Barrier()
+
+
+@pytest.fixture(scope="session")
+def records() -> Path:
+    """The folder of recorded ground motions, which the repository does not hold itself."""
+    folder = REPOSITORY.parent / "shared" / "records"
+    if not folder.is_dir():
+        pytest.skip(f"no recorded ground motions in {folder}")
+    return folder

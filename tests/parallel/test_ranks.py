@@ -1,0 +1,100 @@
+"""The same run on 1, 2 and 3 ranks."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.post.history import History
+
+ROOT = Path(__file__).parents[2]
+
+SCENE = """
+[[block]]
+width = 0.25
+height = 1.0
+thickness = 0.75
+mass = 503.0
+young = 5.0e10
+poisson = 0.2
+tilt_deg = 3.0
+[contact]
+friction = 0.7
+[time]
+end = 1.0
+step = 1.0e-3
+[output]
+every = 0.1
+"""
+
+
+def rockslip_on(ranks: int, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """`rockslip run` under mpirun, in a folder that holds scene.toml."""
+    launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    return subprocess.run(
+        [*launch, sys.executable, "-m", "solver", "run", "scene.toml", "-q", *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a serial run."""
+    folder = tmp_path_factory.mktemp("ranks")
+    (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
+    done = rockslip_on(1, folder, "-o", "serial")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_histories_agree(serial: Path, ranks: int) -> None:
+    """To 1e-8 of each column's scale up to 1 s, however the mesh is split."""
+    done = rockslip_on(ranks, serial, "-o", f"ranks{ranks}")
+    assert done.returncode == 0, done.stderr
+    one = History.read(serial / "serial" / "history.csv")
+    many = History.read(serial / f"ranks{ranks}" / "history.csv")
+    assert len(one) == len(many) == 1001
+    # Displacements that differ by 1e-14 m give forces that differ by 1e-4 N: the contact is stiff.
+    kinematic = dict.fromkeys(("angle_rad", "slip_m", "centre_x_m", "centre_y_m"), 1e-8)
+    forces = dict.fromkeys(("normal_force_N", "friction_force_N"), 1e-7)
+    for column, tolerance in (kinematic | forces).items():
+        name = f"block.{column}"
+        scale = np.abs(one[name]).max()
+        assert many[name] == pytest.approx(one[name], abs=tolerance * scale), name
+    total = one["energy.total_J"]
+    assert many["energy.total_J"] == pytest.approx(total, abs=1e-8 * np.ptp(total))
+    summary = json.loads((serial / f"ranks{ranks}" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["cost"]["ranks"] == ranks
+
+
+@pytest.mark.mpi
+def test_fields_of_two_ranks_are_those_of_one(serial: Path) -> None:
+    """Displacements in the files, read back and ordered by place."""
+    import pyvista
+
+    done = rockslip_on(2, serial, "-o", "fields2", "--set", "time.end=0.2")
+    assert done.returncode == 0, done.stderr
+    ends = []
+    for folder in ("serial", "fields2"):
+        reader = pyvista.get_reader(serial / folder / "fields.pvd")
+        reader.set_active_time_value(0.2)
+        data = reader.read().combine()
+        # A node on the border of two ranks stands in the files of both.
+        _, first = np.unique(np.round(data.points, 9), axis=0, return_index=True)
+        ends.append((data.points[first], data["displacement"][first]))
+    assert ends[0][0] == pytest.approx(ends[1][0], abs=1e-12)
+    assert ends[0][1] == pytest.approx(ends[1][1], abs=1e-9)

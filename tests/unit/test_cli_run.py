@@ -1,0 +1,321 @@
+"""`rockslip run` for real, in processes of its own: refusals, signals, options for PETSc."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.post.history import History
+
+SCENE = """
+title = "A block of granite"
+[[block]]
+width = 0.25
+height = 1.0
+thickness = 0.75
+mass = 503.0
+young = 5.0e10
+poisson = 0.2
+tilt_deg = 3.0
+[contact]
+friction = 0.7
+[time]
+end = 0.03
+step = 0.001
+[output]
+every = 0.01
+"""
+
+BLOCK = SCENE[SCENE.index("[[block]]") : SCENE.index("[contact]")]
+
+COMMAND = [sys.executable, "-m", "solver"]
+
+pytestmark = pytest.mark.serial
+
+
+def environment() -> dict[str, str]:
+    """That of this process, outside of any mpirun around it."""
+    return {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
+
+
+def rockslip(folder: Path, *words: str, ranks: int = 1) -> subprocess.CompletedProcess[str]:
+    """The command, run in a folder."""
+    launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    return subprocess.run(
+        [*launcher, *COMMAND, *words],
+        cwd=folder,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def fingerprint(folder: Path) -> dict[str, str]:
+    """Every file below a folder, its content and the time it was written."""
+    return {
+        str(file.relative_to(folder)): f"{hash(file.read_bytes())} {file.stat().st_mtime_ns}"
+        for file in sorted(folder.rglob("*"))
+        if file.is_file()
+    }
+
+
+def summary_of(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return found
+
+
+@pytest.fixture(scope="module")
+def earlier(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a scene and a finished run of it in `granite.out`."""
+    for package in ("dolfinx", "gmsh"):
+        pytest.importorskip(package)
+    folder = tmp_path_factory.mktemp("earlier")
+    (folder / "granite.toml").write_text(SCENE)
+    done = rockslip(folder, "run", "granite.toml")
+    assert done.returncode == 0, done.stderr
+    assert "completed at t = 0.03 s" in done.stdout
+    return folder
+
+
+# What is wrong, and what the one line has to name: key path, what it got, what is allowed.
+REFUSED: dict[str, tuple[str, list[str]]] = {
+    "unknown key": (
+        SCENE.replace("width", "widht"),
+        ["block.widht", "unknown key", "did you mean 'width'?", "height"],
+    ),
+    "unknown table": (f"{SCENE}[moton]\nkind = 'sine'\n", ["moton", "did you mean 'motion'?"]),
+    "wrong type": (SCENE.replace("1.0\n", '"tall"\n'), ["block.height", '"tall"', "height > 0"]),
+    "a table for a number": (
+        SCENE.replace("friction = 0.7", "friction = { static = 0.7 }"),
+        ["contact.friction", "a table", "friction >= 0"],
+    ),
+    "a truth for a number": (
+        SCENE.replace("step = 0.001", "step = true"),
+        ["time.step", "true", "step > 0"],
+    ),
+    "negative height": (
+        SCENE.replace("height = 1.0", "height = -1.0"),
+        ["block.height", "-1.0", "height > 0"],
+    ),
+    "incompressible": (
+        SCENE.replace("poisson = 0.2", "poisson = 0.5"),
+        ["block.poisson", "0.5", "0 <= poisson < 0.5"],
+    ),
+    "negative friction": (
+        SCENE.replace("friction = 0.7", "friction = -0.1"),
+        ["contact.friction", "-0.1", "friction >= 0"],
+    ),
+    "no cells": (
+        SCENE.replace("poisson = 0.2", "poisson = 0.2\ncells = [0, 16]"),
+        ["block.cells", "[0, 16]", ">= 1"],
+    ),
+    "step beyond the end": (
+        SCENE.replace("step = 0.001", "step = 0.5"),
+        ["time.step", "0.5", "step <= end = 0.03"],
+    ),
+    "missing file": (
+        f"{SCENE}[motion]\nkind = 'table'\nfile = 'absent.csv'\n",
+        ["motion.file", "absent.csv", "a file that exists"],
+    ),
+    "mass and density": (
+        SCENE.replace("mass = 503.0", "mass = 503.0\ndensity = 2700.0"),
+        ["block.mass", "both mass and density", "exactly one"],
+    ),
+    "neither mass nor density": (
+        SCENE.replace("mass = 503.0\n", ""),
+        ["block.mass", "nothing", "exactly one"],
+    ),
+    "unreadable TOML": (f"{SCENE}[[block\n", ["bad.toml", "unreadable TOML", "line 18"]),
+    "no text": ("\x00\x01", ["bad.toml", "unreadable TOML"]),
+    "empty scene": ("", ["bad.toml", "an empty scene", "[[block]]"]),
+    "no block": (SCENE.replace(BLOCK, ""), ["block", "nothing", "[[block]]"]),
+    "NaN": (SCENE.replace("5.0e10", "nan"), ["block.young", "nan", "young > 0"]),
+    "infinity": (
+        f"gravity = inf\n{SCENE}",
+        ["gravity", "inf", "gravity > 0"],
+    ),
+    "of a later issue": (
+        SCENE.replace("poisson", 'model = "rigid"\npoisson'),
+        ["block.model", '"rigid"', '"elastic"'],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_bad_input_is_one_line_and_touches_nothing(earlier: Path, case: str) -> None:
+    """Not even with --force is anything of an earlier run removed before the input is good."""
+    text, parts = REFUSED[case]
+    bad = earlier / "bad.toml"
+    bad.write_text(text)
+    before = fingerprint(earlier)
+    done = rockslip(earlier, "run", "bad.toml", "-o", "granite.out", "--force")
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert done.stderr.startswith("rockslip: ")
+    assert done.stderr.count("\n") == 1
+    for part in parts:
+        assert part in done.stderr
+    assert fingerprint(earlier) == before
+
+
+@pytest.mark.parametrize(
+    ("override", "parts"),
+    [
+        ("blok.height=1.2", ["blok", "did you mean 'block'?"]),
+        ("block.height=nan", ["block.height", "nan"]),
+        ("block.height", ["--set", "path=value"]),
+        ("time.end=1e-4", ["time.step", "step <= end"]),
+    ],
+)
+def test_so_are_bad_overrides(earlier: Path, override: str, parts: list[str]) -> None:
+    before = fingerprint(earlier)
+    done = rockslip(earlier, "run", "granite.toml", "--force", "--set", override)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    for part in parts:
+        assert part in done.stderr
+    assert fingerprint(earlier) == before
+
+
+def test_a_folder_in_use_is_kept_and_force_renews_it(tmp_path: Path) -> None:
+    pytest.importorskip("dolfinx")
+    (tmp_path / "granite.toml").write_text(SCENE)
+    assert rockslip(tmp_path, "run", "granite.toml", "-q").returncode == 0
+    folder = tmp_path / "granite.out"
+    (folder / "notes.txt").write_text("mine")
+    before = fingerprint(folder)
+    shorter = ["run", "granite.toml", "--set", "time.end=0.01", "output.fields='none'"]
+    done = rockslip(tmp_path, *shorter)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    for part in ("granite.out", "in use", "an empty folder, or --force"):
+        assert part in done.stderr
+    assert fingerprint(folder) == before
+    assert rockslip(tmp_path, *shorter, "--force", "-q").returncode == 0
+    assert summary_of(folder)["end_s"] == pytest.approx(0.01)
+    assert {file.name for file in folder.iterdir()} == {
+        "scene.toml", "history.csv", "summary.json", "run.log", "notes.txt"
+    }  # fmt: skip
+
+
+@pytest.mark.mpi
+def test_a_bad_key_on_two_ranks_is_one_line(earlier: Path) -> None:
+    """All ranks leave with exit code 2, one of them speaks, an earlier run stays as it was."""
+    bad = earlier / "bad.toml"
+    bad.write_text(SCENE.replace("tilt_deg", "tilt_dge"))
+    before = fingerprint(earlier)
+    done = rockslip(earlier, "run", "bad.toml", "-o", "granite.out", "--force", ranks=2)
+    assert done.returncode == 2
+    ours = [line for line in done.stderr.splitlines() if "rockslip" in line or "block." in line]
+    assert len(ours) == 1
+    assert "block.tilt_dge: unknown key, did you mean 'tilt_deg'?" in ours[0]
+    assert "Traceback" not in done.stderr
+    assert fingerprint(earlier) == before
+
+
+def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
+    """Start a long run, send it a signal once it is under way; returns what it left."""
+    launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    words = ["run", "granite.toml", "-o", "out", "--set", "time.end=600.0"]
+    process = subprocess.Popen(
+        [*launcher, *COMMAND, *words],
+        cwd=folder,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    history = folder / "out" / "history.csv"
+    try:
+        deadline = time.monotonic() + 60
+        while not history.is_file() or history.read_text().count("\n") < 60:
+            assert process.poll() is None, process.communicate()[1]
+            assert time.monotonic() < deadline, "the run did not get under way"
+            time.sleep(0.02)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=30)
+    finally:
+        process.kill()
+    if ranks == 1:
+        assert process.returncode == 130, err
+        assert out.startswith("interrupted at t = ")
+    assert "Traceback" not in err
+    return folder / "out"
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("number", "ranks"), [(signal.SIGTERM, 1), (signal.SIGINT, 1), (signal.SIGTERM, 2)]
+)
+def test_an_interrupted_run_leaves_all_it_has(
+    tmp_path: Path, number: signal.Signals, ranks: int
+) -> None:
+    pytest.importorskip("dolfinx")
+    pyvista = pytest.importorskip("pyvista")
+    (tmp_path / "granite.toml").write_text(SCENE)
+    folder = interrupted(tmp_path, number, ranks)
+    summary = summary_of(folder)
+    assert summary["status"] == "interrupted"
+    assert "t = " in summary["reason"]
+    if ranks == 1:
+        assert number.name in summary["reason"]
+    # every row is there, up to the last step that was made
+    history = History.read(folder / "history.csv")
+    count = len(history)
+    assert count >= 59
+    assert history["time_s"] == pytest.approx(1e-3 * np.arange(count), abs=1e-12)
+    assert summary["end_s"] == history["time_s"][-1]
+    assert summary["cost"]["steps"] == count - 1
+    assert all(np.isfinite(history[name]).all() for name in history.columns)
+    # so are the fields, to within one interval of output
+    reader = pyvista.get_reader(str(folder / "fields.pvd"))
+    times = np.array(reader.time_values)
+    assert times[:3] == pytest.approx([0.0, 0.01, 0.02])
+    assert 0 <= summary["end_s"] - times[-1] < 0.0101
+    reader.set_active_time_value(times[-1])
+    grid = reader.read().combine()
+    assert np.isfinite(grid.point_data["displacement"]).all()
+    assert np.abs(grid.point_data["displacement"]).max() > 1e-3
+    assert (folder / "open_in_paraview.py").is_file()
+    assert "interrupted" in (folder / "run.log").read_text()
+
+
+def test_options_after_two_dashes_reach_snes(tmp_path: Path) -> None:
+    pytest.importorskip("dolfinx")
+    (tmp_path / "granite.toml").write_text(SCENE)
+    words = ["run", "granite.toml", "-q", "--set", "time.end=0.003", "--"]
+    done = rockslip(tmp_path, *words, "-rockslip_snes_monitor")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("0 SNES Function norm") == 3  # one for each step
+
+
+def test_a_run_that_cannot_converge_says_where(tmp_path: Path) -> None:
+    """One iteration is too few, and one halving all there is: exit code 3, the rest stays."""
+    pytest.importorskip("dolfinx")
+    (tmp_path / "granite.toml").write_text(SCENE)
+    span = ["time.end=0.3", "time.smallest=0.0005"]
+    words = ["run", "granite.toml", "-o", "out", "--set", *span, "--"]
+    done = rockslip(tmp_path, *words, "-rockslip_snes_max_it", "1")
+    assert done.returncode == 3, done.stderr
+    assert done.stdout.startswith("not converged at t = ")
+    summary = summary_of(tmp_path / "out")
+    assert summary["status"] == "not converged"
+    end = summary["end_s"]
+    assert f"at t = {end:.6g} s with a step of 0.0005 s" in summary["reason"]
+    assert "largest number of iterations" in summary["reason"]
+    assert summary["cost"]["rejected_steps"] == 2
+    history = History.read(tmp_path / "out" / "history.csv")
+    assert history["time_s"][-1] == end
+    log = (tmp_path / "out" / "run.log").read_text()
+    assert log.count("rejected") == 2
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,75 @@
+"""The ladder of time steps."""
+
+import numpy as np
+import pytest
+
+from solver.dynamics.step_control import Ladder
+
+
+def run(ladder: Ladder, fails=lambda time, step: False) -> list[tuple[float, float]]:
+    """(time, step) of every accepted step."""
+    taken = []
+    while not ladder.done:
+        start, step = ladder.time, ladder.step
+        if fails(start, step):
+            assert ladder.reject()
+            continue
+        ladder.accept()
+        assert ladder.time == pytest.approx(start + step, rel=1e-14)
+        taken.append((ladder.time, step))
+    return taken
+
+
+def test_steps_without_failure_are_whole_and_gather_no_round_off():
+    taken = run(Ladder(0.1, 100.0, 0.1 / 1024))
+    times, steps = np.array(taken).T
+    assert len(taken) == 1000 and set(steps) == {0.1}
+    assert times == pytest.approx(0.1 * np.arange(1, 1001), rel=1e-15)
+    assert times[-1] == 100.0
+
+
+def test_the_end_is_reached_with_shorter_steps():
+    """0.7 = 2 * 0.3 + 0.1 within a tick of the smallest step, 0.3/1024."""
+    taken = run(Ladder(0.3, 0.7, 0.3 / 1024))
+    assert [step for _, step in taken[:2]] == [0.3, 0.3]
+    assert taken[-1][0] == pytest.approx(0.7, abs=0.3 / 2048)
+    steps = [step for _, step in taken]
+    assert steps == sorted(steps, reverse=True)
+
+
+def test_a_failure_halves_and_the_grid_is_joined_again():
+    """Fails around 0.35 with any step over 0.03: down to 0.1/4 at 0.3, one rung up at a time."""
+    ladder = Ladder(0.1, 0.8, 0.1 / 64)
+    taken = run(ladder, lambda time, step: 0.29 < time < 0.37 and step > 0.03)
+    steps = {round(time - step, 10): step for time, step in taken}
+    assert steps[0.2] == 0.1
+    assert steps[0.3] == steps[0.325] == pytest.approx(0.025)
+    assert steps[0.4] == steps[0.45] == pytest.approx(0.05)
+    assert steps[0.5] == 0.1
+    assert taken[-1][0] == pytest.approx(0.8)
+    # At 0.35 it climbs to 0.05, which fails again; then 0.025 twice.
+    assert steps[0.35] == steps[0.375] == pytest.approx(0.025)
+    assert ladder.rejected == 3
+
+
+def test_a_longer_step_only_starts_on_its_own_grid():
+    rng = np.random.default_rng(0)
+    taken = run(Ladder(1.0, 50.0, 1 / 32), lambda time, step: rng.random() < 0.6 and step > 1 / 32)
+    for time, step in taken:
+        assert (time - step) / step == pytest.approx(round((time - step) / step), abs=1e-12)
+    assert len({step for _, step in taken}) == 6
+
+
+@pytest.mark.parametrize(("smallest", "halvings"), [(1.0, 0), (0.5, 1), (0.3, 1), (0.25, 2)])
+def test_the_smallest_step_is_the_last_rung(smallest, halvings):
+    ladder = Ladder(1.0, 10.0, smallest)
+    for _ in range(halvings):
+        assert ladder.reject()
+    assert ladder.step == pytest.approx(0.5**halvings)
+    assert not ladder.reject()
+    assert ladder.time == 0.0
+
+
+def test_a_smallest_step_above_the_step_allows_no_halving():
+    ladder = Ladder(0.1, 1.0, 0.2)
+    assert ladder.step == 0.1 and not ladder.reject()

@@ -1,0 +1,162 @@
+"""The demo of free rocking, at reduced length, through the functions of its script."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+DEMO = Path(__file__).parents[2] / "demos" / "free_rocking" / "free_rocking.py"
+
+Captured = pytest.CaptureFixture[str]
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.fixture(scope="module")
+def demo() -> ModuleType:
+    for package in ("dolfinx", "gmsh", "pyvista", "matplotlib"):
+        pytest.importorskip(package)
+    specification = importlib.util.spec_from_file_location("free_rocking", DEMO)
+    assert specification is not None and specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def folder(demo: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The demo's scene up to 0.95 s, run: three impacts."""
+    scene = demo.load_scene(demo.SCENE)
+    short = replace(scene, time=replace(scene.time, end=0.95))
+    target: Path = tmp_path_factory.mktemp("demo") / "output"
+    demo.rock(short, target)
+    return target
+
+
+def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
+    scene = demo.load_scene(demo.SCENE)
+    block = scene.blocks[0]
+    assert (block.width, block.height, block.thickness, block.mass) == (0.25, 1.0, 0.75, 503.0)
+    assert (block.young, block.poisson, block.cells, block.tilt_deg) == (5e10, 0.2, (6, 16), 3.0)
+    assert (scene.plane, scene.contact.friction, scene.contact.points) == ("strain", 0.7, "nodes")
+    assert (scene.time.end, scene.time.step, scene.time.rho_inf) == (3.0, 1e-3, 0.8)
+
+
+def test_what_it_compares_with_is_housner_s_block(demo: ModuleType) -> None:
+    """Impacts as in verification.md D.2, the nonlinear equation by an independent program."""
+    reference = demo.rigid(demo.load_scene(demo.SCENE))
+    expected = [0.1916, 0.5305, 0.8323, 1.1024, 1.3451, 1.5637, 1.7612]
+    assert reference.impacts[:7] == pytest.approx(expected, abs=6e-5)
+
+
+def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> None:
+    assert demo.show(folder, []) == 0
+    output = capsys.readouterr()
+    assert output.err == ""
+    assert output.out.count("holds:") == 7  # status, three impacts, gain, ledger, slip
+    assert "0.1916" in output.out
+    names = {file.name for file in folder.iterdir()}
+    assert names > {
+        "history.csv", "summary.json", "scene.toml", "run.log", "fields.pvd", "open_in_paraview.py",
+        "angle.png", "phase.png", "forces.png", "energy.png", "deformed.png", "free_rocking.png",
+    }  # fmt: skip
+    # one for docs/pictures: it has to stay small
+    assert (folder / "free_rocking.png").stat().st_size < 200_000
+
+
+def _late(summary: dict[str, Any]) -> None:
+    summary["blocks"]["block"]["impacts"][0]["time_s"] = 0.1921
+
+
+def _few(summary: dict[str, Any]) -> None:
+    del summary["blocks"]["block"]["impacts"][1:]
+
+
+def _gain(summary: dict[str, Any]) -> None:
+    summary["energy"]["largest_gain_fraction"] = 2e-6
+
+
+def _walk(summary: dict[str, Any]) -> None:
+    summary["blocks"]["block"]["residual_slip_m"] = -0.0021
+
+
+def _ledger(summary: dict[str, Any]) -> None:
+    summary["energy"]["ledger_error_fraction"] = 2e-8
+
+
+def _stopped(summary: dict[str, Any]) -> None:
+    summary["status"] = "interrupted"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "word"),
+    [
+        (_late, "impact 1 at 0.1921 s"),
+        (_few, "1 impacts"),
+        (_gain, "gain 2.0e-06"),
+        (_ledger, "ledger error 2.0e-08"),
+        (_walk, "slip -2.10 mm"),
+        (_stopped, "interrupted"),
+    ],
+)
+def test_each_check_can_fail(
+    demo: ModuleType, folder: Path, capsys: Captured, spoil: Any, word: str
+) -> None:
+    """One clear line, and an exit code that is not zero."""
+    run = demo.read_run(folder)
+    spoil(run.summary)
+    assert demo.verdict(demo.checks(run, demo.rigid(run.scene))) == 1
+    line = capsys.readouterr().err
+    assert line.startswith("free_rocking: check failed: ")
+    assert line.count("\n") == 1
+    assert word in line
+
+
+def test_smaller_steps_stand_beside_it(demo: ModuleType, folder: Path, capsys: Captured) -> None:
+    """The first impact does not depend on the step; the tables and the overlay are made."""
+    scene = demo.load_scene(folder / "scene.toml")
+    folders = demo.smaller_steps(scene, folder, end=0.21)
+    assert demo.show(folder, folders) == 0
+    text = capsys.readouterr().out
+    assert (folder / "overlay.png").is_file()
+    for name in folders:
+        impacts = json.loads((name / "summary.json").read_text())["blocks"]["block"]["impacts"]
+        assert impacts[0]["time_s"] == pytest.approx(0.19163, rel=2e-3)
+        assert not list(name.glob("fields*"))
+    for step in ("0.001 s", "0.0002 s", "5e-05 s", "Housner"):
+        assert f"\n{step:8}  0.1916" in text
+
+
+def test_a_second_run_takes_the_place_of_the_first(demo: ModuleType, tmp_path: Path) -> None:
+    scene = demo.load_scene(demo.SCENE)
+    shorter = replace(scene, time=replace(scene.time, end=0.004))
+    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "fields000009.pvtu").write_text("of an earlier run")
+    for _ in range(2):
+        demo.rock(shorter, tmp_path)
+    assert not (tmp_path / "fields000009.pvtu").exists()
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert len(demo.read_run(tmp_path).history) == 5
+
+
+def test_it_never_runs_into_the_folder_of_its_scene(demo: ModuleType) -> None:
+    with pytest.raises(demo.RockslipError, match="holds the scene itself"):
+        demo.claim(demo.HERE, demo.MPI.COMM_WORLD)
+
+
+def test_a_demo_that_cannot_write_says_so(
+    demo: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(demo, "OUTPUT", tmp_path / "file" / "output")
+    monkeypatch.setattr(sys, "argv", ["free_rocking.py"])
+    assert demo.main() == 2
+    line = capsys.readouterr().err
+    assert line.startswith("free_rocking: ") and line.count("\n") == 1

@@ -1,0 +1,247 @@
+"""Every smooth term of the equations against finite differences of what it is the derivative of."""
+
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from geometry.block import Block
+from geometry.foundation import RigidFoundation
+from geometry.mesh import block_mesh
+from geometry.tags import FacetTag
+from solver.contact.faces import ContactFaces
+from solver.contact.plane_contact import PlaneContact
+from solver.mechanics.elastic_body import Damping, ElasticBody, StrainWeights
+from solver.mechanics.material import Material
+
+pytestmark = pytest.mark.serial
+
+SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=2000.0)
+FACES = frozenset({FacetTag.BOTTOM, FacetTag.RIGHT, FacetTag.LEFT})
+CASES = [
+    pytest.param((cell, degree, plane), id=f"{cell}-{degree}-{plane}")
+    for cell in ("quadrilateral", "triangle")
+    for degree in (1, 2)
+    for plane in ("strain", "stress")
+]
+
+
+@dataclass
+class Thing:
+    """A small body with contact points on three faces; displacements with rotation and strain."""
+
+    body: ElasticBody
+    faces: ContactFaces
+    interface: PlaneContact
+
+    def displacement(self, seed: int, angle: float, strain: float = 0.05) -> np.ndarray:
+        """A rotation about the centre and a rough field on top of it."""
+        rotation = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        turned = self.body.arm @ rotation.T - self.body.arm
+        return turned.ravel() + self.direction(seed, strain)
+
+    def direction(self, seed: int, strain: float = 1.0) -> np.ndarray:
+        size = strain * SHAPE.width / 4
+        return size * np.random.default_rng(seed).uniform(-1, 1, self.body.size)
+
+    def layer(self, u: np.ndarray) -> np.ndarray:
+        return self.interface.points.layer.gather(u.reshape(-1, 2))
+
+    def surface(self, u: np.ndarray):
+        return self.interface.points.evaluate(self.layer(u))
+
+    def work(self, nodal: np.ndarray, u: np.ndarray) -> float:
+        """Of forces on the layer's nodes."""
+        return float(np.sum(nodal * self.layer(u)))
+
+
+@pytest.fixture(scope="module", params=CASES)
+def thing(request) -> Thing:
+    cell, degree, plane = request.param
+    made = block_mesh(SHAPE, cells=(2, 3), cell=cell, refinement=1.5, comm=MPI.COMM_SELF)
+    material = Material(young=3.0, poisson=0.25, density=2000.0, plane=plane)
+    damping = Damping(mass=0.0, stiffness=1e-3)
+    body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
+    faces = ContactFaces(
+        body.space,
+        made.facet_tags,
+        material,
+        RigidFoundation(),
+        points="nodes",
+        gamma=100.0,
+        friction=0.5,
+        theta=1,
+    )
+    return Thing(body, faces, faces.join(FACES))
+
+
+def slope(function, step: float = 1e-4) -> np.ndarray:
+    """Derivative at 0 by differences of fourth order."""
+    near, far = function(step) - function(-step), function(2 * step) - function(-2 * step)
+    return (8 * near - far) / (12 * step)
+
+
+def strain_energy(thing: Thing, u: np.ndarray) -> float:
+    thing.body.internal_force(u, static=True)
+    return thing.body.strain_energy()
+
+
+def test_internal_force_is_the_derivative_of_the_strain_energy(thing):
+    body = thing.body
+    body.begin(np.zeros(body.size), np.zeros(body.size), StrainWeights(1.0, 0.0))
+    for seed in range(3):
+        u, v = thing.displacement(seed, 0.4), thing.direction(10 + seed)
+        work = body.internal_force(u, static=True) @ v
+        assert work == pytest.approx(slope(lambda s: strain_energy(thing, u + s * v)), rel=1e-7)
+
+
+def test_strain_energy_of_a_rotation_is_zero(thing):
+    whole = strain_energy(thing, thing.displacement(0, 0.4))
+    assert strain_energy(thing, thing.displacement(0, 2.0, strain=0.0)) < 1e-25 * whole + 1e-28
+
+
+def test_averaged_internal_force_works_exactly(thing):
+    """F.(u_1 - u_0) with equal weights is the difference of strain energies (Simo and Tarnow)."""
+    body = thing.body
+    old, new = thing.displacement(1, 0.2), thing.displacement(2, 0.9)
+    body.begin(np.zeros(body.size), np.zeros(body.size), StrainWeights(1.0, 0.0))
+    change = strain_energy(thing, new) - strain_energy(thing, old)
+    body.begin(old, np.zeros(body.size), StrainWeights(0.5, 0.5))
+    assert body.internal_force(new) @ (new - old) == pytest.approx(change, rel=1e-11)
+
+
+def test_stiffness_is_the_derivative_of_the_internal_force_at_rest(thing):
+    body = thing.body
+    body.begin(np.zeros(body.size), np.zeros(body.size), StrainWeights(1.0, 0.0))
+    v = thing.direction(3)
+    x, y = body.stiffness_matrix.createVecs()
+    x.array[:] = v
+    body.stiffness_matrix.mult(x, y)
+    expected = slope(lambda s: body.internal_force(s * v, static=True))
+    assert y.array == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+
+
+def test_rate_of_strain(thing):
+    """`rate_energy` and the rate weight stand on dE/dt = sym(F^T grad v) at u_n.
+
+    With u_{n+1} = u_n + s v the increment of E is s dE/dt for small s, so that both increment
+    energies and the force of weights (0, 0, 1) follow from those of differences.
+    """
+    body = thing.body
+    u, v = thing.displacement(4, 0.3), thing.direction(5)
+    body.begin(u, v, StrainWeights(0.0, 0.0, 1.0))
+
+    def rate(s: float) -> float:
+        body.internal_force(u + s * v)
+        return body.rate_energy()
+
+    def force(s: float) -> np.ndarray:
+        """C:(E_{n+1} - E_n) with the gradient of (u_n + u_{n+1})/2."""
+        return body.internal_force(u + s * v)
+
+    def squared(s: float) -> float:
+        body.internal_force(u + s * v)
+        return body.increment_energy()
+
+    square = slope(rate)  # int dE/dt:C:dE/dt
+    assert square > 0
+    small = 1e-5
+    assert squared(small) / small**2 == pytest.approx(square, rel=1e-4)
+    viscous = body.internal_force(u)
+    body.begin(u, v, StrainWeights(1.0, -1.0, 0.0))
+    expected = slope(force)
+    assert viscous == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+    assert viscous @ v == pytest.approx(square, rel=1e-8)
+
+
+def test_discrete_gradient_of_the_traction(thing):
+    """DT[u_1 - u_0] between two states is T_1 - T_0."""
+    points = thing.interface.points
+    u0, u1 = thing.displacement(6, 0.1), thing.displacement(7, 0.8)
+    old, new = thing.surface(u0), thing.surface(u1)
+    for seed in range(3):
+        vector = np.random.default_rng(seed).standard_normal((points.count, 2))
+        work = thing.work(points.traction_gradient(old, new, vector), u1 - u0)
+        expected = float(np.sum(vector * (new.traction - old.traction)))
+        scale = float(np.sum(np.abs(vector * new.traction)))
+        assert work == pytest.approx(expected, abs=1e-12 * scale)
+
+
+def test_gradient_of_the_traction(thing):
+    """Where both states are one it is the derivative of T."""
+    points = thing.interface.points
+    u, v = thing.displacement(8, 0.5), thing.direction(9)
+    vector = np.random.default_rng(1).standard_normal((points.count, 2))
+    here = thing.surface(u)
+    work = thing.work(points.traction_gradient(here, here, vector), v)
+    expected = slope(lambda s: float(np.sum(vector * thing.surface(u + s * v).traction)))
+    assert work == pytest.approx(expected, rel=1e-7)
+
+
+def test_traction_of_a_homogeneous_stretch(thing):
+    """x = F X by hand: T = F S N on every face, whatever the elements."""
+    body, points = thing.body, thing.interface.points
+    F = np.array([[1.02, 0.3], [-0.1, 0.97]])
+    u = (body.nodes @ F.T - body.nodes).ravel()
+    E = (F.T @ F - np.eye(2)) / 2
+    material = body.material
+    S = material.lame * np.trace(E) * np.eye(2) + 2 * material.shear * E
+    normals = {FacetTag.BOTTOM: (0, -1), FacetTag.RIGHT: (1, 0), FacetTag.LEFT: (-1, 0)}
+    N = np.array([normals[FacetTag(tag)] for tag in points.tag])
+    surface = thing.surface(u)
+    assert points.normal == pytest.approx(N)
+    assert surface.traction == pytest.approx(N @ (F @ S).T, abs=1e-12)
+    assert surface.position == pytest.approx(points.reference @ F.T)
+
+
+def test_rows_of_traction_and_position(thing):
+    """Linear maps: the derivatives at rest."""
+    interface, points = thing.interface, thing.interface.points
+    v = thing.direction(11)
+    expected = slope(lambda s: thing.surface(s * v).traction)
+    found = (interface.traction_rows @ thing.layer(v).ravel()).reshape(-1, 2)
+    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    moved = thing.surface(v).position - points.reference
+    assert (interface.position_rows @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(moved)
+    softened = moved - found / points.gamma_h[:, None]
+    for rows in (interface.read_rows, interface.force_rows):  # theta = 1: the same
+        assert (rows @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(softened)
+
+
+@pytest.mark.parametrize("theta", [1, -1])
+def test_theta_matrix(thing, theta):
+    """v.A v = theta sum w |DT[v]|^2/gamma_h, and A u the derivative of the theta term."""
+    interface = PlaneContact(thing.interface.points, RigidFoundation(), friction=0.5, theta=theta)
+    points, body = interface.points, thing.body
+    matrix = interface.theta_matrix(body.stiffness_matrix)
+    v = thing.direction(12)
+    x, y = matrix.createVecs()
+    x.array[:] = v
+    matrix.mult(x, y)
+    change = slope(lambda s: thing.surface(s * v).traction)
+    weight = points.weight / points.gamma_h
+    expected = theta * float(np.sum(weight[:, None] * change**2))
+    assert y.array @ v == pytest.approx(expected, rel=1e-8)
+
+    def term(s: float) -> np.ndarray:
+        """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
+        surface = thing.surface(s * v)
+        nodal = interface.nodal(surface, surface, np.zeros((points.count, 2)), 1.0, 1.0)
+        total = np.zeros((body.owned, 2))
+        points.layer.add(total, nodal)
+        return total.ravel()
+
+    assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
+
+
+def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
+    """G^T f between two states works f.(y_1 - y_0), y = x - T/gamma_h (theta = 1)."""
+    interface, points = thing.interface, thing.interface.points
+    u0, u1 = thing.displacement(13, 0.1, 1e-2), thing.displacement(14, 0.15, 1e-2)
+    old, new = thing.surface(u0), thing.surface(u1)
+    force = np.random.default_rng(15).standard_normal((points.count, 2))
+    nodal = interface.nodal(old, new, force, 0.0, 1.0)
+    expected = float(np.sum(force * (interface.augmented(new) - interface.augmented(old))))
+    assert thing.work(nodal, u1 - u0) == pytest.approx(expected, rel=1e-11)

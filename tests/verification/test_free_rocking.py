@@ -1,0 +1,164 @@
+"""The paper's block, released from three degrees: impacts, energy, forces, rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from solver.reference.housner import housner
+from solver.scene import Scene, parse_scene
+from solver.simulate import Result, simulate
+
+BLOCK = {
+    "width": 0.25,
+    "height": 1.0,
+    "thickness": 0.75,
+    "mass": 503.0,
+    "young": 5.0e10,
+    "poisson": 0.2,
+    "tilt_deg": 3.0,
+}
+
+
+def scene(*overrides: str) -> Scene:
+    """The scene of the demo, with changes."""
+    tables = {
+        "block": [BLOCK],
+        "contact": {"friction": 0.7},
+        "time": {"end": 3.0, "step": 1e-3, "rho_inf": 0.8},
+    }
+    return parse_scene(tables, overrides=overrides)
+
+
+@pytest.fixture(scope="module")
+def run() -> Result:
+    """Three seconds with every default."""
+    return simulate(scene())
+
+
+def test_it_completes_with_one_factorization(run: Result) -> None:
+    assert run.status == "completed"
+    assert run.summary["cost"]["steps"] == 3000
+    assert run.summary["cost"]["rejected_steps"] == 0
+    assert run.summary["cost"]["factorizations"] == 1
+    assert len(run.history) == 3001
+
+
+def test_impacts_follow_housner(run: Result) -> None:
+    """The first has no restitution in it; the loss of the later ones is first order in dt."""
+    spec = scene().blocks[0]
+    reference = housner(spec.shape, gravity=9.81, tilt=spec.tilt, end=1.5, step=1e-3).impacts
+    times = [impact["time_s"] for impact in run.summary["blocks"]["block"]["impacts"]]
+    assert times[0] == pytest.approx(0.1916, rel=2e-3)
+    assert times[1:5] == pytest.approx(list(reference[1:5]), rel=0.03)
+
+
+def test_it_comes_to_rest_where_it_stood(run: Result) -> None:
+    angle, slip = run.history["block.angle_rad"], run.history["block.slip_m"]
+    assert np.abs(angle[-100:]).max() < 1e-3 * scene().blocks[0].shape.slenderness
+    assert np.abs(slip).max() < 2e-3
+
+
+def test_energy_never_rises_and_the_ledger_closes(run: Result) -> None:
+    energy = run.summary["energy"]
+    assert energy["largest_gain_fraction"] < 1e-6
+    assert energy["ledger_error_fraction"] < 1e-8
+    for name in ("friction", "contact", "numerical"):
+        lost = run.history[f"energy.{name}_J"]
+        assert lost[-1] > 0, f"{name} should have taken something"
+    assert np.diff(run.history["energy.contact_J"]).min() > -1e-9 * energy["scale_J"]
+
+
+def test_columns_agree_with_one_another(run: Result) -> None:
+    """Total, forces and angle against what the other columns say."""
+    history, shape = run.history, scene().blocks[0].shape
+    stored = sum(history[f"energy.{n}_J"] for n in ("kinetic", "strain", "gravity", "interface"))
+    assert stored == pytest.approx(history["energy.total_J"], abs=1e-9)
+    assert history["energy.gravity_J"] == pytest.approx(
+        shape.mass * 9.81 * history["block.centre_y_m"], rel=1e-12
+    )
+    # Vertical impulse and momentum over the whole run: the sum of dt (N - m g) is m v_y at the end.
+    impulse = 1e-3 * np.sum(history["block.normal_force_N"][1:] - shape.weight(9.81))
+    speed = np.gradient(history["block.centre_y_m"], 1e-3)[-1]
+    assert impulse == pytest.approx(shape.mass * speed, abs=1e-3 * shape.weight(9.81))
+
+
+def rigid_body_reaction(result: Result) -> NDArray[np.float64]:
+    """N/(m g) of a rigid block that turns about a corner with the angle and speed of the run."""
+    shape = scene().blocks[0].shape
+    left = shape.slenderness - np.abs(result.history["block.angle_rad"])
+    omega = result.history["block.angular_velocity_rad_s"]
+    return 1 - 0.75 * np.sin(left) ** 2 - shape.half_diagonal * np.cos(left) * omega**2 / 9.81
+
+
+@pytest.mark.parametrize(("rho_inf", "largest"), [(0.8, 0.05), (0.5, 0.01)])
+def test_reaction_before_the_first_impact(rho_inf: float, largest: float) -> None:
+    """Turning about one corner, its reaction is that of a rigid block, without a filter."""
+    result = simulate(scene("time.end=0.19", f"time.rho_inf={rho_inf}"))
+    time = result.history["time_s"]
+    weight = scene().blocks[0].shape.weight(9.81)
+    noise = result.history["block.normal_force_N"] / weight - rigid_body_reaction(result)
+    window = (time > 0.6 * 0.1916) & (time < 0.95 * 0.1916)
+    assert np.abs(np.mean(noise[window])) < 0.01
+    assert np.std(noise[window]) < largest
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("time.rho_inf=0.0", "block.young=1e6", "contact.friction=0.3"),
+        ("time.rho_inf=1.0", "block.young=1e6", "contact.friction=10.0"),
+        ("time.rho_inf=0.5", "block.young=1e8", "contact.friction=0.0"),
+        ("time.rho_inf=1.0", "block.young=1e12", "contact.friction=10.0"),
+        ("time.rho_inf=0.0", "block.young=1e12", "contact.friction=0.3"),
+        ("contact.points=gauss",),
+        ("contact.gamma=1000.0",),
+        ("block.cell=triangle", "damping.stiffness=1e-4", "damping.mass=0.5"),
+        ("block.degree=2", "plane=stress"),
+        ("block.refinement=3.0", "damping.stiffness=1e-5"),
+        ("motion.kind=sine", "motion.amplitude_g=0.4", "motion.period=0.6"),
+    ],
+    ids=lambda overrides: " ".join(overrides),
+)
+def test_energy_over_the_grid_in_short(overrides: tuple[str, ...]) -> None:
+    """Corners of benchmarks/energy_grid.py, and what else a scene can have."""
+    result = simulate(scene("time.end=1.2", "time.step=2e-3", *overrides))
+    energy = result.summary["energy"]
+    assert result.status == "completed"
+    assert energy["largest_gain_fraction"] < 1e-5
+    assert energy["ledger_error_fraction"] < 1e-8
+
+
+@pytest.mark.parametrize("theta", [0, -1])
+def test_other_thetas_close_their_ledger(theta: int) -> None:
+    """They have no energy that cannot rise, but what they do is accounted for."""
+    energy = simulate(scene("time.end=0.6", f"contact.theta={theta}")).summary["energy"]
+    assert energy["ledger_error_fraction"] < 1e-8
+    assert energy["largest_gain_fraction"] < 1e-3
+
+
+def test_damping_takes_what_it_says() -> None:
+    """What damping takes only grows, is nothing without damping, and stands in the ledger."""
+    result = simulate(scene("time.end=0.5", "damping.mass=1.0", "damping.stiffness=1e-5"))
+    without = simulate(scene("time.end=0.5"))
+    assert result.history["energy.damping_J"][-1] > 0
+    assert np.all(np.diff(result.history["energy.damping_J"]) >= -1e-12)
+    assert without.history["energy.damping_J"][-1] == 0
+    assert result.summary["energy"]["ledger_error_fraction"] < 1e-8
+
+
+def test_a_block_that_tips_over_lies_on_its_side() -> None:
+    """From 16 degrees, beyond alpha: over its corner, onto its side, to rest."""
+    result = simulate(scene("block.tilt_deg=16.0", "time.end=3.0"))
+    angle = np.rad2deg(result.history["block.angle_rad"])
+    block = result.summary["blocks"]["block"]
+    assert angle[-1] == pytest.approx(90.0, abs=0.5)
+    assert np.ptp(angle[-200:]) < 0.01
+    assert block["mode"] == "overturned"
+    assert result.history["block.centre_y_m"][-1] == pytest.approx(0.125, rel=1e-4)
+    assert result.summary["energy"]["largest_gain_fraction"] < 1e-5
+    assert result.summary["energy"]["ledger_error_fraction"] < 1e-8
+    assert result.history["block.normal_force_N"][-200:].mean() == pytest.approx(
+        scene().blocks[0].shape.weight(9.81), rel=1e-3
+    )
