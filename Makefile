@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test lint image
+.PHONY: help demo test lint image energy-grid
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -7,6 +7,7 @@ help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
 	@echo "make lint    ruff and mypy"
+	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
 
 demo:
@@ -27,3 +28,6 @@ lint: $(RUFF)
 
 image:
 	./in-env --image
+
+energy-grid:
+	./in-env python3 benchmarks/energy_grid.py

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -102,6 +104,20 @@ def test_reaction_before_the_first_impact(rho_inf: float, largest: float) -> Non
     window = (time > 0.6 * 0.1916) & (time < 0.95 * 0.1916)
     assert np.abs(np.mean(noise[window])) < 0.01
     assert np.std(noise[window]) < largest
+
+
+@pytest.mark.parametrize("override", ["time.rho_inf=0.5", "damping.stiffness=1e-5"])
+def test_reaction_between_impacts(override: str) -> None:
+    """With a little damping the vibration that an impact starts dies within the swing."""
+    result = simulate(scene("time.end=1.1", override))
+    time = result.history["time_s"]
+    weight = scene().blocks[0].shape.weight(9.81)
+    noise = result.history["block.normal_force_N"] / weight - rigid_body_reaction(result)
+    impacts = [i["time_s"] for i in result.summary["blocks"]["block"]["impacts"][:4]]
+    assert len(impacts) == 4
+    for begin, end in itertools.pairwise([0.0, *impacts]):
+        window = (time > begin + 0.4 * (end - begin)) & (time < begin + 0.9 * (end - begin))
+        assert np.std(noise[window]) < 0.05
 
 
 @pytest.mark.parametrize(
