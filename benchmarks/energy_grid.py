@@ -16,6 +16,7 @@ import os
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -79,11 +80,14 @@ def main() -> int:
     """Run the grid; 0 where every run holds."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    processes = parser.parse_args().processes
     points = list(settings())
     rows = []
+    draft = TABLE.with_suffix(".part")
+    # MPI, which the solver starts, does not survive a fork.
     with (
-        ProcessPoolExecutor(parser.parse_args().processes) as pool,
-        TABLE.open("w", newline="", encoding="utf-8") as stream,
+        ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool,
+        draft.open("w", newline="", encoding="utf-8") as stream,
     ):
         for row in tqdm(pool.map(run, points), total=len(points), desc="energy grid"):
             if not rows:
@@ -92,6 +96,7 @@ def main() -> int:
             writer.writerow(row)
             stream.flush()
             rows.append(row)
+    draft.replace(TABLE)
     failed = [row for row in rows if not holds(row)]
     sys.stdout.write(f"{len(rows) - len(failed)} of {len(rows)} runs hold; table in {TABLE}\n")
     for row in failed:

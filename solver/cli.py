@@ -133,6 +133,7 @@ def run_scene(options: argparse.Namespace) -> int:
     comm = MPI.COMM_WORLD
     if comm.size > 1:
         _abort_on_exceptions(comm)
+    from solver.excitation.motion import base_motion
     from solver.petsc_options import parse_options
     from solver.scene import parse_scene, read_text
 
@@ -140,6 +141,8 @@ def run_scene(options: argparse.Namespace) -> int:
     path = options.scene
     text = _on_first_rank(comm, lambda: read_text(path))
     scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
+    # A motion that cannot be read is refused before anything is written.
+    _on_first_rank(comm, lambda: base_motion(scene.motion, scene.time.end) and None)
     folder = options.output or Path(path.stem + ".out")
     _on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
     try:

@@ -39,7 +39,10 @@ class Interruption:
             signal.signal(number, handler)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
-        """Signal handler."""
+        """Signal handler; a second signal does what it did before the run."""
+        if self._signal is not None:
+            signal.signal(number, self._before[number])
+            signal.raise_signal(number)
         self._signal = number
 
     @property

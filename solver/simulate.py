@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -135,7 +136,13 @@ def simulate(
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
     """
     began = time.perf_counter()
-    with RunFiles(scene, folder, comm, log) as files, Interruption(comm) as interruption:
+    with (
+        ExitStack() as stack,
+        RunFiles(scene, folder, comm, log) as files,
+        Interruption(comm) as interruption,
+    ):
+        if progress is not None:
+            stack.callback(progress.close)
         stepper = build(scene, petsc_options=petsc_options, comm=comm)
         state = initial_state(scene, stepper, files.log)
         observer = Observer(stepper, state, scene.blocks[0].thickness)
@@ -143,15 +150,14 @@ def simulate(
         files.start(stepper, state, history)
         history.append(observer.row(state, Exchange(), scene.time.step))
         run = _Run(scene, stepper, files, interruption, observer, history, progress)
-        setup = time.perf_counter() - began
+        ready, written = time.perf_counter(), files.output_seconds
         status, reason = run.loop(state)
-        cost = run.cost(setup, time.perf_counter() - began - setup)
+        loop = time.perf_counter() - ready - (files.output_seconds - written)
+        cost = run.cost(ready - began - written, loop)
         summary = summarise(
             scene, history, status=status, cost=cost, versions=versions(), reason=reason
         )
         files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
-    if progress is not None:
-        progress.close()
     return Result(status, history, summary)
 
 
@@ -221,7 +227,7 @@ class _Run:
         body, local = self.stepper.body, self.stepper.local
         rescues = Counter(local.rescues) + self.stepper.velocity_local.rescues
         return {
-            "wall_s": loop - self.files.output_seconds,
+            "wall_s": loop,
             "setup_s": setup,
             "output_s": self.files.output_seconds,
             "steps": self.steps,

@@ -13,6 +13,7 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from geometry.foundation import RigidFoundation
+from geometry.tags import FacetTag
 from solver.contact.plane_contact import ContactState, PlaneContact
 from solver.contact.points import contact_points
 from solver.mechanics.material import Material
@@ -45,7 +46,8 @@ class ContactFaces:
         everything = contact_points(space, facet_tags, material, points=points, gamma=gamma)
         self._face = everything.tag
         self._outward = everything.normal
-        self.joined: frozenset[int] = frozenset()
+        # The bottom always takes part: the gaps in the history are those of its corners.
+        self.joined: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
     def facing(self, rotation: Array) -> frozenset[int]:
         """Tags of faces with a facet turned towards the plane, and of those that joined before."""
@@ -62,7 +64,7 @@ class ContactFaces:
         points = contact_points(
             self._space, tags, self._material, points=self._points, gamma=self._gamma
         )
-        return PlaneContact(points, self._plane, friction=self.friction, theta=self._theta)
+        return PlaneContact(points, self._plane, theta=self._theta)
 
 
 def carry_over(

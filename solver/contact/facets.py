@@ -99,14 +99,18 @@ def _measure(element: Any, x: Array, point: Array, outward: Array) -> tuple[floa
     return volume, volume * float(np.linalg.norm(np.linalg.inv(jacobian).T @ outward))
 
 
-def gather(V: fem.FunctionSpace, records: list[tuple[Any, ...]]) -> tuple[Evaluations, Layer]:
-    """All records in an order that no partition changes, and the layer of their nodes."""
+def gather(
+    V: fem.FunctionSpace, records: list[tuple[Any, ...]], scale: float
+) -> tuple[Evaluations, Layer]:
+    """All records in an order that no partition changes, and the layer of their nodes.
+
+    Places that are nearer than 1e-9 of `scale` are one.
+    """
     comm = V.mesh.comm
     everything = [record for part in comm.allgather(records) for record in part]
     nodes, values, gradients, where, normal, weight, size, tag, position = (
         np.array(column) for column in zip(*everything, strict=True)
     )
-    scale = np.ptp(position, axis=0).max()
     places = np.round(np.column_stack([position, where.mean(axis=1)]) / scale, 9)
     order = np.lexsort((*places.T[::-1], tag))
     unique, first, inverse = np.unique(nodes, return_index=True, return_inverse=True)

@@ -168,6 +168,8 @@ class LocalProblem:
 
     def _tresca(self, W: Array, q: Array, start: Array, scaling: Array) -> Array | None:
         """Fixed point over problems with frozen friction bounds, each polished by Newton."""
+        if not self.friction:
+            return None  # nothing to freeze: the same problem again
         f, bound = start, self.friction * np.maximum(start[:, 0], 0.0)
         for k in range(200):
             frozen = self._newton(W, q, f, scaling, None, bound)

@@ -48,18 +48,15 @@ class ContactState:
 class PlaneContact:
     """Kinematics, forces and energy of contact with a rigid plane."""
 
-    def __init__(
-        self, points: ContactPoints, plane: RigidFoundation, *, friction: float, theta: int
-    ):
+    def __init__(self, points: ContactPoints, plane: RigidFoundation, *, theta: int):
         """Set up the rows.
 
         Args:
             points: Contact points of the body.
             plane: What carries it.
-            friction: Coulomb's mu.
             theta: 1 symmetric, 0 fewest terms, -1 skew Nitsche method.
         """
-        self.points, self.friction, self.theta = points, friction, theta
+        self.points, self.theta = points, theta
         self.frame = np.array([plane.normal, plane.tangent])
         self.origin = np.asarray(plane.point)
         self.softness = 1.0 / (points.weight * points.gamma_h)
@@ -70,8 +67,8 @@ class PlaneContact:
         self.force_rows = compact(position - theta * scale @ traction)
         self.position_rows, self.traction_rows = compact(position), traction
         self._corners = self._coinciding()
-        scale = np.ptp(points.node_positions, axis=0).max()
-        places = np.column_stack([points.tag, np.round(points.reference / scale, 7) + 0.0])
+        # Scaled by the whole body: the layer of nodes grows when a face joins.
+        places = np.column_stack([points.tag, np.round(points.reference / points.size, 7) + 0.0])
         self._keys: list[tuple[float, ...]] = [tuple(row) for row in places]
 
     def keys(self) -> list[tuple[float, ...]]:
@@ -101,7 +98,7 @@ class PlaneContact:
 
     def _coinciding(self) -> list[NDArray[np.int64]]:
         """Groups of points of different faces that share a place."""
-        scale = np.ptp(self.points.reference, axis=0).max()
+        scale = self.points.size
         _, group = np.unique(
             np.round(self.points.reference / scale, 9), axis=0, return_inverse=True
         )

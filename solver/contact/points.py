@@ -64,6 +64,7 @@ class ContactPoints:
         *,
         gamma: float,
         degree: int,
+        size: float,
         merge: bool,
     ):
         """Merge the evaluations into points.
@@ -74,14 +75,14 @@ class ContactPoints:
             material: Of the body.
             gamma: Nondimensional Nitsche parameter.
             degree: Polynomial degree of the displacement.
+            size: Of the whole body, m: places that are nearer than 1e-9 of it are one.
             merge: Whether evaluations of one face at one place are one point.
         """
-        self.layer, self.material = layer, material
+        self.layer, self.material, self.size = layer, material, size
         self.node_positions = table.node_positions
         count, dimension = table.position.shape
-        scale = np.ptp(table.position, axis=0).max()
         if merge:
-            keys = np.column_stack([table.tag, np.round(table.position / scale, 9)])
+            keys = np.column_stack([table.tag, np.round(table.position / size, 9)])
             _, first, point = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         else:
             first = point = np.arange(count)
@@ -179,6 +180,14 @@ class ContactPoints:
         return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension)))
 
 
+def extent(domain: mesh.Mesh) -> float:
+    """The largest side of the box around a mesh, m; the same on every rank."""
+    places = domain.geometry.x
+    corners = places.min(axis=0, initial=np.inf), places.max(axis=0, initial=-np.inf)
+    low, high = zip(*domain.comm.allgather(corners), strict=True)
+    return float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
+
+
 def contact_points(
     V: fem.FunctionSpace,
     facet_tags: mesh.MeshTags,
@@ -197,7 +206,14 @@ def contact_points(
         gamma: Nondimensional Nitsche parameter.
     """
     degree = V.ufl_element().degree
-    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree))
+    size = extent(V.mesh)
+    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree), size)
     return ContactPoints(
-        table, layer, material, gamma=gamma, degree=degree, merge=points == "nodes"
+        table,
+        layer,
+        material,
+        gamma=gamma,
+        degree=degree,
+        size=size,
+        merge=points == "nodes",
     )

@@ -88,6 +88,7 @@ class VelocityContact:
             if normal + tangential >= 0:
                 response = self._compliance.of(closed)[1]
                 return VelocityCorrection(response @ (q @ self._frame).ravel(), normal, tangential)
+        local.rescues["velocity solve left out"] += 1
         return None
 
 

@@ -85,7 +85,7 @@ class ContactSolve:
         self._compliances: dict[TangentWeights, Compliance] = {}
         # Points farther from the plane than this after the free step are not pressed into it by the
         # others.
-        self._margin = 0.002 * float(np.ptp(body.nodes, axis=0).max())
+        self._margin = 0.002 * interface.points.size
 
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""

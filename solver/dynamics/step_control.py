@@ -16,12 +16,12 @@ class Ladder:
 
         Args:
             step: dt, s.
-            end: Time at which the run ends, s.
+            end: Time at which the run ends, s; no step goes beyond it.
             smallest: No step is shorter than this, s.
         """
         self.depth = max(0, math.floor(math.log2(step / smallest) + 1e-9))
         self._tick = step / 2**self.depth
-        self._end = round(end / self._tick)
+        self._end = math.floor(end / self._tick + 1e-9)
         self._now = 0
         self._level = 0
         self.rejected = 0

@@ -100,7 +100,7 @@ class Stepper:
         return self._consistent(State(time, u, v, np.zeros_like(u), contact))
 
     def static_start(self, u: Array, time: float = 0.0) -> State:
-        """Gravity and the ground's first acceleration in equilibrium with contact, at rest.
+        """Gravity in equilibrium with contact, at rest; the ground begins with the first step.
 
         Raises:
             StepFailed: Where there is no equilibrium.

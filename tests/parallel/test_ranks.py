@@ -27,7 +27,7 @@ tilt_deg = 3.0
 [contact]
 friction = 0.7
 [time]
-end = 1.0
+end = 3.0
 step = 1.0e-3
 [output]
 every = 0.1
@@ -44,7 +44,7 @@ def rockslip_on(ranks: int, folder: Path, *arguments: str) -> subprocess.Complet
         env=environment,
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=150,
         check=False,
     )
 
@@ -67,18 +67,25 @@ def test_histories_agree(serial: Path, ranks: int) -> None:
     assert done.returncode == 0, done.stderr
     one = History.read(serial / "serial" / "history.csv")
     many = History.read(serial / f"ranks{ranks}" / "history.csv")
-    assert len(one) == len(many) == 1001
+    assert len(one) == len(many) == 3001
+    first = one["time_s"] <= 1.0
     # Displacements that differ by 1e-14 m give forces that differ by 1e-4 N: the contact is stiff.
     kinematic = dict.fromkeys(("angle_rad", "slip_m", "centre_x_m", "centre_y_m"), 1e-8)
     forces = dict.fromkeys(("normal_force_N", "friction_force_N"), 1e-7)
     for column, tolerance in (kinematic | forces).items():
         name = f"block.{column}"
-        scale = np.abs(one[name]).max()
-        assert many[name] == pytest.approx(one[name], abs=tolerance * scale), name
-    total = one["energy.total_J"]
-    assert many["energy.total_J"] == pytest.approx(total, abs=1e-8 * np.ptp(total))
-    summary = json.loads((serial / f"ranks{ranks}" / "summary.json").read_text(encoding="utf-8"))
-    assert summary["cost"]["ranks"] == ranks
+        scale = np.abs(one[name][first]).max()
+        assert many[name][first] == pytest.approx(one[name][first], abs=tolerance * scale), name
+    total = one["energy.total_J"][first]
+    assert many["energy.total_J"][first] == pytest.approx(total, abs=1e-8 * np.ptp(total))
+    alone, together = (
+        json.loads((serial / folder / "summary.json").read_text(encoding="utf-8"))
+        for folder in ("serial", f"ranks{ranks}")
+    )
+    assert together["cost"]["ranks"] == ranks
+    # Later rocking amplifies round-off: impact times agree to 1e-3 s while the swings are swings.
+    times = [[i["time_s"] for i in s["blocks"]["block"]["impacts"]] for s in (alone, together)]
+    assert times[1][:12] == pytest.approx(times[0][:12], abs=1e-3)
 
 
 @pytest.mark.mpi

@@ -26,6 +26,7 @@ from solver.reference import bar_impact
 
 AMPLITUDE = 1e-6
 ELEMENTS = 100
+END = 4 * bar_impact.PERIOD
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +34,13 @@ class Bounce:
     """What four periods of the bar gave, relative to the exact solution."""
 
     highest_energy: float
-    final_energy: float
     changes: int
     displacement_error: float
     stress_error: float
     ledger_error: float
 
 
-def bounce(rho_inf: float, gamma: float, *, theta: int = 1, end: float = 12.0) -> Bounce:
+def bounce(rho_inf: float, gamma: float) -> Bounce:
     """Run the bar at CFL 1."""
     h = 1.0 / ELEMENTS
     shape = Block(width=h, height=1.0, thickness=1.0, density=1.0)
@@ -57,7 +57,7 @@ def bounce(rho_inf: float, gamma: float, *, theta: int = 1, end: float = 12.0) -
         points="nodes",
         gamma=gamma,
         friction=0.0,
-        theta=theta,
+        theta=1,
     )
     stepper = Stepper(body, faces, GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     x = body.nodes[:, 1]
@@ -73,7 +73,7 @@ def bounce(rho_inf: float, gamma: float, *, theta: int = 1, end: float = 12.0) -
     highest, changes, closed, error_u, error_s, lost = start, 0, False, 0.0, 0.0, 0.0
     ledger = 0.0
     dt = h
-    for k in range(round(end / dt)):
+    for k in range(round(END / dt)):
         state, exchange = stepper.advance(state, dt)
         t = (k + 1) * dt
         lost += exchange.contact + exchange.numerical
@@ -89,10 +89,9 @@ def bounce(rho_inf: float, gamma: float, *, theta: int = 1, end: float = 12.0) -
     norm = np.sqrt(1 / 12)  # of the first displacement, and of the contact stress in time
     return Bounce(
         highest_energy=highest / start,
-        final_energy=energy() / start,
         changes=int(changes),
         displacement_error=error_u / norm,
-        stress_error=float(np.sqrt(error_s / end)) / norm,
+        stress_error=float(np.sqrt(error_s / END)) / norm,
         ledger_error=ledger / start,
     )
 

@@ -213,7 +213,7 @@ def test_rows_of_traction_and_position(thing):
 @pytest.mark.parametrize("theta", [1, -1])
 def test_theta_matrix(thing, theta):
     """v.A v = theta sum w |DT[v]|^2/gamma_h, and A u the derivative of the theta term."""
-    interface = PlaneContact(thing.interface.points, RigidFoundation(), friction=0.5, theta=theta)
+    interface = PlaneContact(thing.interface.points, RigidFoundation(), theta=theta)
     points, body = interface.points, thing.body
     matrix = interface.theta_matrix(body.stiffness_matrix)
     v = thing.direction(12)

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from geometry.tags import FacetTag
+from solver.contact.faces import carry_over
 from solver.reference.housner import housner
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
+from solver.simulate import Result, build, initial_state, simulate
 
 BLOCK = {
     "width": 0.25,
@@ -178,3 +180,29 @@ def test_a_block_that_tips_over_lies_on_its_side() -> None:
     assert result.history["block.normal_force_N"][-200:].mean() == pytest.approx(
         scene().blocks[0].shape.weight(9.81), rel=1e-3
     )
+
+
+def test_memory_survives_when_a_face_joins() -> None:
+    """The bottom's points keep force and anchor once the side is there."""
+    stepper = build(scene())
+    state = initial_state(scene(), stepper, lambda line: None)
+    state, _ = stepper.advance(state, 1e-3)
+    before, alone = state.contact, stepper.interface
+    keys = alone.keys()
+    stepper._join(frozenset({FacetTag.BOTTOM, FacetTag.RIGHT}))
+    fresh = stepper.interface.start(
+        stepper.interface.points.evaluate(stepper.layer(state.u)), stepper.body.rotation(state.u)
+    )
+    after = carry_over(before, alone, stepper.interface, fresh)
+    place = {key: k for k, key in enumerate(stepper.interface.keys())}
+    assert len(place) > len(keys)
+    for k, key in enumerate(keys):
+        assert after.force[place[key]] == pytest.approx(before.force[k])
+        assert after.anchor[place[key]] == before.anchor[k]
+
+
+def test_a_block_released_from_its_side_shows_its_bottom_corners() -> None:
+    """The bottom no longer faces the floor; the gaps are still those of its corners."""
+    result = simulate(scene("block.tilt_deg=70.0", "time.end=0.002"))
+    assert result.history["block.gap_left_m"][0] == pytest.approx(0.25 * np.sin(np.deg2rad(70)))
+    assert result.history["block.gap_right_m"][0] == pytest.approx(0.0, abs=1e-12)
