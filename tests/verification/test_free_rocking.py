@@ -62,6 +62,7 @@ def test_it_comes_to_rest_where_it_stood(run: Result) -> None:
     angle, slip = run.history["block.angle_rad"], run.history["block.slip_m"]
     assert np.abs(angle[-100:]).max() < 1e-3 * scene().blocks[0].shape.slenderness
     assert np.abs(slip).max() < 2e-3
+    assert run.summary["blocks"]["block"]["mode"] == "rock"
 
 
 def test_energy_never_rises_and_the_ledger_closes(run: Result) -> None:
