@@ -23,7 +23,14 @@ def model_to_mesh(
     Returns:
         Mesh, cell tags and facet tags.
     """
-    partitioner = create_cell_partitioner(GhostMode.shared_facet)
+    partitioner = _shared_facets()
     # 0.9 returns a tuple of these three, 0.10 a named tuple that begins with them.
     data = _reader.model_to_mesh(model, comm, 0, gdim=dimension, partitioner=partitioner)
     return data[0], data[1], data[2]
+
+
+def _shared_facets() -> Any:
+    """The partitioner that gives each rank the cells across its facets."""
+    # 0.11 asks in addition for the largest number of cells that a facet joins.
+    dispatched = hasattr(create_cell_partitioner, "dispatch")
+    return create_cell_partitioner(GhostMode.shared_facet, *((2,) if dispatched else ()))

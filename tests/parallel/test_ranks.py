@@ -44,7 +44,7 @@ def rockslip_on(ranks: int, folder: Path, *arguments: str) -> subprocess.Complet
         env=environment,
         capture_output=True,
         text=True,
-        timeout=150,
+        timeout=600,
         check=False,
     )
 
