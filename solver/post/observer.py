@@ -33,13 +33,7 @@ class Observer:
         self._angle, self._slip = 0.0, 0.0
         self._exchanged = np.zeros(5)
         self._interface = stepper.interface
-        self._home = dict(
-            zip(
-                stepper.interface.keys(),
-                stepper.interface.gaps(state.contact.surface)[:, 1],
-                strict=True,
-            )
-        )
+        self._home = self._first_home(state)
         self._corners, self._places = self._bottom()
         self._start: float | None = None
 
@@ -94,10 +88,23 @@ class Observer:
         corners = (self._places + displacement - interface.origin) @ interface.frame.T
         return gaps, corners, int(closed.sum())
 
+    def _first_home(self, state: State) -> dict[tuple[float, ...], float]:
+        """Where the points of the face that stands on the plane belong along it, m.
+
+        As far from the lowest one as in the block: a tilted block has its base foreshortened.
+        """
+        interface, points = self._interface, self._interface.points
+        gaps = interface.gaps(state.contact.surface)
+        lowest = int(np.argmin(np.where(state.contact.eligible, gaps[:, 0], np.inf)))
+        along = (points.reference - points.reference[lowest]) @ interface.frame[1]
+        keys = interface.keys()
+        same = np.flatnonzero(points.tag == points.tag[lowest])
+        return {keys[q]: float(gaps[lowest, 1] + along[q]) for q in same}
+
     def _slip_of(self, place: Array, touching: Sequence[int] | NDArray[np.int64]) -> float:
         """Mean displacement of the touching points along the plane since they were at home.
 
-        Home is where a point stood at the start, for points of faces that joined later where it has
+        Home is where a point belongs at the start, for points of other faces where it has
         to be for the slip not to jump when they first touch.
         """
         keys = self._interface.keys()
