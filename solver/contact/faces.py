@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from geometry.foundation import RigidFoundation
 from geometry.tags import FacetTag
+from solver.contact.facets import evaluate_facets, gather
 from solver.contact.plane_contact import ContactState, PlaneContact
-from solver.contact.points import contact_points
+from solver.contact.points import contact_points, extent
 from solver.mechanics.material import Material
 
 Array = NDArray[np.float64]
@@ -39,20 +40,20 @@ class ContactFaces:
         friction: float,
         theta: int,
     ):
-        """Take what `contact_points` and `PlaneContact` need; nothing is built yet."""
+        """Take what `contact_points` and `PlaneContact` need; `join` builds the interface."""
         self._space, self._tags, self._material, self._plane = space, facet_tags, material, plane
         self._points, self._gamma, self.friction, self._theta = points, gamma, friction, theta
         self._normal = np.asarray(plane.normal)
-        everything = contact_points(space, facet_tags, material, points=points, gamma=gamma)
-        self._face = everything.tag
-        self._outward = everything.normal
+        records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
+        facets, _ = gather(space, records, extent(space.mesh))
+        self._face, self._outward = facets.tag, facets.normal
         # The bottom always takes part: the gaps in the history are those of its corners.
         self.joined: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
     def facing(self, rotation: Array) -> frozenset[int]:
         """Tags of faces with a facet turned towards the plane, and of those that joined before."""
         towards = self._outward @ rotation.T @ self._normal < FACING
-        return self.joined | frozenset(np.unique(self._face[towards]).tolist())
+        return self.joined.union(self._face[towards].tolist())
 
     def join(self, faces: frozenset[int]) -> PlaneContact:
         """The interface of these faces."""
