@@ -1,16 +1,52 @@
-"""Where a block stands before it moves: offset and tilt."""
+"""Where a block stands before it moves: offset, tilt, and on what."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.block import Block
 
-Placement = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Array = NDArray[np.float64]
+Placement = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pose:
+    """A rigid motion of points, X -> rotation (X - about) + place; call it with points (n, d).
+
+    Attributes:
+        rotation: Rotation matrix, (d, d).
+        about: A point of the block in its own frame, (d,), m: the one it stands on.
+        place: Where this point goes, (d,), m, without round-off from the rotation.
+    """
+
+    rotation: Array
+    about: Array
+    place: Array
+
+    def __call__(self, points: Array) -> Array:
+        """Where points (n, d) of the block's own frame stand."""
+        stand: Array = (points - self.about) @ self.rotation.T + self.place
+        return stand
+
+    @property
+    def translation(self) -> Array:
+        """Where the origin of the own frame goes, (d,), m: X -> rotation X + translation."""
+        origin: Array = self.place - self.rotation @ self.about
+        return origin
+
+    def after(self, first: Pose) -> Pose:
+        """The pose that first does `first`, then this one."""
+        return Pose(
+            rotation=self.rotation @ first.rotation,
+            about=first.about,
+            place=self(first.place[None])[0],
+        )
 
 
 def pivot(shape: Block, tilt: float) -> tuple[float, float]:
@@ -22,7 +58,7 @@ def pivot(shape: Block, tilt: float) -> tuple[float, float]:
     return float(np.sign(tilt)) * shape.width / 2, 0.0
 
 
-def initial_position(shape: Block, offset: float, tilt: float) -> Placement:
+def initial_position(shape: Block, offset: float, tilt: float) -> Pose:
     """The map from the block's own frame to where it stands on the surface y = 0.
 
     Args:
@@ -35,16 +71,78 @@ def initial_position(shape: Block, offset: float, tilt: float) -> Placement:
     Returns:
         The map X -> x of points, (n, 2) -> (n, 2).
     """
-    if not abs(tilt) < math.pi / 2:
-        raise ValueError(f"tilt: got {tilt} rad, allowed -pi/2 < tilt < pi/2")
-    corner = np.array(pivot(shape, tilt))
+    _refuse_lying(tilt)
     c, s = math.cos(tilt), math.sin(tilt)
     rotation = np.array([[c, s], [-s, c]])
-    moved = corner + np.array([offset, 0.0])
+    corner = np.array(pivot(shape, tilt))
+    return Pose(rotation=rotation, about=corner, place=corner + np.array([offset, 0.0]))
 
-    def position(points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where points of the block's own frame stand."""
-        stand: NDArray[np.float64] = (points - corner) @ rotation.T + moved
-        return stand
 
-    return position
+def pivot_in_space(shape: Block, tilt: float, azimuth: float) -> tuple[float, float, float]:
+    """The bottom point that stays at its place when a block in space leans, own frame, m.
+
+    The corner on the side that it leans to; the middle of an edge, or of the bottom, where it leans
+    straight over that edge or not at all.
+
+    Args:
+        shape: The block.
+        tilt: Rotation, rad.
+        azimuth: Direction in which it leans for tilt > 0, rad, from +x towards +y.
+    """
+    towards = np.array([math.cos(azimuth), math.sin(azimuth)])
+    sides = np.sign(tilt) * np.sign(np.where(np.abs(towards) < 1e-12, 0.0, towards))
+    return float(sides[0]) * shape.width / 2, float(sides[1]) * shape.thickness / 2, 0.0
+
+
+def initial_position_in_space(
+    shape: Block, offset: tuple[float, float], tilt: float, azimuth: float = 0.0
+) -> Pose:
+    """The map from the own frame of a block in space to where it stands on the surface z = 0.
+
+    Args:
+        shape: The block; its own frame has the origin at the bottom centre, x in [-B/2, B/2],
+            y in [-t/2, t/2], z in [0, H].
+        offset: Of the bottom centre along x and y before the tilt, m.
+        tilt: Rotation about the horizontal axis across the azimuth, rad, |tilt| < pi/2: the block
+            leans towards the azimuth and stands on the edge or corner on that side.
+        azimuth: From +x towards +y, rad: 0 leans towards +x, which is a rotation about +y.
+
+    Returns:
+        The map X -> x of points, (n, 3) -> (n, 3).
+    """
+    _refuse_lying(tilt)
+    # Exactly along the axes where meant so: cos(pi/2) is 6e-17.
+    a, b = (0.0 if abs(part) < 1e-12 else part for part in (math.cos(azimuth), math.sin(azimuth)))
+    c, s = math.cos(tilt), math.sin(tilt)
+    # Rodrigues' formula for the axis (-b, a, 0).
+    rotation = np.array(
+        [
+            [c + b * b * (1 - c), -a * b * (1 - c), a * s],
+            [-a * b * (1 - c), c + a * a * (1 - c), b * s],
+            [-a * s, -b * s, c],
+        ]
+    )
+    corner = np.array(pivot_in_space(shape, tilt, azimuth))
+    return Pose(rotation=rotation, about=corner, place=corner + np.array([*offset, 0.0]))
+
+
+def on_top(carrier: Pose, height: float, own: Pose) -> Pose:
+    """Where a block stands that another block carries: on its top, tilted with it.
+
+    Args:
+        carrier: Where the block below stands.
+        height: Of the block below, m.
+        own: Where the upper block would stand on a surface at level 0 whose origin is below the
+            centre of the carrier's top.
+    """
+    dimension = len(own.place)
+    top = np.zeros(dimension)
+    top[-1] = height
+    lift = Pose(rotation=np.eye(dimension), about=np.zeros(dimension), place=top)
+    return carrier.after(lift).after(own)
+
+
+def _refuse_lying(tilt: float) -> None:
+    """The corner a block stands on must stay its lowest point."""
+    if not abs(tilt) < math.pi / 2:
+        raise ValueError(f"tilt: got {tilt} rad, allowed -pi/2 < tilt < pi/2")

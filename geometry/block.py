@@ -27,6 +27,11 @@ class Block:
                 raise ValueError(f"Block.{field.name}: got {value}, allowed a number > 0")
 
     @property
+    def volume(self) -> float:
+        """Volume V = B H t, m^3."""
+        return self.width * self.height * self.thickness
+
+    @property
     def mass(self) -> float:
         """Mass m = rho B H t, kg."""
         return self.density * self.width * self.height * self.thickness
@@ -45,6 +50,28 @@ class Block:
     def rotary_inertia(self) -> float:
         """Rotary inertia I = m (B^2 + H^2) / 12, kg m^2, about the centre."""
         return self.mass * self.half_diagonal**2 / 3
+
+    @property
+    def principal_inertias(self) -> tuple[float, float, float]:
+        """Rotary inertias of the block in space about its centre, kg m^2, about x, y and z.
+
+        m (t^2 + H^2)/12, m (B^2 + H^2)/12, m (B^2 + t^2)/12: x along the width, y along the
+        thickness, z along the height; the inertia tensor in the block's frame is their diagonal.
+        """
+        b, t, h = self.width**2, self.thickness**2, self.height**2
+        return self.mass * (t + h) / 12, self.mass * (b + h) / 12, self.mass * (b + t) / 12
+
+    def corners(self, dimension: int = 2) -> tuple[tuple[float, ...], ...]:
+        """Its corners in its own frame (origin at the bottom centre), m.
+
+        In the plane counterclockwise from the bottom left one; in space those of the bottom, then
+        those of the top, both in that order seen from above.
+        """
+        b, t = self.width / 2, self.thickness / 2
+        if dimension == 2:
+            return (-b, 0.0), (b, 0.0), (b, self.height), (-b, self.height)
+        ring = (-b, -t), (b, -t), (b, t), (-b, t)
+        return tuple((x, y, z) for z in (0.0, self.height) for x, y in ring)
 
     @property
     def rotary_inertia_about_corner(self) -> float:

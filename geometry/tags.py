@@ -7,12 +7,21 @@ class CellTag(IntEnum):
     """What a cell belongs to."""
 
     BLOCK = 1
+    FOUNDATION = 2
 
 
 class FacetTag(IntEnum):
-    """The sides of a block, in the frame of the block."""
+    """The sides of a body, in its own frame; the last three in space or on columns only."""
 
     BOTTOM = 1
     RIGHT = 2
+    """Towards +x."""
     TOP = 3
     LEFT = 4
+    """Towards -x."""
+    FRONT = 5
+    """Towards -y."""
+    BACK = 6
+    """Towards +y."""
+    FEET = 7
+    """Where columns are clamped."""

@@ -1,4 +1,4 @@
-"""What the boundary facets of a mesh contribute to its contact points, evaluated facet by facet."""
+"""What the boundary facets of a mesh contribute to its contact points, all facets at once."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ import numpy as np
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
+from solver.contact.clipping import on_polygons
+from solver.contact.rules import Rule, facet_rule, on_facets, on_pieces
 from solver.parallel import Layer
 
 Array = NDArray[np.float64]
+Records = tuple[NDArray[Any], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,100 +37,207 @@ class Evaluations:
     position: Array
 
 
-def facet_rule(points: str, degree: int, cell: str) -> tuple[Array, Array]:
-    """Points and weights on the unit facet: Gauss-Lobatto ("nodes") or Gauss ("gauss")."""
-    kind = {"interval": basix.CellType.interval}[cell]
-    if points == "nodes":
-        return basix.make_quadrature(kind, 2 * degree - 1, basix.QuadratureType.gll)
-    return basix.make_quadrature(kind, 2 * degree + 1, basix.QuadratureType.gauss_jacobi)
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """Boundary facets that this rank owns, as sides of cells.
+
+    Attributes:
+        cells: Cell that each facet belongs to, (facets,).
+        sides: Which of the cell's facets it is, (facets,).
+        tags: Its tag, (facets,).
+    """
+
+    cells: NDArray[np.int64]
+    sides: NDArray[np.int64]
+    tags: NDArray[np.int64]
 
 
-def evaluate_facets(
-    V: fem.FunctionSpace, facet_tags: mesh.MeshTags, points: str, degree: int
-) -> list[tuple[Any, ...]]:
-    """One record for each owned facet and rule point: as in `Evaluations`, with global nodes."""
-    domain = V.mesh
+def tagged_sides(domain: mesh.Mesh, facet_tags: mesh.MeshTags) -> Sides:
+    """The tagged boundary facets of a mesh."""
     tdim, topology = domain.topology.dim, domain.topology
     topology.create_connectivity(tdim - 1, tdim)
     topology.create_connectivity(tdim, tdim - 1)
     to_cell, to_facet = topology.connectivity(tdim - 1, tdim), topology.connectivity(tdim, tdim - 1)
-    cell_type = domain.basix_cell()
-    corners, faces = basix.geometry(cell_type), basix.topology(cell_type)[tdim - 1]
-    outward, face_size = (
-        basix.cell.facet_outward_normals(cell_type),
-        basix.cell.facet_reference_volumes(cell_type),
-    )
-    facet_kind = basix.cell.subentity_types(cell_type)[tdim - 1][0].name
-    rule, rule_weight = facet_rule(points, degree, facet_kind)
-    shape = basix.ufl.element("Lagrange", domain.basix_cell().name, degree)
-    map_shape = basix.ufl.element("Lagrange", domain.basix_cell().name, domain.geometry.cmap.degree)
-    centre = corners.mean(axis=0)[None, :]
-    node_positions = V.tabulate_dof_coordinates()[:, :tdim]
-    exterior = np.intersect1d(mesh.exterior_facet_indices(topology), facet_tags.indices)
-    tag_of = dict(zip(facet_tags.indices.tolist(), facet_tags.values.tolist(), strict=True))
-    records = []
-    for facet in exterior.tolist():
-        cell = to_cell.links(facet)[0]
-        side = int(np.flatnonzero(to_facet.links(cell) == facet)[0])
-        origin = corners[faces[side][0]]
-        edges = np.array([corners[k] - origin for k in faces[side][1:tdim]])
-        local = origin + rule @ edges
-        x = domain.geometry.x[domain.geometry.dofmap[cell], :tdim]
-        volume, area = (
-            _measure(map_shape, x, p, outward[side]) for p in (centre, local.mean(axis=0)[None, :])
-        )
-        h = volume[0] * basix.cell.volume(cell_type) / (area[1] * face_size[side])
-        values, map_values = shape.tabulate(1, local), map_shape.tabulate(1, local)
-        dofs = V.dofmap.cell_dofs(cell)
-        nodes = V.dofmap.index_map.local_to_global(dofs)
-        for q, weight in enumerate(rule_weight):
-            inverse = np.linalg.inv(np.einsum("jk,ki->ij", map_values[1:, q], x))
-            normal = inverse.T @ outward[side]
-            area_q = _measure(map_shape, x, local[q][None, :], outward[side])[1]
-            gradients, position = values[1:, q].T @ inverse, map_values[0, q] @ x
-            normal = normal / np.linalg.norm(normal)
-            size = weight * area_q * face_size[side]
-            record = nodes, values[0, q], gradients, node_positions[dofs], normal, size, h
-            records.append((*record, tag_of[facet], position))
-    return records
+    facets = np.intersect1d(mesh.exterior_facet_indices(topology), facet_tags.indices)
+    cells = to_cell.array[to_cell.offsets[facets]].astype(np.int64)
+    count = len(basix.topology(domain.basix_cell())[tdim - 1])
+    sides = np.argmax(to_facet.array.reshape(-1, count)[cells] == facets[:, None], axis=1)
+    tags = facet_tags.values[np.searchsorted(facet_tags.indices, facets)]
+    return Sides(cells, sides, tags.astype(np.int64))
 
 
-def _measure(element: Any, x: Array, point: Array, outward: Array) -> tuple[float, float]:
-    """Current over reference volume, and the same of facet areas, at a point of a cell."""
-    jacobian = np.einsum("jk,ki->ij", element.tabulate(1, point)[1:, 0], x)
-    volume = abs(float(np.linalg.det(jacobian)))
-    return volume, volume * float(np.linalg.norm(np.linalg.inv(jacobian).T @ outward))
+def facet_frames(cell: basix.CellType) -> tuple[Array, Array]:
+    """Where the reference facets lie in the reference cell.
 
-
-def gather(
-    V: fem.FunctionSpace, records: list[tuple[Any, ...]], scale: float
-) -> tuple[Evaluations, Layer]:
-    """All records in an order that no partition changes, and the layer of their nodes.
-
-    Places that are nearer than 1e-9 of `scale` are one.
+    Returns:
+        Origins (facets, d) and edges (facets, d - 1, d): xi -> origin + xi @ edges. The first three
+        corners of a facet span it, since the reference facets are parallelograms or triangles.
     """
-    comm = V.mesh.comm
-    everything = [record for part in comm.allgather(records) for record in part]
-    nodes, values, gradients, where, normal, weight, size, tag, position = (
-        np.array(column) for column in zip(*everything, strict=True)
+    corners = basix.geometry(cell)
+    faces = basix.topology(cell)[-2]
+    origin = np.array([corners[face[0]] for face in faces])
+    edges = np.array([corners[face[1 : corners.shape[1]]] - corners[face[0]] for face in faces])
+    return origin, edges
+
+
+def facet_kind(cell: basix.CellType) -> basix.CellType:
+    """Shape of the facets of a cell."""
+    kind: basix.CellType = basix.cell.subentity_types(cell)[-2][0]
+    return kind
+
+
+def cell_nodes(V: fem.FunctionSpace, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+    """Global numbers (cells, k) and positions (cells, k, d) of the nodes of cells."""
+    dofs = V.dofmap.list[cells]
+    numbers = V.dofmap.index_map.local_to_global(dofs.ravel()).reshape(dofs.shape)
+    return numbers, V.tabulate_dof_coordinates()[dofs, : V.mesh.topology.dim]
+
+
+def evaluate_facets(
+    V: fem.FunctionSpace,
+    facet_tags: mesh.MeshTags,
+    points: str,
+    degree: int,
+    cuts: Array | None = None,
+) -> Records:
+    """Rows for all owned facets and rule points: the columns of `Evaluations`, with global nodes.
+
+    Args:
+        V: Displacement space.
+        facet_tags: Tags of the facets that take part.
+        points: "nodes" or "gauss".
+        degree: Polynomial degree of the displacement.
+        cuts: Of the surface opposite, with "gauss" only: in the plane points (n, 2) at which facets
+            are cut into pieces, in space polygons (n, k, 3) that they are cut by.
+    """
+    domain, kind = V.mesh, V.mesh.basix_cell()
+    found = tagged_sides(domain, facet_tags)
+    origin, edges = (part[found.sides] for part in facet_frames(kind))
+    x = domain.geometry.x[domain.geometry.dofmap[found.cells], : domain.topology.dim]
+    shape = basix.ufl.element("Lagrange", kind.name, degree)
+    mapping = basix.ufl.element("Lagrange", kind.name, domain.geometry.cmap.degree)
+    if cuts is None:
+        rule = on_facets(len(x), facet_rule(points, degree, facet_kind(kind)))
+    else:
+        at = np.concatenate([origin[:, None], origin[:, None] + edges], axis=1).swapaxes(0, 1)
+        corners = np.stack([_places(mapping, place, x) for place in at], axis=1)
+        rule = _cut_rule(corners, facet_kind(kind), cuts, degree)
+    row, local, weight = rule
+    at = origin[row] + np.einsum("ej,eji->ei", local, edges[row])
+    values, places = tabulated(shape, 1, at), tabulated(mapping, 1, at)
+    jacobian = np.einsum("jek,eki->eij", places[1:], x[row])
+    inverse = np.linalg.inv(jacobian)
+    normal = np.einsum(
+        "eji,ej->ei", inverse, basix.cell.facet_outward_normals(kind)[found.sides[row]]
     )
-    places = np.round(np.column_stack([position, where.mean(axis=1)]) / scale, 9)
-    order = np.lexsort((*places.T[::-1], tag))
+    nodes, node_positions = cell_nodes(V, found.cells)
+    return (
+        nodes[row],
+        values[0],
+        np.einsum("jek,eji->eki", values[1:], inverse),
+        node_positions[row],
+        normal / np.linalg.norm(normal, axis=1)[:, None],
+        weight * _area(jacobian, edges[row]),
+        _cell_heights(mapping, kind, x, found.sides)[row],
+        found.tags[row],
+        _places(mapping, at, x[row]),
+    )
+
+
+def _places(mapping: Any, at: Array, x: Array) -> Array:
+    """Where one reference point for each cell with corners x is, (cells, d)."""
+    places: Array = np.einsum("fk,fki->fi", tabulated(mapping, 0, at)[0], x)
+    return places
+
+
+def tabulated(element: Any, order: int, at: Array) -> Array:
+    """An element's functions and derivatives at points (n, d); also at none, as a rank may ask.
+
+    Asked for derivatives at no point at all, basix ends the program.
+    """
+    table: Array = element.tabulate(order, at if len(at) else np.zeros((1, at.shape[1])))
+    return table[:, : len(at)]
+
+
+def _cut_rule(corners: Array, facet: basix.CellType, cuts: Array, degree: int) -> Rule:
+    """Gauss points on pieces of facets with these first d corners, (facets, d, d)."""
+    start, legs = corners[:, 0], corners[:, 1:] - corners[:, :1]
+    if legs.shape[1] == 1:
+        return on_pieces(start, legs[:, 0], cuts, degree)
+    return on_polygons(start, legs, cuts, degree, facet)
+
+
+def _area(jacobian: Array, edges: Array) -> Array:
+    """Length or area of a facet for one of parameters, (n,)."""
+    spanned = np.einsum("eij,ekj->eki", jacobian, edges)
+    if spanned.shape[1] == 1:
+        return np.linalg.norm(spanned[:, 0], axis=1)
+    return np.linalg.norm(np.cross(spanned[:, 0], spanned[:, 1]), axis=1)
+
+
+def _cell_heights(mapping: Any, kind: basix.CellType, x: Array, sides: NDArray[np.int64]) -> Array:
+    """Cell volume over facet area, both from the Jacobian at their centres, m, (facets,)."""
+    origin, edges = facet_frames(kind)
+    corners = basix.geometry(facet_kind(kind))
+    centres = origin + np.einsum("j,sji->si", corners.mean(axis=0), edges)
+
+    def jacobian(at: Array) -> Array:
+        """Jacobian of each facet's cell at one place each."""
+        derivatives = tabulated(mapping, 1, at)[1:]
+        jacobians: Array = np.einsum("jfk,fki->fij", derivatives, x)
+        return jacobians
+
+    middle = np.broadcast_to(basix.geometry(kind).mean(axis=0), (len(x), x.shape[2]))
+    volume = basix.cell.volume(kind) * np.abs(np.linalg.det(jacobian(middle)))
+    area = basix.cell.volume(facet_kind(kind)) * _area(jacobian(centres[sides]), edges[sides])
+    heights: Array = volume / area
+    return heights
+
+
+def shared_layer(
+    V: fem.FunctionSpace, nodes: NDArray[np.int64], positions: Array, scale: float
+) -> tuple[NDArray[np.int64], Array, Layer]:
+    """The layer of some nodes, in an order that no partition changes.
+
+    Args:
+        V: Displacement space.
+        nodes: Global numbers, the same on every rank, repeated as they come, of any shape.
+        positions: Their positions, (..., d).
+        scale: Of the whole body, m: places that are nearer than 1e-9 of it are one.
+
+    Returns:
+        Where each of `nodes` stands in the layer, positions of the layer's nodes, the layer.
+    """
     unique, first, inverse = np.unique(nodes, return_index=True, return_inverse=True)
-    node_positions = where.reshape(-1, where.shape[-1])[first]
-    canonical = np.lexsort(np.round(node_positions / scale, 9).T[::-1])
+    where = positions.reshape(-1, positions.shape[-1])[first]
+    canonical = np.lexsort(np.round(where / scale, 9).T[::-1])
     rank_in_layer = np.empty(len(unique), dtype=np.int64)
     rank_in_layer[canonical] = np.arange(len(unique))
     start, end = V.dofmap.index_map.local_range
     mine = (unique >= start) & (unique < end)
     layer = Layer(
-        comm, (unique[mine] - start).astype(np.int32), rank_in_layer[mine], unique[canonical]
+        V.mesh.comm, (unique[mine] - start).astype(np.int32), rank_in_layer[mine], unique[canonical]
     )
+    return rank_in_layer[inverse.reshape(nodes.shape)], where[canonical], layer
+
+
+def gather(V: fem.FunctionSpace, records: Records, scale: float) -> tuple[Evaluations, Layer]:
+    """All records in an order that no partition changes, and the layer of their nodes.
+
+    Places that are nearer than 1e-9 of `scale` are one.
+    """
+    everything = V.mesh.comm.allgather(records)
+    nodes, values, gradients, where, normal, weight, size, tag, position = (
+        np.concatenate(column) for column in zip(*everything, strict=True)
+    )
+    places = np.round(np.column_stack([position, where.mean(axis=1)]) / scale, 9)
+    order = np.lexsort((*places.T[::-1], tag))
+    numbers, node_positions, layer = shared_layer(V, nodes, where, scale)
     table = Evaluations(
-        nodes=rank_in_layer[inverse.reshape(nodes.shape)][order],
+        nodes=numbers[order],
         values=values[order],
         gradients=gradients[order],
-        node_positions=node_positions[canonical],
+        node_positions=node_positions,
         normal=normal[order],
         weight=weight[order],
         size=size[order],

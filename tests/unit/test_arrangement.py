@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from geometry.arrangement import initial_position, pivot
+from geometry.arrangement import (
+    initial_position,
+    initial_position_in_space,
+    on_top,
+    pivot,
+    pivot_in_space,
+)
 from geometry.block import Block
 from geometry.foundation import RigidFoundation
 
@@ -46,6 +52,98 @@ def test_tilts_are_mirror_images_and_touch_the_ground(degrees):
 def test_refuses_lying_blocks(tilt):
     with pytest.raises(ValueError, match="tilt"):
         initial_position(SHAPE, 0.0, tilt)
+
+
+def test_pose_as_rotation_and_translation():
+    pose = initial_position(SHAPE, 0.1, 0.3)
+    np.testing.assert_allclose(
+        CORNERS @ pose.rotation.T + pose.translation, pose(CORNERS), atol=1e-15
+    )
+
+
+@pytest.mark.parametrize("tilt", [0.2, -0.2])
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 180.0, -90.0, 35.0, 200.0])
+def test_blocks_in_space_lean_to_the_azimuth_over_their_lowest_point(degrees, tilt):
+    azimuth = math.radians(degrees)
+    corners = np.array(SHAPE.corners(3))
+    pose = initial_position_in_space(SHAPE, (0.3, -0.2), tilt, azimuth)
+    np.testing.assert_allclose(pose.rotation @ pose.rotation.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(pose.rotation) == pytest.approx(1.0)
+    up = pose.rotation @ [0.0, 0.0, 1.0]
+    towards = [math.cos(azimuth), math.sin(azimuth), 0.0]
+    np.testing.assert_allclose(
+        up, math.cos(tilt) * np.eye(3)[2] + math.sin(tilt) * np.array(towards), atol=1e-15
+    )
+    across = np.cross([0.0, 0.0, 1.0], towards)
+    np.testing.assert_allclose(pose.rotation @ across, across, atol=1e-15)
+    point = np.array(pivot_in_space(SHAPE, tilt, azimuth))
+    np.testing.assert_allclose(pose(point[None])[0] - point, [0.3, -0.2, 0.0], rtol=1e-14)
+    levels = pose(corners)[:, 2]
+    assert levels.min() == pytest.approx(0.0, abs=1e-15)
+    along_an_axis = degrees % 90.0 == 0.0
+    assert np.isclose(levels, 0.0, atol=1e-14).sum() == (2 if along_an_axis else 1)
+
+
+def test_leaning_towards_x_in_space_is_that_of_the_plane():
+    flat = initial_position(SHAPE, 0.1, 0.2)(CORNERS)
+    solid = initial_position_in_space(SHAPE, (0.1, 0.4), 0.2)(
+        np.column_stack([CORNERS[:, 0], np.zeros(4), CORNERS[:, 1]])
+    )
+    np.testing.assert_allclose(solid[:, [0, 2]], flat, atol=1e-15)
+    np.testing.assert_array_equal(solid[:, 1], 0.4)
+
+
+def test_a_stack_turns_together():
+    carrier = initial_position(SHAPE, 0.1, 0.2)
+    upper = Block(width=0.1, height=0.3, thickness=0.75, density=2000.0)
+    on = on_top(carrier, SHAPE.height, initial_position(upper, 0.05, 0.0))
+    middle = carrier(np.array([[0.05, 1.0]]))
+    np.testing.assert_allclose(on(np.array([[0.0, 0.0]])), middle, atol=1e-15)
+    np.testing.assert_allclose(on.rotation, carrier.rotation, atol=1e-15)
+    # A tilt of its own adds: the upper block stands on its corner on the tilted top.
+    leaning = on_top(carrier, SHAPE.height, initial_position(upper, 0.05, 0.1))
+    assert math.atan2(leaning.rotation[0, 1], leaning.rotation[0, 0]) == pytest.approx(0.3)
+    top = RigidFoundation(
+        point=tuple(carrier(np.array([[0.0, 1.0]]))[0]), normal=tuple(carrier.rotation[:, 1])
+    )
+    gaps = top.gap(leaning(np.array(upper.corners())))
+    np.testing.assert_allclose(gaps.min(), 0.0, atol=1e-15)
+    assert (np.abs(gaps) < 1e-14).sum() == 1
+
+
+def test_a_stack_in_space():
+    carrier = initial_position_in_space(SHAPE, (0.0, 0.0), 0.2, 1.0)
+    upper = Block(width=0.1, height=0.3, thickness=0.2, density=2000.0)
+    third = on_top(carrier, 1.0, initial_position_in_space(upper, (0.02, 0.03), 0.0))
+    third = on_top(third, 0.3, initial_position_in_space(upper, (0.01, 0.0), 0.0))
+    np.testing.assert_allclose(
+        third(np.array([[0.0, 0.0, 0.1]])), carrier(np.array([[0.03, 0.03, 1.4]])), atol=1e-15
+    )
+
+
+@pytest.mark.parametrize(
+    "normal", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.36, -0.48, 0.8), (0.6, 0.0, -0.8)]
+)
+def test_frame_in_space(normal):
+    plane = RigidFoundation(point=(1.0, 2.0, 3.0), normal=normal)
+    n, t1, t2 = plane.frame
+    np.testing.assert_allclose(plane.frame @ plane.frame.T, np.eye(3), atol=1e-15)
+    np.testing.assert_array_equal(n, normal)
+    if normal[2] > 0:  # right-handed, and t1, t2 are +x, +y turned as little as possible
+        np.testing.assert_allclose(np.cross(t1, t2), n, atol=1e-15)
+        np.testing.assert_allclose(
+            np.array([t1, t2])[:, :2], np.array([t1, t2])[:, :2].T, atol=1e-15
+        )
+    assert plane.gap(
+        np.array([[1.0, 2.0, 3.0], [1.0 + normal[0], 2.0 + normal[1], 3.0 + normal[2]]])
+    ) == pytest.approx([0.0, 1.0])
+
+
+def test_level_foundations():
+    np.testing.assert_array_equal(RigidFoundation.level(2).frame, [[0, 1], [1, 0]])
+    np.testing.assert_array_equal(RigidFoundation.level(3).frame, [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    with pytest.raises(ValueError, match="two or three"):
+        RigidFoundation(point=(0.0, 0.0), normal=(0.0, 0.0, 1.0))
 
 
 def test_foundation():

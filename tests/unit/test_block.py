@@ -41,6 +41,30 @@ def test_inertia_by_quadrature():
     assert block.rotary_inertia_about_corner == pytest.approx(about_corner)
 
 
+def test_principal_inertias_by_quadrature():
+    block = Block(width=0.3, height=0.7, thickness=0.2, density=1500.0)
+    points, weights = np.polynomial.legendre.leggauss(2)
+    half = np.array([0.15, 0.1, 0.35])
+    grid = np.stack(np.meshgrid(*(h * points for h in half), indexing="ij"), axis=-1).reshape(-1, 3)
+    weight = 1500.0 * half.prod() * np.einsum("i,j,k", weights, weights, weights).ravel()
+    squares = weight @ grid**2
+    np.testing.assert_allclose(block.principal_inertias, squares.sum() - squares, rtol=1e-14)
+    assert block.principal_inertias[1] == pytest.approx(block.rotary_inertia)
+    assert block.volume == pytest.approx(0.3 * 0.7 * 0.2)
+
+
+def test_corners():
+    block = Block(width=0.3, height=0.7, thickness=0.2, density=1500.0)
+    flat, solid = np.array(block.corners()), np.array(block.corners(3))
+    assert flat.tolist() == [[-0.15, 0.0], [0.15, 0.0], [0.15, 0.7], [-0.15, 0.7]]
+    assert solid.shape == (8, 3) and len(np.unique(solid, axis=0)) == 8
+    np.testing.assert_array_equal(solid.min(axis=0), [-0.15, -0.1, 0.0])
+    np.testing.assert_array_equal(solid.max(axis=0), [0.15, 0.1, 0.7])
+    assert np.all(solid[:4, 2] == 0.0)
+    middle = [0.0, 0.0, 0.35]
+    np.testing.assert_allclose(np.linalg.norm(solid - middle, axis=1), math.hypot(0.15, 0.1, 0.35))
+
+
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 @pytest.mark.parametrize("name", ["width", "height", "thickness", "density"])
 def test_refuses(name, value):
