@@ -1,8 +1,9 @@
 """Tables of plain values <-> dataclasses, strictly: the types of the fields say what is allowed.
 
 Understood are `bool`, `str`, `Path`, `Literal[...]`, `Annotated[float, Number(...)]` and the same
-with `int`, tuples of these, dataclasses, tuples of dataclasses, `... | None`, and unions of
-dataclasses that are told apart by their `kind`.
+with `int`, tuples of these, dataclasses, tuples of dataclasses, `... | None`, and unions: of
+dataclasses that are told apart by their `kind`, of tuples of different lengths, of a number and a
+tuple or a dataclass.
 """
 
 from __future__ import annotations
@@ -18,6 +19,14 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from solver.errors import SceneError, UnknownKey
+
+#: Default of a field that is filled in later, by who knows more; its type need not admit None.
+OPEN: Any = None
+
+
+def is_open(value: object) -> bool:
+    """Whether a value is still to be filled in."""
+    return value is OPEN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +96,17 @@ class Checked:
         hints = _hints(cls)
         for field in _fields(cls):
             value = getattr(self, field.name)
+            if value is None and field.default is None:
+                continue
             object.__setattr__(self, field.name, _checked(hints[field.name], value, key_of(field)))
+
+
+def exactly_one(spec: Any, *names: str) -> None:
+    """Refuse a specification of which not exactly one of these fields has a value."""
+    given = [name for name in names if getattr(spec, name) is not None]
+    if len(given) != 1:
+        got = "nothing" if not given else f"{'both ' * (len(given) == 2)}{' and '.join(given)}"
+        raise SceneError(names[0], got, f"exactly one of {' and '.join(names)}")
 
 
 def from_table(cls: Any, table: Any, where: str = "") -> Any:
@@ -153,12 +172,11 @@ def _choices(hint: Any) -> tuple[Any, ...]:
 
 
 def _nested(hint: Any, value: Any, where: str) -> Any:
-    """Tables inside a table; other values are left for `check`."""
-    tables = [choice for choice in _choices(hint) if dataclasses.is_dataclass(choice)]
-    if len(tables) == 1:
-        return from_table(tables[0], value, where)
-    if tables:
-        return _by_kind(tables, value, where)
+    """Tables inside a table; other values are left for `_checked`."""
+    choices = [choice for choice in _choices(hint) if choice is not NoneType]
+    tables = [choice for choice in choices if dataclasses.is_dataclass(choice)]
+    if tables and (isinstance(value, Mapping) or len(tables) == len(choices)):
+        return _table(tables, value, where)
     item = next(iter(get_args(hint)), None) if get_origin(hint) is tuple else None
     if not dataclasses.is_dataclass(item):
         return value
@@ -173,10 +191,14 @@ def _name(entry: Any, where: str) -> str:
     return name if isinstance(name, str) and name else where
 
 
-def _by_kind(tables: list[Any], value: Any, where: str) -> Any:
+def _table(classes: list[Any], value: Any, where: str) -> Any:
+    """A table that may be of several kinds; without `kind` the first, if it has all its keys."""
     if not isinstance(value, Mapping):
         raise SceneError(where, shown(value), "a table")
-    kinds = {get_args(_hints(table)["kind"])[0]: table for table in tables}
+    first, *others = classes
+    if not others or set(value) <= {key_of(field) for field in _fields(first)} - {"kind"}:
+        return from_table(first, value, where)
+    kinds = {get_args(_hints(table)["kind"])[0]: table for table in classes}
     kind = _checked(Literal[tuple(kinds)], value.get("kind"), _join(where, "kind"))
     return from_table(kinds[kind], value, where)
 
@@ -184,8 +206,21 @@ def _by_kind(tables: list[Any], value: Any, where: str) -> Any:
 def _words(hint: Any, name: str) -> str:
     """What a field may hold, in words."""
     choices = [choice for choice in _choices(hint) if choice is not NoneType]
-    hint, origin = choices[0], get_origin(choices[0])
-    if len(choices) > 1 or dataclasses.is_dataclass(hint):
+    if all(get_origin(choice) is tuple for choice in choices):
+        return _words_of_tuples([get_args(choice) for choice in choices], name)
+    return " or ".join(dict.fromkeys(_words_of_one(choice, name) for choice in choices))
+
+
+def _words_of_tuples(items: list[tuple[Any, ...]], name: str) -> str:
+    if dataclasses.is_dataclass(items[0][0]):
+        return f"an array of tables, [[{name}]]"
+    lengths = " or ".join(str(len(item)) for item in items)
+    return f"{lengths} values, each {_words(items[0][0], name)}"
+
+
+def _words_of_one(hint: Any, name: str) -> str:
+    origin = get_origin(hint)
+    if dataclasses.is_dataclass(hint):
         return "a table"
     if origin is Annotated:
         kind, rule = get_args(hint)
@@ -193,10 +228,7 @@ def _words(hint: Any, name: str) -> str:
     if origin is Literal:
         return " or ".join(shown(value) for value in get_args(hint))
     if origin is tuple:
-        items = get_args(hint)
-        if dataclasses.is_dataclass(items[0]):
-            return f"an array of tables, [[{name}]]"
-        return f"{len(items)} values, each {_words(items[0], name)}"
+        return _words_of_tuples([get_args(hint)], name)
     return {bool: "true or false", str: "a text", Path: "the name of a file"}[hint]
 
 
@@ -205,41 +237,45 @@ def _checked(hint: Any, value: Any, name: str) -> Any:
     choices = _choices(hint)
     if value is None and NoneType in choices:
         return None
-    tables: tuple[Any, ...] = tuple(c for c in choices if dataclasses.is_dataclass(c))
-    hint, origin = choices[0], get_origin(choices[0])
-    if tables:
-        fits = isinstance(value, tables)
-    elif origin is Annotated:
+    choices = tuple(choice for choice in choices if choice is not NoneType)
+    if isinstance(value, tuple(c for c in choices if dataclasses.is_dataclass(c))):
+        return value
+    if isinstance(value, list | tuple):
+        return _checked_tuple(choices, value, _words(hint, name), name)
+    for choice in choices:
+        fits, converted = _brought(choice, value)
+        if fits:
+            return converted
+    words = [word for choice in choices for word in get_args(choice) if isinstance(word, str)]
+    meant = nearest(value, words) if isinstance(value, str) else None
+    raise SceneError(name, shown(value), _words(hint, name), meant)
+
+
+def _brought(hint: Any, value: Any) -> tuple[bool, Any]:
+    """Whether a value that is no array has this type, and the value brought to it."""
+    origin = get_origin(hint)
+    if origin is Annotated:
         kind, rule = get_args(hint)
-        number = isinstance(value, Integral if kind is int else Real) and not isinstance(
-            value, bool
-        )
-        fits = number and rule.holds(value)
-        value = kind(value) if fits else value
-    elif origin is Literal:
+        number = isinstance(value, Integral if kind is int else Real)
+        fits = number and not isinstance(value, bool) and rule.holds(value)
+        return fits, kind(value) if fits else value
+    if origin is Literal:
         # 1 == True == 1.0 in Python, not in TOML
-        fits = any(type(value) is type(word) and value == word for word in get_args(hint))
-    elif origin is tuple:
-        return _checked_tuple(hint, value, name)
-    else:
-        fits = isinstance(value, (str, Path) if hint is Path else hint)
-        value = Path(value) if fits and hint is Path else value
-    if not fits:
-        words = [word for word in get_args(hint) if isinstance(word, str)]
-        hint_word = nearest(value, words) if isinstance(value, str) and origin is Literal else None
-        raise SceneError(name, shown(value), _words(hint, name), hint_word)
-    return value
+        return any(type(value) is type(word) and value == word for word in get_args(hint)), value
+    if origin is tuple or dataclasses.is_dataclass(hint):
+        return False, value
+    fits = isinstance(value, (str, Path) if hint is Path else hint)
+    return fits, Path(value) if fits and hint is Path else value
 
 
-def _checked_tuple(hint: Any, value: Any, name: str) -> tuple[Any, ...]:
-    items = get_args(hint)
-    if not isinstance(value, list | tuple):
-        raise SceneError(name, shown(value), _words(hint, name))
-    if items[-1] is Ellipsis:
-        return tuple(_checked(items[0], entry, name) for entry in value)
-    if len(value) != len(items):
-        raise SceneError(name, shown(value), _words(hint, name))
-    try:
-        return tuple(_checked(*pair, name) for pair in zip(items, value, strict=True))
-    except SceneError:
-        raise SceneError(name, shown(value), _words(hint, name)) from None
+def _checked_tuple(choices: Iterable[Any], value: Any, words: str, name: str) -> tuple[Any, ...]:
+    """An array, as the first of several types of tuples that has its length."""
+    for items in (get_args(choice) for choice in choices if get_origin(choice) is tuple):
+        if items[-1] is Ellipsis:
+            return tuple(_checked(items[0], entry, name) for entry in value)
+        if len(items) == len(value):
+            try:
+                return tuple(_checked(*pair, name) for pair in zip(items, value, strict=True))
+            except SceneError:
+                break
+    raise SceneError(name, shown(value), words)

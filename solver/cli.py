@@ -26,10 +26,13 @@ LEFT_BEHIND = (
     "summary.json",
     "run.log",
     "open_in_paraview.py",
-    "fields.pvd",
+    "fields*.pvd",
     "fields*.pvtu",
     "fields*.vtu",
-    *(f"{name}.png" for name in ("angle", "phase", "forces", "energy", "deformed", "overlay")),
+    *(
+        f"{name}.png"
+        for name in ("angle", "phase", "forces", "energy", "deformed", "overlay", "platform")
+    ),
 )
 
 
@@ -133,7 +136,7 @@ def run_scene(options: argparse.Namespace) -> int:
     comm = MPI.COMM_WORLD
     if comm.size > 1:
         _abort_on_exceptions(comm)
-    from solver.excitation.motion import base_motion
+    from solver.excitation.motion import ground_motion
     from solver.petsc_options import parse_options
     from solver.scene import parse_scene, read_text
 
@@ -142,7 +145,7 @@ def run_scene(options: argparse.Namespace) -> int:
     text = _on_first_rank(comm, lambda: read_text(path))
     scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
     # A motion that cannot be read is refused before anything is written.
-    _on_first_rank(comm, lambda: base_motion(scene.motion, scene.time.end) and None)
+    _on_first_rank(comm, lambda: ground_motion(scene) and None)
     folder = options.output or Path(path.stem + ".out")
     _on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
     try:
@@ -186,6 +189,7 @@ def run_reference(options: argparse.Namespace) -> int:
     from solver.scene import load_scene, scene_to_toml
 
     scene = load_scene(options.scene, options.overrides)
+    model = reference_name(scene)  # refused before anything is written
     folder = options.output or Path(options.scene.stem + ".rigid")
     claim_folder(folder, options.scene, options.force)
     began = time.monotonic()
@@ -196,7 +200,7 @@ def run_reference(options: argparse.Namespace) -> int:
         status="completed",
         cost={"wall_s": time.monotonic() - began, "ranks": 1},
         versions={"rockslip": VERSION},
-        model=reference_name(scene),
+        model=model,
     )
     (folder / "scene.toml").write_text(scene_to_toml(scene), encoding="utf-8")
     write_json(folder / "summary.json", summary)

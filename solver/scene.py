@@ -2,39 +2,70 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import os
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
-from solver.checking import Checked, from_table, key_of, nearest, shown, to_table
-from solver.errors import SceneError, UnknownKey
+from solver.checking import OPEN, Checked, from_table, is_open, key_of, nearest, shown, to_table
+from solver.errors import SceneError
+from solver.overrides import override, read_toml
 from solver.specs import (
     BlockSpec,
+    ColumnSpec,
     ContactSpec,
     DampingSpec,
+    DeckSpec,
+    Dimension,
     FoundationSpec,
+    FrameCellsSpec,
+    FrameSpec,
+    FrictionSpec,
+    HalfSineSpec,
     MotionSpec,
+    NotNegative,
+    OneSineSpec,
+    OscillatorSpec,
     OutputSpec,
-    Positive,
+    PlateSpec,
+    Platform,
+    RectangularSpec,
+    RickerSpec,
+    RigidSpec,
     SineSpec,
+    StillSpec,
     TableSpec,
     Tilt,
     TimeSpec,
+    friction_law,
 )
 
 __all__ = [
     "BlockSpec",
+    "ColumnSpec",
     "ContactSpec",
     "DampingSpec",
+    "DeckSpec",
     "FoundationSpec",
+    "FrameCellsSpec",
+    "FrameSpec",
+    "FrictionSpec",
+    "HalfSineSpec",
     "MotionSpec",
+    "OneSineSpec",
+    "OscillatorSpec",
     "OutputSpec",
+    "PlateSpec",
+    "Platform",
+    "RectangularSpec",
+    "RickerSpec",
+    "RigidSpec",
     "Scene",
     "SineSpec",
+    "StillSpec",
     "TableSpec",
     "TimeSpec",
     "load_scene",
@@ -46,17 +77,18 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene(Checked):
-    """All of a simulation's input, checked."""
+    """All of a simulation's input, checked; nothing is left open in its parts."""
 
     title: str = ""
-    dimension: Literal[2] = 2
-    plane: Literal["strain", "stress"] = "strain"
-    gravity: Positive = 9.81
+    dimension: Dimension = 2
+    plane: Literal["strain", "stress"] = OPEN
+    """2-D only: "strain" if left out; None in 3-D."""
+    gravity: NotNegative = 9.81
     """g, m/s^2."""
     gravity_tilt_deg: Tilt = 0.0
     """Turns gravity towards +x, degrees: an incline."""
     blocks: tuple[BlockSpec, ...] = field(metadata={"key": "block"})
-    foundation: FoundationSpec = field(default_factory=FoundationSpec)
+    foundation: FoundationSpec = field(default_factory=RigidSpec)
     contact: ContactSpec = field(default_factory=ContactSpec)
     damping: DampingSpec | None = None
     motion: MotionSpec | None = None
@@ -64,20 +96,105 @@ class Scene(Checked):
     output: OutputSpec = field(default_factory=OutputSpec)
 
     def __post_init__(self) -> None:
-        """Check the values."""
+        """Check the values, and fill in what depends on the dimension."""
         Checked.__post_init__(self)
+        if not self.blocks:
+            raise SceneError("block", "0 blocks", "one block or more, [[block]]")
+        self._check_names()
+        order = self.order  # refuses circles
+        if self.dimension == 2 and is_open(self.plane):
+            object.__setattr__(self, "plane", "strain")
+        if self.dimension == 3 and not is_open(self.plane):
+            raise SceneError("plane", shown(self.plane), "nothing where dimension = 3")
+        object.__setattr__(self, "blocks", tuple(self._filled(block) for block in self.blocks))
+        self._check_thickness(order[0])
+        try:
+            foundation = self.foundation.in_dimension(self.dimension, self.blocks[0].thickness)
+        except SceneError as error:
+            raise error.under("foundation") from None
+        object.__setattr__(self, "foundation", foundation)
+        if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
+            raise SceneError("motion.second", "a table", "nothing where dimension = 2")
+
+    def _check_names(self) -> None:
+        """Every block has a name of its own and stands on something that is there."""
         names = [block.name for block in self.blocks]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise SceneError(f"{twice}.name", "one name twice", "a name of its own for each block")
-        if len(names) != 1:
-            raise SceneError("block", f"{len(names)} blocks", "one block, [[block]]")
+        for block in self.blocks:
+            carriers = ["foundation", *(name for name in names if name != block.name)]
+            if block.on not in carriers:
+                allowed = " or ".join(map(shown, carriers))
+                meant = nearest(block.on, carriers)
+                raise SceneError(f"{block.name}.on", shown(block.on), allowed, meant)
+
+    def _filled(self, block: BlockSpec) -> BlockSpec:
+        """A block with nothing left open."""
+        try:
+            filled = block.in_dimension(self.dimension)
+            tetrahedra = filled.model == "elastic" and filled.cell == "tetrahedron"
+            if tetrahedra and filled.degree == 2 and self.contact.points == "nodes":
+                # Their faces have no rule with positive weights at the vertices.
+                allowed = '1 for tetrahedra, or contact.points = "gauss"'
+                raise SceneError("degree", "2", allowed)
+        except SceneError as error:
+            raise error.under(block.name) from None
+        return filled
+
+    def _check_thickness(self, first: BlockSpec) -> None:
+        """In the plane all bodies are equally thick."""
+        for block in self.blocks:
+            if self.dimension == 2 and block.thickness != first.thickness:
+                allowed = f"that of {first.name}, {first.thickness:g}, where dimension = 2"
+                raise SceneError(f"{block.name}.thickness", shown(block.thickness), allowed)
 
     @property
-    def gravity_vector(self) -> tuple[float, float]:
-        """Gravity along x and y, m/s^2."""
+    def gravity_vector(self) -> tuple[float, ...]:
+        """Gravity along x and y (3-D: x, y and z), m/s^2."""
         tilt = math.radians(self.gravity_tilt_deg)
-        return self.gravity * math.sin(tilt), -self.gravity * math.cos(tilt)
+        along, down = self.gravity * math.sin(tilt), -self.gravity * math.cos(tilt)
+        return (along, down) if self.dimension == 2 else (along, 0.0, down)
+
+    @property
+    def order(self) -> tuple[BlockSpec, ...]:
+        """The blocks, each after what carries it, else as in the file."""
+        placed: list[BlockSpec] = []
+        waiting = list(self.blocks)
+        while waiting:
+            there = {"foundation", *(block.name for block in placed)}
+            ready = [block for block in waiting if block.on in there]
+            if not ready:
+                circle = ", ".join(f"{block.name} on {block.on}" for block in waiting)
+                raise SceneError(f"{waiting[0].name}.on", circle, "a stack that ends on foundation")
+            placed += ready
+            waiting = [block for block in waiting if block.on not in there]
+        return tuple(placed)
+
+    @property
+    def carried_mass(self) -> float:
+        """Mass of all blocks, kg."""
+        return sum(block.shape.mass for block in self.blocks)
+
+    @property
+    def has_platform(self) -> bool:
+        """Whether the blocks stand on a spring: an oscillator, or a plate on rollers."""
+        on_rollers = isinstance(self.foundation, PlateSpec) and self.foundation.support == "rollers"
+        return on_rollers or isinstance(self.foundation, OscillatorSpec)
+
+    def platform(self) -> Platform:
+        """Mass, stiffness and damping of the empty platform; ValueError if there is none."""
+        if self.has_platform and isinstance(self.foundation, OscillatorSpec | PlateSpec):
+            return self.foundation.platform(self.carried_mass)
+        raise ValueError(f"a foundation of kind {self.foundation.kind} has no spring")
+
+    def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
+        """The block that carries a block; None: the foundation does."""
+        return next((carrier for carrier in self.blocks if carrier.name == block.on), None)
+
+    def friction_of(self, block: BlockSpec) -> FrictionSpec:
+        """Friction between a block and what carries it."""
+        return friction_law(self.contact.friction if block.friction is None else block.friction)
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain tables, every default written out."""
@@ -119,19 +236,27 @@ def parse_scene(
         overrides: As for `load_scene`.
         source: What errors call the text as a whole.
     """
-    tables = _tables(content, source) if isinstance(content, str) else copy.deepcopy(dict(content))
+    tables = read_toml(content, source) if isinstance(content, str) else deepcopy(dict(content))
     if not tables:
         raise SceneError(source, "an empty scene", "at least [[block]] and [time]")
-    for override in overrides:
-        _override(tables, override)
-    motion = tables.get("motion")
-    if isinstance(motion, dict) and isinstance(motion.get("file"), str):
-        motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
+    for text in overrides:
+        override(tables, text, known=[key_of(item) for item in fields(Scene)])
+    _find_files(tables.get("motion"), "motion", folder)
     scene: Scene = from_table(Scene, tables)
-    # os.path, unlike pathlib, says False to names that no file can have.
-    if isinstance(scene.motion, TableSpec) and not os.path.isfile(scene.motion.file):
-        raise SceneError("motion.file", str(scene.motion.file), "a file that exists")
     return scene
+
+
+def _find_files(motion: Any, where: str, folder: str | Path) -> None:
+    """Make the names of the files of a motion absolute, and refuse those that are not there."""
+    if not isinstance(motion, dict):
+        return
+    if motion.get("kind") == "table" and isinstance(motion.get("file"), str):
+        motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
+        # os.path, unlike pathlib, says False to names that no file can have.
+        if not os.path.isfile(motion["file"]):
+            raise SceneError(f"{where}.file", motion["file"], "a file that exists")
+    for direction in ("vertical", "second"):
+        _find_files(motion.get(direction), f"{where}.{direction}", folder)
 
 
 def scene_to_toml(scene: Scene) -> str:
@@ -140,51 +265,3 @@ def scene_to_toml(scene: Scene) -> str:
 
     text: str = tomli_w.dumps(scene.to_dict())
     return text
-
-
-def _tables(text: str, source: str) -> dict[str, Any]:
-    import tomllib
-
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also numbers and nesting beyond all bounds
-        raise SceneError(source, f"unreadable TOML, {error}", "TOML") from None
-
-
-def _toml_value(text: str) -> Any:
-    """A value of the command line: TOML where it is TOML, else the text itself."""
-    import tomllib
-
-    try:
-        table = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        return text
-    return table["value"] if len(table) == 1 else text
-
-
-def _override(tables: dict[str, Any], override: str) -> None:
-    """Set one value, `path=value`, in the tables of a scene."""
-    path, equals, text = override.partition("=")
-    *parents, key = [part.strip() for part in path.split(".")]
-    if not equals or not key or not all(parents):
-        raise SceneError("--set", shown(override), "path=value, such as block.height=1.2")
-    blocks = _blocks(tables)
-    table: Any = tables
-    for depth, parent in enumerate(parents):
-        if depth == 0 and parent in blocks:
-            table = blocks[parent]
-            continue
-        known = [*blocks, *(key_of(item) for item in fields(Scene) if item.name != "blocks")]
-        if depth == 0 and parent not in known:
-            raise UnknownKey(parent, parent, ", ".join(known), nearest(parent, known))
-        table = table.setdefault(parent, {})
-        if not isinstance(table, dict):
-            raise SceneError(f"--set {path}", f"{parent}, which is no table", "the path of a key")
-    table[key] = _toml_value(text.strip())
-
-
-def _blocks(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The tables of the blocks by name."""
-    entries = tables.get("block")
-    entries = entries if isinstance(entries, list) else []
-    return {str(entry.get("name", "block")): entry for entry in entries if isinstance(entry, dict)}

@@ -1,32 +1,130 @@
-"""Ground motions given by a formula."""
+"""Ground motions given by a formula, with their velocity and displacement in closed form.
+
+Each lasts from `start` to `stop`, before which the ground is at rest and after which it keeps the
+velocity that it has; a positive amplitude first pushes the ground towards +x.
+"""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sine:
-    """a_g(t) = A sin(2 pi (t - start) / T) from `start` to `stop`, and zero outside."""
+class Pulse(ABC):
+    """What pulses have in common; the formulas take the time since the start, tau, s."""
 
     amplitude: float
     """A, m/s^2."""
-    period: float
-    """T, s."""
     start: float
     """s."""
     stop: float
-    """s."""
+    """s, > start."""
+
+    @property
+    def duration(self) -> float:
+        """From start to stop, s; 0 if it is over before it begins."""
+        return max(self.stop - self.start, 0.0)
+
+    def acceleration(self, time: float) -> float:
+        """Acceleration of the ground a_g, m/s^2."""
+        return self._a(time - self.start) if self.start <= time <= self.stop else 0.0
+
+    def velocity(self, time: float) -> float:
+        """Velocity of the ground, m/s."""
+        return self._v(min(max(time - self.start, 0.0), self.duration))
+
+    def displacement(self, time: float) -> float:
+        """Displacement of the ground, m."""
+        tau = max(time - self.start, 0.0)
+        last = min(tau, self.duration)
+        return self._u(last) + self._v(last) * (tau - last)
+
+    @abstractmethod
+    def _a(self, tau: float) -> float: ...
+
+    @abstractmethod
+    def _v(self, tau: float) -> float: ...
+
+    @abstractmethod
+    def _u(self, tau: float) -> float: ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sine(Pulse):
+    """a_g = A sin(w tau), w = 2 pi / T: one period, half of one, or many."""
+
+    period: float
+    """T, s."""
 
     @property
     def peak(self) -> float:
         """Largest |a_g|, m/s^2."""
-        quarter = min(max(self.stop - self.start, 0.0), self.period / 4)
-        return abs(self.amplitude) * math.sin(2 * math.pi * quarter / self.period)
+        return abs(self._a(min(self.duration, self.period / 4)))
 
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground, m/s^2."""
-        if not self.start <= time <= self.stop:
-            return 0.0
-        return self.amplitude * math.sin(2 * math.pi * (time - self.start) / self.period)
+    def _a(self, tau: float) -> float:
+        return self.amplitude * math.sin(2 * math.pi / self.period * tau)
+
+    def _v(self, tau: float) -> float:
+        w = 2 * math.pi / self.period
+        return self.amplitude / w * (1 - math.cos(w * tau))
+
+    def _u(self, tau: float) -> float:
+        w = 2 * math.pi / self.period
+        return self.amplitude / w * (tau - math.sin(w * tau) / w)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rectangular(Pulse):
+    """a_g = A."""
+
+    @property
+    def peak(self) -> float:
+        """Largest |a_g|, m/s^2."""
+        return abs(self.amplitude)
+
+    def _a(self, tau: float) -> float:
+        return self.amplitude
+
+    def _v(self, tau: float) -> float:
+        return self.amplitude * tau
+
+    def _u(self, tau: float) -> float:
+        return self.amplitude * tau**2 / 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ricker(Pulse):
+    """a_g = A (1 - 2 b s^2) exp(-b s^2), b = (pi f)^2, s = time from the middle (Ricker 1943).
+
+    A is the acceleration in the middle; before and after it the ground is pushed the other way,
+    by at most 2 exp(-3/2) A = 0.446 A. The spectrum is highest at f.
+    """
+
+    frequency: float
+    """f, 1/s."""
+
+    @property
+    def peak(self) -> float:
+        """Largest |a_g|, m/s^2."""
+        return abs(self.amplitude)
+
+    def _decay(self, tau: float) -> tuple[float, float, float]:
+        """b, s and exp(-b s^2)."""
+        b, s = (math.pi * self.frequency) ** 2, tau - self.duration / 2
+        return b, s, math.exp(-b * s**2)
+
+    def _a(self, tau: float) -> float:
+        b, s, decay = self._decay(tau)
+        return self.amplitude * (1 - 2 * b * s**2) * decay
+
+    def _v(self, tau: float) -> float:
+        _, s, decay = self._decay(tau)
+        _, first, small = self._decay(0.0)
+        return self.amplitude * (s * decay - first * small)
+
+    def _u(self, tau: float) -> float:
+        b, _, decay = self._decay(tau)
+        _, first, small = self._decay(0.0)
+        return self.amplitude * ((small - decay) / (2 * b) - first * small * tau)

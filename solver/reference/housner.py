@@ -69,9 +69,9 @@ def housner(
         end: s.
         step: Between output times, s; where the ground moves, also the integrator's largest.
         acceleration: a_g of the ground, m/s^2; None: it does not move.
-        restitution: e; None: Housner's.
+        restitution: e; None: Housner's, 0 for blocks so squat that his would be negative.
     """
-    ratio = housner_restitution(shape) if restitution is None else restitution
+    ratio = max(0.0, housner_restitution(shape)) if restitution is None else restitution
     if not 0 <= ratio <= 1 or not abs(tilt) < math.pi / 2:
         raise ValueError(f"housner: tilt={tilt}, restitution={ratio}")
     block = _RigidBlock(shape, gravity, acceleration or still, end, step)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,27 +19,32 @@ def still(time: float) -> float:
 
 
 def first_beyond(
-    acceleration: Acceleration, limit: float, start: float, end: float, step: float
+    acceleration: Acceleration, limit: float | Acceleration, start: float, end: float, step: float
 ) -> float | None:
     """The first time at which |acceleration| exceeds `limit`, or None.
 
     Looked for every `step` and then narrowed down; what is returned lies beyond the limit, by
     round-off, so that a motion that begins there does begin.
     """
+    bound = limit if callable(limit) else lambda _: limit
+
+    def beyond(time: float) -> bool:
+        return abs(acceleration(time)) > bound(time)
+
     low = start
-    while abs(acceleration(low)) <= limit:
+    while not beyond(low):
         high = min(low + step, end)
         if high <= low:
             return None
-        if abs(acceleration(high)) > limit:
-            return _narrowed(acceleration, limit, low, high)
+        if beyond(high):
+            return _narrowed(beyond, low, high)
         low = high
     return low
 
 
-def _narrowed(acceleration: Acceleration, limit: float, low: float, high: float) -> float:
+def _narrowed(beyond: Callable[[float], bool], low: float, high: float) -> float:
     while low < (middle := (low + high) / 2) < high:
-        if abs(acceleration(middle)) > limit:
+        if beyond(middle):
             high = middle
         else:
             low = middle
@@ -48,26 +53,39 @@ def _narrowed(acceleration: Acceleration, limit: float, low: float, high: float)
 
 @dataclass(slots=True)
 class Recorder:
-    """Position and velocity at the output times, filled phase by phase."""
+    """The state at the output times, filled phase by phase: position, velocity and what follows."""
 
     time: NDArray[np.float64]
-    position: NDArray[np.float64] = field(init=False)
-    velocity: NDArray[np.float64] = field(init=False)
+    size: int = 2
+    """Numbers in a state."""
+    states: NDArray[np.float64] = field(init=False)
+    """One row for each time."""
 
     def __post_init__(self) -> None:
         """Begin with a body at rest."""
-        self.position, self.velocity = np.zeros_like(self.time), np.zeros_like(self.time)
+        self.states = np.zeros((len(self.time), self.size))
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """The first number of the state."""
+        return self.states[:, 0]
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """The second number of the state."""
+        return self.states[:, 1]
 
     def rest(self, start: float, position: float) -> None:
         """From `start` on the body stays where it is; later phases write over it."""
         later = self.time >= start
-        self.position[later], self.velocity[later] = position, 0.0
+        self.states[later] = 0.0
+        self.states[later, 0] = position
 
     def move(self, start: float, end: float, solution: Callable[..., Any]) -> None:
-        """From `start` to `end` the body moves as a dense solution of (position, velocity) says."""
+        """From `start` to `end` the state is what a dense solution says."""
         inside = (self.time >= start) & (self.time <= end)
         if inside.any():
-            self.position[inside], self.velocity[inside] = solution(self.time[inside])
+            self.states[inside] = solution(self.time[inside]).T
 
 
 def output_times(end: float, step: float) -> NDArray[np.float64]:
@@ -102,23 +120,65 @@ def integrate(
         step: Largest step of the integrator, s: no feature of the ground's motion is stepped over.
         events: As `scipy.integrate.solve_ivp` takes them.
     """
-    from scipy.integrate import solve_ivp
-
-    # A flight that begins with velocity v and is pulled back by a lasts about 2 v / a: the first
-    # step must end well inside, as only sign changes between steps are noticed.
-    first = min(step, end - start) / 64
-    pull = abs(rate(start, state[0]))
-    if state[1] and pull:
-        first = min(first, abs(state[1]) / (8 * pull))
-    return solve_ivp(
+    first = first_step(end - start, step, state[1], rate(start, state[0]))
+    return solve(
         lambda time, y: (y[1], rate(time, y[0])),
         (start, end),
         state,
-        method="DOP853",
-        dense_output=True,
+        step=step,
+        first=first,
         events=events,
-        rtol=1e-11,
-        atol=1e-14,
-        max_step=step,
-        first_step=first,
     )
+
+
+def first_step(span: float, step: float, velocity: float, pull: float) -> float:
+    """First step of the integrator, s.
+
+    A flight that begins with velocity v and is pulled back by a lasts about 2 v / a: the first step
+    must end well inside, as only sign changes between steps are noticed.
+
+    Args:
+        span: Longest time that the phase may take, s.
+        step: Largest step, s.
+        velocity: v, at the start.
+        pull: a, at the start.
+    """
+    first = min(step, span) / 64
+    return min(first, abs(velocity / (8 * pull))) if velocity and pull else first
+
+
+def solve(
+    derivative: Callable[[float, Any], Sequence[float]],
+    span: tuple[float, float],
+    state: Sequence[float] | NDArray[np.float64],
+    *,
+    step: float,
+    first: float,
+    events: list[Any],
+) -> Any:
+    """Solve y' = derivative(time, y) until a terminal event; scipy's solution object.
+
+    Args:
+        derivative: Smooth over the phase or nearly so.
+        span: Start and end, s.
+        state: y at the start.
+        step: Largest step of the integrator, s.
+        first: Its first step, s.
+        events: As `scipy.integrate.solve_ivp` takes them.
+    """
+    from scipy.integrate import solve_ivp
+
+    # Where nothing moves yet, scipy's estimate of the error may be 0/0: it then shortens the step.
+    with np.errstate(invalid="ignore"):
+        return solve_ivp(
+            derivative,
+            span,
+            state,
+            method="DOP853",
+            dense_output=True,
+            events=events,
+            rtol=1e-11,
+            atol=1e-14,
+            max_step=step,
+            first_step=first,
+        )

@@ -89,35 +89,6 @@ def test_without_arguments_it_helps(scene: Path, capsys: Captured) -> None:
         assert word in text
 
 
-def test_check_tells_the_numbers_of_the_paper_s_block(scene: Path, capsys: Captured) -> None:
-    """R, alpha, p and e as in verification.md D.2."""
-    assert main(["check", "granite.toml"]) == 0
-    text = " ".join(capsys.readouterr().out.split())
-    for part in (
-        "mass 503 kg",
-        "R 0.5154 m",
-        "alpha 0.24498 rad = 14.036 degrees",
-        "p 3.7783 1/s",
-        "uplift at 0.2500 g",
-        "restitution 0.9118",
-        "expected mode rock",
-        "96 quadrilaterals of degree 1, 119 nodes, 238 unknowns",
-        "300 steps of 0.001 s",
-    ):
-        assert part in text
-    assert list(scene.parent.iterdir()) == [scene]
-
-
-def test_check_counts_other_meshes_and_motions(scene: Path, capsys: Captured) -> None:
-    words = ["block.cell=triangle", "block.degree=2", "block.cells=[2, 3]", "block.tilt_deg=0"]
-    motion = ["motion={kind='sine', amplitude_g=0.4, period=0.5}", "contact.friction=0.2"]
-    assert main(["check", "granite.toml", "--set", *words, "--set", *motion]) == 0
-    text = " ".join(capsys.readouterr().out.split())
-    assert "12 triangles of degree 2, 35 nodes, 70 unknowns" in text
-    assert "peak 0.4 g = 3.924 m/s2" in text
-    assert "expected mode slide (" in text
-
-
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
@@ -132,6 +103,7 @@ def test_check_counts_other_meshes_and_motions(scene: Path, capsys: Captured) ->
         (["check", "granite.toml", "--", "-x"], ["rockslip run"]),
         (["plot", "nowhere"], ["nowhere", "scene.toml"]),
         (["reference", "granite.toml", "-o", "."], ["granite.toml", "in use"]),
+        (["reference", "granite.toml", "--set", "dimension=3"], ["dimension", "reference"]),
     ],
 )
 def test_bad_input_is_one_line(

@@ -96,8 +96,8 @@ REFUSED: dict[str, tuple[str, list[str]]] = {
     "unknown table": (f"{SCENE}[moton]\nkind = 'sine'\n", ["moton", "did you mean 'motion'?"]),
     "wrong type": (SCENE.replace("1.0\n", '"tall"\n'), ["block.height", '"tall"', "height > 0"]),
     "a table for a number": (
-        SCENE.replace("friction = 0.7", "friction = { static = 0.7 }"),
-        ["contact.friction", "a table", "friction >= 0"],
+        SCENE.replace("height = 1.0", "height = { above = 1.0 }"),
+        ["block.height", "a table", "height > 0"],
     ),
     "a truth for a number": (
         SCENE.replace("step = 0.001", "step = true"),
@@ -142,11 +142,12 @@ REFUSED: dict[str, tuple[str, list[str]]] = {
     "NaN": (SCENE.replace("5.0e10", "nan"), ["block.young", "nan", "young > 0"]),
     "infinity": (
         f"gravity = inf\n{SCENE}",
-        ["gravity", "inf", "gravity > 0"],
+        ["gravity", "inf", "gravity >= 0"],
     ),
-    "of a later issue": (
-        SCENE.replace("poisson", 'model = "rigid"\npoisson'),
-        ["block.model", '"rigid"', '"elastic"'],
+    "four dimensions": (f"dimension = 4\n{SCENE}", ["dimension", "got 4", "2 or 3"]),
+    "a stack on nothing": (
+        SCENE.replace("poisson", 'on = "fondation"\npoisson'),
+        ["block.on", '"fondation"', "did you mean 'foundation'?"],
     ),
 }
 

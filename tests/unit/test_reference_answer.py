@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from geometry.arrangement import initial_position
+from solver.errors import SceneError
 from solver.post.history import History
 from solver.reference import answer
 from solver.reference.shenton import release_friction, rocking_friction
@@ -130,3 +131,126 @@ def test_the_file_has_every_so_many_steps(tmp_path: Path) -> None:
     answer.reference_history(asked, tmp_path / "history.csv")
     again = History.read(tmp_path / "history.csv")
     np.testing.assert_allclose(again["time_s"], np.arange(101) * 0.01)
+
+
+PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
+SQUAT = {"width": 1.0, "height": 0.3}
+SHAKING = {"kind": "sine", "amplitude_g": 0.4, "period": 0.6, "cycles": 6}
+ROLLERS = {
+    "kind": "elastic",
+    "support": "rollers",
+    "width": 2.0,
+    "height": 0.1,
+    "young": 2e11,
+    "poisson": 0.3,
+    "mass_ratio": 2.0,
+    "period": 0.5,
+    "damping_ratio": 0.05,
+}
+
+
+@pytest.mark.parametrize("foundation", [PLATFORM, ROLLERS])
+def test_block_on_a_platform(foundation: dict[str, Any]) -> None:
+    """T2 of the design, whatever the platform is made of; the ledger closes."""
+    asked = scene(block=SQUAT, friction=0.3, end=6.0, foundation=foundation, motion=SHAKING)
+    assert answer.reference_name(asked) == answer.ON_PLATFORM
+    history = answer.reference_history(asked)
+    assert np.abs(history["platform.drift_m"]).max() == pytest.approx(0.10089, abs=6e-6)
+    assert history["block.slip_m"][-1] == pytest.approx(0.1359, abs=6e-5)
+    centre = history["block.slip_m"] + history["platform.drift_m"]
+    np.testing.assert_allclose(history["block.centre_x_m"], centre)
+    gained = history["energy.total_J"] - history["energy.total_J"][0] - history["energy.input_J"]
+    lost = history["energy.friction_J"] + history["energy.damping_J"]
+    np.testing.assert_allclose(gained, -lost, atol=2e-5 * lost[-1])
+    slope = np.gradient(history["platform.drift_m"], history["time_s"])
+    np.testing.assert_allclose(slope, history["platform.velocity_m_s"], atol=2e-3)
+
+
+def test_sloped_platform_with_a_thrown_block() -> None:
+    """The incline works on the platform, too: still the ledger closes."""
+    block = SQUAT | {"velocity": [0.5, 0.0]}
+    asked = scene(block=block, friction=0.3, gravity_tilt_deg=5.0, foundation=PLATFORM)
+    history = answer.reference_history(asked)
+    change = history["energy.total_J"] - history["energy.total_J"][0]
+    lost = history["energy.friction_J"] + history["energy.damping_J"]
+    np.testing.assert_allclose(change, -lost, atol=1e-4 * lost[-1])
+    assert history["energy.friction_J"][-1] > 10
+
+
+def test_thrown_block_stops_as_newton_says() -> None:
+    block = SQUAT | {"velocity": [-1.0, 0.0], "offset": 0.5}
+    history = answer.reference_history(scene(block=block, friction=0.25))
+    assert history["block.slip_m"][-1] == pytest.approx(-1 / (2 * 0.25 * 9.81))
+    assert history["energy.kinetic_J"][0] == pytest.approx(503.0 / 2)
+    assert history["energy.friction_J"][-1] == pytest.approx(503.0 / 2)
+
+
+def test_friction_laws_and_vertical_motion() -> None:
+    """A law with cohesion holds what mu alone would not; heave changes the normal force."""
+    push = {"kind": "rectangular", "amplitude_g": 0.24, "duration": 0.5}
+    cohesion = 0.1 * WEIGHT / (0.25 * 0.75)
+    law = {"static": 0.2, "cohesion": cohesion}
+    held = scene(motion=push, contact={"friction": law})
+    assert answer.expected_mode(held) == "rest"
+    assert answer.expected_mode(scene(motion=push, friction=0.2)) == "slide"
+    heave = {"vertical": {"kind": "rectangular", "amplitude_g": -0.5, "duration": 0.5}}
+    lifted = scene(block=SQUAT, motion=push | heave, friction=0.3)
+    history = answer.reference_history(lifted)
+    assert history["base.vertical_acceleration_m_s2"][100] == pytest.approx(-4.905)
+    assert history["block.normal_force_N"][100] == pytest.approx(WEIGHT / 2)
+    assert history["block.slip_m"][-1] < -0.05
+
+
+@pytest.mark.parametrize(
+    ("tables", "line"),
+    [
+        ({"dimension": 3}, "dimension: got 3, allowed 2 where a rigid-body reference"),
+        ({"gravity": 0}, "gravity: got 0, allowed gravity > 0 where"),
+        ({"block": {"angular_velocity": 1.0}}, "block.angular_velocity: got 1.0, allowed 0 where"),
+        ({"block": {"velocity": [0, 1]}}, "block.velocity: got [0.0, 1.0], allowed [0, 0], or"),
+        ({"block": {"velocity": [1, 0], "tilt_deg": 1}}, "block.velocity: got [1.0, 0.0], allo"),
+        ({"block": {"velocity": [1, 0]}}, "block.velocity: got [1.0, 0.0] of a block that may sl"),
+        ({"foundation": PLATFORM, "block": {"tilt_deg": 1}}, "block.tilt_deg: got 1.0, allowed 0"),
+        (
+            {"foundation": PLATFORM, "motion": SHAKING},
+            "foundation.kind: got a block that would rock at ",
+        ),
+        (
+            {"motion": {"vertical": {"kind": "rectangular", "amplitude_g": 1, "duration": 1}}},
+            "motion.vertical: got 9.81 m/s2, allowed less than gravity",
+        ),
+        (
+            {"motion": SHAKING | {"vertical": SHAKING}},
+            "motion.vertical: got a block that may rock, allowed nothing",
+        ),
+    ],
+)
+def test_scenes_without_a_reference(tables: dict[str, Any], line: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        answer.reference_history(scene(**tables))
+    assert str(caught.value).startswith(line)
+    assert "\n" not in str(caught.value)
+
+
+def test_stacks_and_frames_have_no_reference() -> None:
+    two = [BLOCK | {"name": "low"}, BLOCK | {"name": "top", "on": "low"}]
+    content = {"block": two, "time": {"end": 1.0, "step": 1e-3}}
+    with pytest.raises(SceneError, match=r"^block: got 2 blocks, allowed one block where"):
+        answer.reference_history(parse_scene(content))
+    frame = {
+        "kind": "frame",
+        "deck": {"width": 2.0, "height": 0.1},
+        "column": {"width": 0.1},
+        "storey": 1.0,
+        "density": 7850.0,
+        "young": 2e11,
+        "poisson": 0.3,
+    }
+    with pytest.raises(SceneError, match=r'^foundation.kind: got "frame", allowed any other'):
+        answer.reference_history(scene(foundation=frame))
+
+
+def test_squat_block_at_rest_has_a_reference() -> None:
+    """Housner's restitution would be negative: it stays where it lands."""
+    history = answer.reference_history(scene(block=SQUAT))
+    assert not history["block.angle_rad"].any()

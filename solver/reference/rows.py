@@ -1,0 +1,214 @@
+"""The columns of a history that belong to a rigid block which rocks or slides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.errors import SceneError
+from solver.excitation.motion import BaseMotion
+from solver.reference.expected import resistance, vertical_motion
+from solver.reference.friction import Resistance
+from solver.reference.housner import housner
+from solver.reference.phases import Acceleration, still
+from solver.reference.platform import sliding_on_platform
+from solver.reference.sliding import sliding
+from solver.scene import Scene
+
+Array = NDArray[np.float64]
+
+ONLY = "where a rigid-body reference is asked for"
+
+
+def _vertical(scene: Scene) -> Acceleration:
+    motion = vertical_motion(scene)
+    return motion.acceleration if motion else still
+
+
+def _ground(scene: Scene, motion: BaseMotion | None, time: float) -> float:
+    """Acceleration of the base that has the effect of the motion and the incline together, m/s2."""
+    return (motion.acceleration(time) if motion else 0.0) - scene.gravity_vector[0]
+
+
+def rock(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
+    """Housner's block: pivots on the corner on the side it leans to."""
+    block, gravity = scene.blocks[0], -scene.gravity_vector[1]
+    shape = block.shape
+    found = housner(
+        shape,
+        gravity=gravity,
+        tilt=block.tilt,
+        end=scene.time.end,
+        step=scene.time.step,
+        acceleration=lambda time: _ground(scene, motion, time),
+    )
+    angle, velocity = found.angle, found.angular_velocity
+    ground = np.array([_ground(scene, motion, float(t)) for t in found.time])
+    # At rest: upright, or lying on its side.
+    moves = (velocity != 0) | ((angle != 0) & (np.abs(angle) < math.pi / 2))
+    side = np.where(angle < 0, -1.0, 1.0)
+    lean, radius = shape.slenderness - np.abs(angle), shape.half_diagonal
+    turning = -(shape.frequency(gravity) ** 2) * (
+        side * np.sin(lean) + ground / gravity * np.cos(lean)
+    )
+    # The centre on its circle about the pivot; lean' = -side theta'.
+    across = radius * (np.cos(lean) * turning + side * np.sin(lean) * velocity**2)
+    up = radius * (side * np.sin(lean) * turning - np.cos(lean) * velocity**2)
+    centre_x = block.offset + side * (shape.width / 2 - radius * np.sin(lean))
+    values = {
+        "angle_rad": angle,
+        "angular_velocity_rad_s": velocity,
+        "slip_m": np.zeros_like(angle),
+        "gap_left_m": shape.width * np.sin(np.maximum(angle, 0)),
+        "gap_right_m": shape.width * np.sin(np.maximum(-angle, 0)),
+        "centre_x_m": centre_x,
+        "centre_y_m": radius * np.cos(lean),
+        "normal_force_N": shape.mass * (gravity + np.where(moves, up, 0.0)),
+        "friction_force_N": shape.mass * (ground + np.where(moves, across, 0.0)),
+    }
+    kinetic = shape.rotary_inertia_about_corner * velocity**2 / 2
+    speed = radius * np.cos(lean) * velocity
+    return _table(scene, motion, found.time, values, kinetic, speed) | {
+        "energy.friction_J": np.zeros_like(angle)
+    }
+
+
+def slide(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
+    """The block that stays flat, on firm ground."""
+    block, gravity = scene.blocks[0], -scene.gravity_vector[1]
+    law, vertical = resistance(scene), _vertical(scene)
+    found = sliding(
+        acceleration=lambda time: _ground(scene, motion, time),
+        friction=law,
+        gravity=gravity,
+        end=scene.time.end,
+        step=scene.time.step,
+        velocity=block.velocity[0],
+        vertical=vertical,
+    )
+    normal = gravity + sampled(vertical, found.time)
+    force = _friction(law, normal, found.velocity)
+    ground = np.array([_ground(scene, motion, float(t)) for t in found.time])
+    held = np.where(found.velocity != 0, -force * np.sign(found.velocity), ground)
+    kinetic = block.shape.mass * found.velocity**2 / 2
+    values = _flat(scene, found.slip, found.slip, normal, held)
+    return _table(scene, motion, found.time, values, kinetic, found.velocity) | {
+        "energy.friction_J": block.shape.mass * _along(force, found.slip)
+    }
+
+
+def slide_on_platform(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
+    """The block that stays flat, on a platform; SceneError if it does not stay flat."""
+    block, platform = scene.blocks[0], scene.platform()
+    along, down = scene.gravity_vector[0], -scene.gravity_vector[1]
+    law, vertical = resistance(scene), _vertical(scene)
+    found = sliding_on_platform(
+        platform=platform,
+        mass=block.shape.mass,
+        friction=law,
+        gravity=down,
+        acceleration=motion.acceleration if motion else still,
+        end=scene.time.end,
+        step=scene.time.step,
+        along=along,
+        velocity=block.velocity[0],
+        vertical=vertical,
+    )
+    normal = down + sampled(vertical, found.time)
+    uplift = np.abs(found.friction) * block.height > normal * block.width
+    if uplift.any():
+        got = f"a block that would rock at {found.time[int(np.argmax(uplift))]:.4g} s"
+        raise SceneError("foundation.kind", got, f"a platform with a block that stays flat, {ONLY}")
+    drift, velocity = found.drift, found.drift_velocity
+    speed = velocity + found.slip_velocity
+    kinetic = (block.shape.mass * speed**2 + platform.mass * velocity**2) / 2
+    values = _flat(scene, found.slip, found.slip + drift, normal, found.friction)
+    spring = platform.stiffness * drift**2 / 2
+    # The mass whose acceleration takes part in the work of the ground moves like this.
+    mean = speed + platform.mass / block.shape.mass * velocity
+    known = _table(scene, motion, found.time, values, kinetic, mean)
+    known["energy.gravity_J"] = known["energy.gravity_J"] - platform.mass * along * drift
+    known["energy.total_J"] = kinetic + known["energy.gravity_J"] + spring
+    force = _friction(law, normal, found.slip_velocity)
+    return known | {
+        "platform.drift_m": drift,
+        "platform.velocity_m_s": velocity,
+        "platform.acceleration_m_s2": found.drift_acceleration,
+        "energy.spring_J": spring,
+        "energy.damping_J": _integral(found.time, platform.damping * velocity**2),
+        "energy.friction_J": block.shape.mass * _along(force, found.slip),
+    }
+
+
+def sampled(function: Acceleration, time: Array) -> Array:
+    """Values of a function at many times."""
+    return np.array([function(float(t)) for t in time])
+
+
+def _friction(law: Resistance, normal: Array, speed: Array) -> Array:
+    """Friction while the block slides, over its mass, m/s^2."""
+    pairs = zip(map(float, normal), map(abs, map(float, speed)), strict=True)
+    return np.array([law.slides(*pair) for pair in pairs])
+
+
+def _along(force: Array, slip: Array) -> Array:
+    """Work of a force along the slip so far, whichever way it goes."""
+    return np.concatenate([[0.0], np.cumsum((force[1:] + force[:-1]) / 2 * np.abs(np.diff(slip)))])
+
+
+def _integral(time: Array, rate: Array) -> Array:
+    """The integral so far, by the trapezoidal rule over the rows."""
+    return np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(time))])
+
+
+def _flat(
+    scene: Scene, slip: Array, displacement: Array, normal: Array, friction: Array
+) -> dict[str, Array]:
+    """Columns of a block that stays flat; forces over its mass, m/s^2."""
+    block, none = scene.blocks[0], np.zeros_like(slip)
+    return {
+        "angle_rad": none,
+        "angular_velocity_rad_s": none,
+        "slip_m": slip,
+        "gap_left_m": none,
+        "gap_right_m": none,
+        "centre_x_m": block.offset + displacement,
+        "centre_y_m": none + block.height / 2,
+        "normal_force_N": block.shape.mass * normal,
+        "friction_force_N": block.shape.mass * friction,
+    }
+
+
+def _table(
+    scene: Scene,
+    motion: BaseMotion | None,
+    time: Array,
+    values: Mapping[str, Array],
+    kinetic: Array,
+    speed: Array,
+) -> dict[str, Array]:
+    """Columns of all answers; the work of the ground by the trapezoidal rule over the rows."""
+    name, mass = scene.blocks[0].name, scene.blocks[0].shape.mass
+    along, down = scene.gravity_vector
+    none = np.zeros_like(time)
+    base = sampled(motion.acceleration, time) if motion else none
+    gravity = -mass * (along * values["centre_x_m"] + down * values["centre_y_m"])
+    return {
+        "time_s": time,
+        "step_s": none + scene.time.step,
+        "base.acceleration_m_s2": base,
+        "base.vertical_acceleration_m_s2": sampled(_vertical(scene), time),
+        **{f"{name}.{column}": value for column, value in values.items()},
+        f"{name}.penetration_m": none,
+        "energy.kinetic_J": kinetic,
+        "energy.strain_J": none,
+        "energy.gravity_J": gravity,
+        "energy.spring_J": none,
+        "energy.interface_J": none,
+        "energy.input_J": _integral(time, -mass * base * speed),
+        "energy.damping_J": none,
+        "energy.total_J": kinetic + gravity,
+    }

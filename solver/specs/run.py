@@ -1,0 +1,57 @@
+"""Damping, time stepping and output."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from solver.checking import Checked, Number, shown
+from solver.errors import SceneError
+from solver.specs.ranges import Count, NotNegative, Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampingSpec(Checked):
+    """Rayleigh damping: `[damping]`."""
+
+    mass: NotNegative = 0.0
+    """lambda_R, 1/s."""
+    stiffness: NotNegative = 0.0
+    """beta_R, s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TimeSpec(Checked):
+    """Time stepping: `[time]`."""
+
+    end: Positive
+    """s."""
+    step: Positive
+    """dt, s."""
+    rho_inf: Annotated[float, Number(at_least=0, at_most=1)] = 0.8
+    """Spectral radius of generalized-alpha at infinity."""
+    initial: Literal["static", "unstressed"] = "static"
+    """Begin with gravity in equilibrium (blocks that begin closed), or without stress."""
+    smallest: NotNegative = 0.0
+    """Smallest step to which steps that do not converge are halved, s; 0 becomes step / 1024."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        Checked.__post_init__(self)
+        if self.step > self.end:
+            raise SceneError("step", shown(self.step), f"step <= end = {self.end:g}")
+        if self.smallest > self.step:
+            raise SceneError("smallest", shown(self.smallest), f"smallest <= step = {self.step:g}")
+        if self.smallest == 0:
+            object.__setattr__(self, "smallest", self.step / 1024)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputSpec(Checked):
+    """What is written, and how often: `[output]`."""
+
+    every: Positive = 0.01
+    """Time between two snapshots of the fields, s."""
+    fields: Literal["vtk", "none"] = "vtk"
+    history_every: Count = 1
+    """Steps between two rows of the history."""

@@ -1,0 +1,211 @@
+"""`rockslip check`: what a scene means, without solving it."""
+
+from __future__ import annotations
+
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solver.cli import main
+
+SCENE = """
+title = "A block of granite"
+[[block]]
+width = 0.25
+height = 1.0
+thickness = 0.75
+mass = 503.0
+young = 5.0e10
+poisson = 0.2
+tilt_deg = 3.0
+[contact]
+friction = 0.7
+[time]
+end = 0.3
+step = 0.001
+"""
+
+Captured = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A scene in the current folder, and no mpirun around it."""
+    for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "granite.toml"
+    file.write_text(SCENE)
+    return file
+
+
+def test_check_tells_the_numbers_of_the_paper_s_block(scene: Path, capsys: Captured) -> None:
+    """R, alpha, p and e as in verification.md D.2."""
+    assert main(["check", "granite.toml"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for part in (
+        "mass 503 kg",
+        "R 0.5154 m",
+        "alpha 0.24498 rad = 14.036 degrees",
+        "p 3.7783 1/s",
+        "uplift at 0.2500 g",
+        "restitution 0.9118",
+        "expected mode rock",
+        "96 quadrilaterals of degree 1, 119 nodes, 238 unknowns",
+        "300 steps of 0.001 s",
+    ):
+        assert part in text
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+def test_check_counts_other_meshes_and_motions(scene: Path, capsys: Captured) -> None:
+    words = ["block.cell=triangle", "block.degree=2", "block.cells=[2, 3]", "block.tilt_deg=0"]
+    motion = ["motion={kind='sine', amplitude_g=0.4, period=0.5}", "contact.friction=0.2"]
+    assert main(["check", "granite.toml", "--set", *words, "--set", *motion]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "12 triangles of degree 2, 35 nodes, 70 unknowns" in text
+    assert "peak 0.4 g = 3.924 m/s2" in text
+    assert "expected mode slide (" in text
+
+
+PLATE = [
+    "foundation={kind='elastic', width=2.0, height=0.1, young=2e11, poisson=0.3, mass_ratio=2.0,"
+    " support='rollers', period=0.5, damping_ratio=0.05}"
+]
+FRAME = [
+    "foundation={kind='frame', deck={width=2.0, height=0.1}, column={width=0.1}, bays=3,"
+    " storey=1.5, density=7850, young=2e11, poisson=0.3}"
+]
+
+
+def checked(captured: Captured, *words: str) -> str:
+    """What `rockslip check` says, blanks made one."""
+    assert main(["check", "granite.toml", "--set", *words]) == 0
+    return " ".join(captured.readouterr().out.split())
+
+
+def test_check_tells_of_a_platform(scene: Path, capsys: Captured) -> None:
+    words = "foundation={kind='oscillator', mass_ratio=2.0, period=0.5, damping_ratio=0.05}"
+    text = checked(capsys, words, "block.tilt_deg=0")
+    for part in (
+        "foundation rigid platform on a spring mass 251.5 kg (blocks / platform 2)",
+        "stiffness 39715.3 N/m",
+        "damping 316.044 N s/m, 5 % of critical",
+        "natural period 0.5 s (empty, rigid)",
+    ):
+        assert part in text
+    assert "expected mode" not in text
+
+
+def test_check_reports_the_period_of_meshed_foundations(
+    scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module: Any = types.ModuleType("solver.mechanics.modes")
+    module.natural_period = lambda asked: 0.25 if asked.foundation.kind == "frame" else 0.51
+    monkeypatch.setitem(sys.modules, "solver.mechanics.modes", module)
+    text = checked(capsys, *PLATE)
+    assert "meshed plate, 2 x 0.1 x 0.75 m, on rollers density 1676.67 kg/m3" in text
+    assert "mesh 96 quadrilaterals of degree 1, 125 nodes, 250 unknowns" in text
+    assert "natural period 0.5 s (empty, rigid) natural period 0.51 s (empty, of the mesh)" in text
+    text = checked(capsys, *FRAME)
+    assert "meshed frame, deck 2 x 0.1 x 0.75 m columns 4, 0.1 x 0.75 m, 1.5 m high" in text
+    assert "natural period 0.25 s (empty, of the mesh)" in text
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -> None:
+    pytest.importorskip("dolfinx")
+    from dolfinx.fem import functionspace
+
+    from geometry.block import Block
+    from geometry.foundation import Frame, Plate
+    from geometry.frame_mesh import FrameCells, frame_mesh
+    from geometry.mesh import block_mesh
+    from solver.check import _frame_grid, _grid
+    from solver.scene import BlockSpec, ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
+
+    def text(mesh: Any, kind: str) -> str:
+        count = mesh.topology.index_map(dimension).size_global
+        nodes = functionspace(mesh, ("Lagrange", 2)).dofmap.index_map.size_global
+        return f"{count} {kind} of degree 2, {nodes} nodes, {dimension * nodes} unknowns"
+
+    bays = 2 if dimension == 2 else 1
+    cells = {"bay": 3, "column": 1, "deck": 2, "storey": 4}
+    spec = FrameSpec(
+        deck=DeckSpec(width=2.0, height=0.1),
+        column=ColumnSpec(width=0.1),
+        bays=bays,
+        storey=1.0,
+        young=1.0,
+        poisson=0.0,
+        density=1.0,
+        cells=FrameCellsSpec(**cells),
+    )
+    frame = Frame(
+        deck=Plate(width=2.0, height=0.1, thickness=1.0), column_width=0.1, storey=1.0, bays=bays
+    )
+    made = frame_mesh(frame, dimension=dimension, cells=FrameCells(**cells)).mesh
+    assert _frame_grid(spec, dimension) == text(
+        made, ("quadrilaterals", "hexahedra")[dimension - 2]
+    )
+    counts: Any = (2, 3, 4)[:dimension]
+    cell: Any = ("triangle", "tetrahedron")[dimension - 2]
+    block = BlockSpec(
+        width=1, height=1, density=1, young=1, poisson=0, cells=counts, cell=cell, degree=2
+    )
+    shape = Block(width=1.0, height=1.0, thickness=1.0, density=1.0)
+    made = block_mesh(shape, dimension=dimension, cells=counts, cell=cell, refinement=1.0).mesh
+    assert _grid(block, dimension) == text(made, ("triangles", "tetrahedra")[dimension - 2])
+
+
+def test_check_without_dolfinx_says_what_is_missing(
+    scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "solver.mechanics.modes", None)
+    assert main(["check", "granite.toml", "--set", *FRAME]) == 4
+    assert "natural period" in capsys.readouterr().err
+
+
+def test_check_in_space_and_of_rigid_blocks(scene: Path, capsys: Captured) -> None:
+    text = checked(capsys, "dimension=3", "block.velocity=[0.1, 0, -1]")
+    assert "slenderness along y 0.64350 rad" in text
+    assert "velocity 0.1 0 -1 m/s" in text
+    assert "576 hexahedra of degree 1, 833 nodes, 2499 unknowns" in text
+    text = checked(capsys, "dimension=3", "block.cell=tetrahedron", "block.cells=[1, 1, 1]")
+    assert "5 tetrahedra of degree 1, 8 nodes" in text
+    words = ("block.model=rigid", "contact.friction={static=0.7, dynamic=0.5, cohesion=10}")
+    text = checked(capsys, "dimension=3", *words)
+    assert "mesh none: rigid, 6 unknowns" in text
+    assert "friction 0.7 static, 0.5 dynamic, a jump, cohesion 10 Pa" in text
+    assert "mesh none: rigid, 3 unknowns" in checked(capsys, *words)
+
+
+def test_check_of_a_stack_with_motions(scene: Path, capsys: Captured) -> None:
+    upper = """
+[[block]]
+name = "upper"
+on = "block"
+width = 0.25
+height = 0.5
+thickness = 0.75
+mass = 100.0
+model = "rigid"
+friction = 0.2
+"""
+    scene.write_text(SCENE.replace("[contact]", f"{upper}[contact]"))
+    heave = "motion.vertical={kind='ricker', amplitude_g=-0.3, frequency=2.0}"
+    text = checked(capsys, heave, "upper.angular_velocity=2")
+    for part in (
+        "upper 0.25 x 0.5 x 0.75 m, on block",
+        "angular velocity 2 rad/s",
+        "friction of block 0.7 friction of upper 0.2",
+        "base motion none vertical peak 0.3 g = 2.943 m/s2",
+        "mesh of upper none: rigid",
+    ):
+        assert part in text
+    assert "expected mode" not in text
+    assert "frequency p" not in checked(capsys, "gravity=0")
