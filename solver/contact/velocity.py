@@ -4,8 +4,8 @@ A contact that stays closed has u_{n+1} = u_n there, so that the velocity update
 stepping turns its velocity round every step. The impulses dt f of the closed points are therefore
 corrected such that
 
-    0 <= P_n  complementary to  v_n >= 0,   |P_t| <= mu P_n, v_t = 0 inside the cone,   P = dt f +
-    q,
+    0 <= P_n  complementary to  v_n >= 0,   |P_t| <= dt c + mu P_n, v_t = 0 inside the bound,
+    P = dt f + q,
 
 with v <- v + M^-1 G^T q. Kinetic energy can only fall.
 """
@@ -17,97 +17,94 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.contact.compliance import Compliance
+from solver.contact.friction import Bounds
 from solver.contact.local_problem import LocalProblem, NoContactSolution, image
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
-class VelocityCorrection:
-    """Change of the velocity (owned unknowns) and the energy it takes (J/m)."""
+class ImpulseCorrection:
+    """Change of the impulses and the energy that it takes (per metre of thickness in 2-D).
 
-    change: Array
+    Attributes:
+        q: Of the closed points in their frames, (m, d), N s.
+        contact: Energy taken in the normal directions, J.
+        friction: In the tangential ones, J.
+    """
+
+    q: Array
     contact: float
     friction: float
-
-
-def regularised(W: Array) -> Array:
-    """W with a relative diagonal: Gauss points may outnumber their nodes, W is singular then."""
-    number = np.arange(len(W))
-    for k in range(2):
-        W[number, k, number, k] *= 1 + 1e-8
-    return W
 
 
 class VelocityContact:
     """Solves the contact problem of velocities at the closed points."""
 
-    def __init__(self, compliance: Compliance, frame: Array, local: LocalProblem):
-        """Take what stays the same.
+    def __init__(self, local: LocalProblem):
+        """Take the solver of local problems, which also counts the solves left out."""
+        self._local = local
+
+    def correct(
+        self, velocity: Array, W: Array, impulse: Array, bounds: Bounds
+    ) -> ImpulseCorrection | None:
+        """The correction after a step, or None where no point is closed or none was found.
 
         Args:
-            compliance: G M^-1 G^T of the body; the mass commutes with rotations, so it is constant
-                in space.
-            frame: Rows normal and tangential of the plane, (2, 2).
-            local: Solver of the local problem.
+            velocity: Of the closed points in their frames, (m, d), m/s.
+            W: G M^-1 G^T of these points, (m, d, m, d), 1/kg.
+            impulse: dt f of the step, (m, d), N s.
+            bounds: Of the impulses: mu and dt c.
         """
-        self._compliance, self._frame, self._local = compliance, frame, local
-        self._closed: NDArray[np.int64] = np.empty(0, dtype=np.int64)
-        self._W: Array = np.empty((0, 2, 0, 2))
-
-    def correct(self, velocity: Array, force: Array, dt: float) -> VelocityCorrection | None:
-        """The correction after a step, or None where no point is closed or no solution was found.
-
-        Args:
-            velocity: Of all contact points in space, (points, 2), m/s.
-            force: Point forces f of the step, (points, 2), N/m.
-            dt: Step, s.
-        """
-        closed = np.flatnonzero(force[:, 0] > 0)
-        if not len(closed):
+        if not len(velocity):
             return None
-        if not np.array_equal(closed, self._closed):
-            self._closed, self._W = (
-                closed,
-                regularised(self._compliance.in_frame(closed, self._frame)),
-            )
-        W, local = self._W, self._local
-        before = velocity[closed] @ self._frame.T
-        impulse = dt * force[closed]
-        slipping = np.abs(impulse[:, 1]) >= local.friction * impulse[:, 0] * (1 - 1e-9)
-        # Where the cone shrinks with P_n, giving back friction could accelerate: then the normal
+        regular = _regularised(W)
+        size = np.sqrt((impulse[:, 1:] ** 2).sum(axis=1))
+        slipping = size >= (bounds.mu * impulse[:, 0] + bounds.cohesion) * (1 - 1e-9)
+        # Where the bound shrinks with P_n, giving back friction could accelerate: then the normal
         # rows alone.
-        for held in (slipping, np.ones(len(closed), dtype=bool)):
+        for held in (slipping, np.ones_like(slipping)):
             try:
-                q = _total_impulse(W, before, impulse, held, local) - impulse
+                q = self._total(regular, velocity, impulse, held, bounds) - impulse
             except NoContactSolution:
                 continue
-            mean = before + 0.5 * image(W, q)
-            normal, tangential = -float(q[:, 0] @ mean[:, 0]), -float(q[:, 1] @ mean[:, 1])
-            if normal + tangential >= 0:
-                response = self._compliance.of(closed)[1]
-                return VelocityCorrection(response @ (q @ self._frame).ravel(), normal, tangential)
-        local.rescues["velocity solve left out"] += 1
+            taken = -q * (velocity + 0.5 * image(W, q))
+            contact, friction = float(taken[:, 0].sum()), float(taken[:, 1:].sum())
+            if contact + friction >= 0:
+                return ImpulseCorrection(q, contact, friction)
+        self._local.rescues["velocity solve left out"] += 1
         return None
 
+    def _total(
+        self, W: Array, velocity: Array, impulse: Array, held: Mask, bounds: Bounds
+    ) -> Array:
+        """P of all points; those in `held` keep their tangential part and have no such rows."""
+        kept = np.zeros_like(impulse)
+        kept[held, 1:] = impulse[held, 1:]
+        free = velocity - image(W, impulse - kept)
+        start = impulse - kept
+        if held.all():
+            bounds = Bounds.uniform(0.0, len(held))
+        elif held.any():
+            W = _without_tangential_rows(W, np.flatnonzero(held))
+            free[held, 1:] = 0.0
+        return self._local.solve(W, free, start, bounds) + kept
 
-def _total_impulse(
-    W: Array, before: Array, impulse: Array, held: NDArray[np.bool_], local: LocalProblem
-) -> Array:
-    """P of all points; those in `held` keep their tangential part and have no tangential row."""
-    free = before - image(W, impulse)
-    if local.friction:
-        kept = np.flatnonzero(held)
-        if not len(kept):
-            return local.solve(W, free, impulse)
-        free = free + W[:, :, kept, 1] @ impulse[kept, 1]
-        W = W.copy()
-        own = W[kept, 1, kept, 1]
-        W[kept, 1], W[:, :, kept, 1] = 0.0, 0.0
-        W[kept, 1, kept, 1] = own
-        free[kept, 1] = 0.0
-        total = local.solve(W, free, impulse * (1.0, 0.0))
-        total[kept, 1] = impulse[kept, 1]
-        return total
-    return local.solve(W, free, impulse)
+
+def _regularised(W: Array) -> Array:
+    """W with a relative diagonal: Gauss points may outnumber their nodes, W is singular then."""
+    size = W.shape[0] * W.shape[1]
+    W = W.copy()
+    W.reshape(size, size)[np.arange(size), np.arange(size)] *= 1 + 1e-8
+    return W
+
+
+def _without_tangential_rows(W: Array, points: NDArray[np.int64]) -> Array:
+    """W where the tangential directions of points are coupled to nothing but themselves."""
+    W = W.copy()
+    for i in range(1, W.shape[1]):
+        own = W[points, i, points, i]
+        W[points, i], W[:, :, points, i] = 0.0, 0.0
+        W[points, i, points, i] = own
+    return W

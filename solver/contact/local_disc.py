@@ -1,0 +1,155 @@
+"""Solvers of the local contact problem in three dimensions, with the disc of friction itself.
+
+`newton` holds for two dimensions as well, where the disc is an interval.
+
+Newton's method is that of Alart and Curnier (1991): the root of f - P(f - r y), with P the
+projection on the admissible forces, r one over the diagonal of W. Without a line search on this
+residual it cycles in some problems, with it it stalls in some others; each settles most of what the
+other leaves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
+
+from solver.contact.local_rescues import Method, continuation, projected, tresca
+from solver.contact.local_system import Line, LocalSystem, project, row_sum_scaling
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-11
+ROUND_OFF = 64 * float(np.finfo(float).eps)
+ITERATIONS = 60
+HALVINGS = 12
+
+
+class DiscSolver:
+    """Newton's method with line search, and those behind it."""
+
+    def __init__(self) -> None:
+        """Name the slower methods, in the order in which they are tried."""
+        self.rescues: dict[str, Method] = {
+            "full steps": lambda system, start: full_steps(system, start, system.line()),
+            "continuation": soft(continuation(either)),
+            "projected": projected(either, rounds=25),
+            "tresca": tresca(either),
+        }
+
+    def fast(self, system: LocalSystem, start: Array) -> Array | None:
+        """Newton's method."""
+        return newton(system, start, system.coulomb)
+
+    def touching(self, system: LocalSystem, start: Array) -> Array | None:
+        """The same with cohesion that grows with the first pressure."""
+        return newton(system, start, system.touching)
+
+
+def full_steps(system: LocalSystem, start: Array, line: Line) -> Array | None:
+    """Newton's method without line search."""
+    return newton(system, start, line, halvings=0)
+
+
+def either(system: LocalSystem, start: Array, line: Line) -> Array | None:
+    """Newton's method with line search, else without."""
+    found = newton(system, start, line)
+    return full_steps(system, start, line) if found is None else found
+
+
+def soft(method: Method) -> Method:
+    """A method with a tenth of r in the tangential directions, r from row sums or the system's.
+
+    Newton's method with the system's own r polishes what it finds.
+    """
+
+    def solve(system: LocalSystem, start: Array) -> Array | None:
+        for scaling in (row_sum_scaling(system.W), system.scaling.copy()):
+            scaling[:, 1:] = 0.1 * scaling[:, 1:].min(axis=1, keepdims=True)
+            found = method(LocalSystem(system.W, system.q, scaling, system.bounds), start)
+            if found is not None:
+                polished = newton(system, found, system.line())
+                return found if polished is None else polished
+        return None
+
+    return solve
+
+
+def newton(system: LocalSystem, f: Array, line: Line, *, halvings: int = HALVINGS) -> Array | None:
+    """The root of f - P(f - r y); None where it is not reached.
+
+    Args:
+        system: The problem.
+        f: Start, (m, d).
+        line: Law of friction.
+        halvings: How often the line search may halve a step.
+    """
+    trial = system.trial(f)
+    nearest = project(trial, line)
+    for _ in range(ITERATIONS):
+        noise = TOLERANCE * np.abs(f).max() + ROUND_OFF * np.abs(f - trial).max()
+        if np.abs(f - nearest).max() <= noise:
+            return nearest
+        target = _linearised(system, trial, line)
+        if target is None:
+            return None
+        f, trial, nearest = _searched(system, line, f, target, nearest, halvings)
+    return None
+
+
+def _searched(
+    system: LocalSystem, line: Line, f: Array, target: Array, nearest: Array, halvings: int
+) -> tuple[Array, Array, Array]:
+    """The force between f and its target that leaves enough less, else the least; P of it too."""
+    before, least = float(np.linalg.norm(f - nearest)), np.inf
+    for k in range(halvings + 1):
+        step = 0.5**k
+        force = f + step * (target - f)
+        trial = system.trial(force)
+        following = project(trial, line)
+        left = float(np.linalg.norm(force - following))
+        if left < least:
+            least, best = left, (force, trial, following)
+        if left <= (1.0 - 0.1 * step) * before:
+            break
+    return best
+
+
+def _linearised(system: LocalSystem, trial: Array, line: Line) -> Array | None:
+    """The root of the linearised f - P(f - r y), 0 at open points; None if singular."""
+    force = np.zeros_like(trial)
+    closed = np.flatnonzero(trial[:, 0] > 0)
+    if not len(closed):
+        return force
+    scaling = system.scaling[closed]
+    # Rows r y = 0: unscaled ones beside rows of forces lose six digits.
+    matrix = scaling[:, :, None, None] * system.W[closed[:, None], :, closed].swapaxes(1, 2)
+    right = -scaling * system.q[closed]
+    slope, intercept = line(trial[:, 0])
+    _let_slip(matrix, right, trial[closed], slope[closed], intercept[closed])
+    _, _, x, info = dgesv(matrix.reshape(right.size, right.size), right.ravel(), 1, 1)
+    if info:
+        return None
+    force[closed] = x.reshape(right.shape)
+    return force
+
+
+def _let_slip(matrix: Array, right: Array, trial: Array, slope: Array, intercept: Array) -> None:
+    """Turn the tangential rows of points whose trial force is beyond the disc into those of slip.
+
+    There P = l e with e = tau/|tau|, and its derivative is e dl + (l/|tau|)(I - e e^T) dtau.
+    """
+    tau, limit = trial[:, 1:], slope * trial[:, 0] + intercept
+    size = np.sqrt((tau**2).sum(axis=1))
+    slip = np.flatnonzero(size > limit)
+    if not len(slip):
+        return
+    e = tau[slip] / size[slip, None]
+    turning = np.eye(e.shape[1]) - e[:, :, None] * e[:, None, :]
+    turning *= (limit[slip] / size[slip])[:, None, None]
+    rows = np.einsum("kab,kbjc->kajc", turning, matrix[slip, 1:])
+    number = np.arange(len(slip))
+    rows[number, :, slip, 1:] += np.eye(e.shape[1]) - turning
+    rows[number, :, slip, 0] -= slope[slip, None] * e
+    matrix[slip, 1:] = rows
+    right[slip, 1:] = np.einsum("kab,kb->ka", turning, right[slip, 1:]) + intercept[slip, None] * e

@@ -1,0 +1,166 @@
+"""Solvers of the local contact problem in two dimensions, where states are finite in number.
+
+A semismooth Newton method decides them by f - r y, with r one over the ROW SUM of |W|: the points
+of a stiff body share its rigid modes, so that W is nearly of rank one and 1/diag(W) too large by
+about the number of points. It has no line search, costs one small solve for states that were right
+already, and cycles now and then.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
+
+from solver.contact.local_disc import newton
+from solver.contact.local_rescues import Method, continuation, projected, tresca
+from solver.contact.local_system import TOUCHING_SLOPE, Line, LocalSystem
+
+Array = NDArray[np.float64]
+
+STICK, SLIP, SMOOTH = 1.0, 2.0, 3.0
+
+
+class States:
+    """What each point does, and the unknowns that this leaves.
+
+    Attributes:
+        code: 0 open, 1 sticking, +-2 slipping with friction of that sign, 3 closed where nothing
+            has friction, (m,).
+        key: Equal for equal states and lines.
+        line: Slopes and intercepts of the bounds, (m,) each.
+        unknown: Flat numbers (normal 2 i, tangential 2 i + 1) of the forces to be solved for, those
+            of the closed points' normals first.
+        slipping: Places of the slipping points among the closed ones.
+        tangential: Flat numbers of their friction forces.
+    """
+
+    __slots__ = ("code", "key", "line", "points", "sign", "slipping", "tangential", "unknown")
+
+    def __init__(self, code: Array, line: tuple[Array, Array]):
+        """Number what is unknown."""
+        self.code, self.line = code, line
+        self.key = code.tobytes() + line[0].tobytes()
+        closed = np.flatnonzero(code)
+        code = code[closed]
+        self.slipping = np.flatnonzero(np.abs(code) == SLIP)
+        self.points, self.sign = closed[self.slipping], 0.5 * code[self.slipping]
+        self.tangential = 2 * self.points + 1
+        self.unknown = np.concatenate([2 * closed, 2 * closed[code == STICK] + 1])
+
+    def under(self, line: tuple[Array, Array]) -> States:
+        """The same states where the bounds may have changed."""
+        if line[0] is not self.line[0]:
+            self.key = self.code.tobytes() + line[0].tobytes()
+        self.line = line
+        return self
+
+
+class PlaneSolver:
+    """Newton's method over states, and those behind it; remembers the last states."""
+
+    def __init__(self) -> None:
+        """Name the slower methods, in the order in which they are tried."""
+        self._last: States | None = None
+        self.rescues: dict[str, Method] = {
+            "continuation": continuation(self._newton),
+            "damped continuation": continuation(newton),
+            "tresca": tresca(newton),
+            "projected": projected(newton),
+        }
+
+    def fast(self, system: LocalSystem, start: Array) -> Array | None:
+        """One point by its closed form, several by Newton's method from the last states."""
+        if len(start) == 1:
+            return _one_point(system)
+        last = self._last
+        if last is not None and len(last.code) == len(start):
+            last = last.under(system.coulomb(start[:, 0]))
+            return self._newton(system, start, system.coulomb, last)
+        return self._newton(system, start, system.coulomb)
+
+    def touching(self, system: LocalSystem, start: Array) -> Array | None:
+        """Newton's method with cohesion that grows with the first pressure."""
+        return self._newton(system, start, system.touching)
+
+    def _decide(
+        self, system: LocalSystem, f: Array, line: Line
+    ) -> tuple[Array, tuple[Array, Array]]:
+        """Codes of the states by the sign and size of f - r y, and the lines they refer to."""
+        trial = system.trial(f)
+        normal, tangential = trial[:, 0], trial[:, 1]
+        rule = line(normal)
+        if system.bounds.frictionless:
+            return SMOOTH * (normal > 0), rule
+        stick = np.abs(tangential) <= rule[0] * normal + rule[1]
+        closed = np.where(stick, STICK, np.copysign(SLIP, tangential))
+        return np.where(normal > 0, closed, 0.0), rule
+
+    def _forces(self, system: LocalSystem, states: States) -> Array | None:
+        """Forces of given states: y_n = 0 where closed, y_t = 0 where stuck; None if singular."""
+        q, unknown, slipping = system.q, states.unknown, states.slipping
+        f = np.zeros_like(q)
+        if not len(unknown):
+            return f
+        flat, forces = system.W.reshape(q.size, q.size), f.ravel()
+        matrix, right = flat[unknown[:, None], unknown], -q.ravel()[unknown]
+        if len(slipping):
+            slope = states.sign * states.line[0][states.points]
+            intercept = states.sign * states.line[1][states.points]
+            coupling = flat[unknown[:, None], states.tangential]
+            matrix[:, slipping] += slope * coupling
+            right -= coupling @ intercept
+        _, _, x, info = dgesv(matrix, right, 1, 1)
+        if info:
+            return None
+        forces[unknown] = x
+        if len(slipping):
+            forces[states.tangential] = slope * x[slipping] + intercept
+        return f
+
+    def _newton(
+        self, system: LocalSystem, f: Array, line: Line, states: States | None = None
+    ) -> Array | None:
+        """Active-set iteration until the states repeat themselves; None where they cycle."""
+        if states is None:
+            states = States(*self._decide(system, f, line))
+        seen = set()
+        while states.key not in seen:
+            seen.add(states.key)
+            found = self._forces(system, states)
+            if found is None:
+                return None
+            code, rule = self._decide(system, found, line)
+            if code.tobytes() + rule[0].tobytes() == states.key:
+                if line == system.coulomb:
+                    self._last = states
+                return found
+            states = States(code, rule)
+        return None
+
+
+def _one_point(system: LocalSystem) -> Array | None:
+    """The force at a single point: open, sticking, or slipping either way."""
+    (nn, nt), (tn, tt) = system.W.reshape(2, 2).tolist()
+    free_n, free_t = system.q[0].tolist()
+    mu, cohesion = float(system.bounds.mu[0]), float(system.bounds.cohesion[0])
+    if free_n >= 0:
+        return np.zeros((1, 2))
+    if not (mu or cohesion):
+        return np.array([[-free_n / nn, 0.0]])
+    determinant = nn * tt - nt * tn
+    normal, tangential = nt * free_t - tt * free_n, tn * free_n - nn * free_t
+    if determinant > 0 < normal and abs(tangential) <= mu * normal + cohesion * determinant:
+        return np.array([[normal / determinant, tangential / determinant]])
+    lines = ((mu, cohesion), (mu + TOUCHING_SLOPE, 0.0)) if cohesion else ((mu, 0.0),)
+    for slope, intercept in lines:
+        for sign in (1.0, -1.0):
+            denominator = nn + sign * slope * nt
+            numerator = -(free_n + sign * intercept * nt)
+            if numerator * denominator <= 0:
+                continue
+            normal = numerator / denominator
+            force = sign * (slope * normal + intercept)
+            if sign * (free_t + tn * normal + tt * force) <= 0:
+                return np.array([[normal, force]])
+    return None

@@ -1,0 +1,106 @@
+"""The data of a local contact problem, its laws of friction, and what all of its solvers share.
+
+Friction enters the solvers as a line: |f_t| <= slope f_n + intercept. Coulomb's law has one line
+per point; Tresca's, which some solvers freeze it to, has no slope. Cohesion makes the law jump, and
+a point that its cohesion would lift has then no solution: `touching` lets cohesion grow with the
+first 1e-4 of pressure instead, so that such a point keeps as much of it as does not lift it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.friction import Bounds
+
+Array = NDArray[np.float64]
+Line = Callable[[Array], tuple[Array, Array]]
+"""Normal forces (m,) -> slopes and intercepts of the bound there."""
+
+TOUCHING_SLOPE = 1e4
+"""Cohesion over the force from which on all of it acts."""
+
+
+class NoContactSolution(Exception):
+    """None of the methods settled the local problem; a smaller time step is the remedy."""
+
+
+def row_sum_scaling(W: Array) -> Array:
+    """R per point and direction, (m, d): one over the row sums of |W| within a direction."""
+    return 1.0 / np.stack([np.abs(W[:, i, :, i]).sum(axis=1) for i in range(W.shape[1])], axis=1)
+
+
+def diagonal_scaling(W: Array) -> Array:
+    """R per point and direction, (m, d): one over the diagonal, alike in tangential directions."""
+    number, d = np.arange(len(W)), W.shape[1]
+    diagonal = W[number[:, None], np.arange(d), number[:, None], np.arange(d)]
+    diagonal[:, 1:] = diagonal[:, 1:].max(axis=1, keepdims=True)
+    return 1.0 / diagonal
+
+
+def image(W: Array, f: Array) -> Array:
+    """W f for points (m, d)."""
+    return (W.reshape(f.size, f.size) @ f.ravel()).reshape(f.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocalSystem:
+    """One local problem.
+
+    Attributes:
+        W: Compliance, (m, d, m, d).
+        q: Free values, (m, d).
+        scaling: r, (m, d): weight of y against f where states are decided.
+        bounds: Of friction.
+    """
+
+    W: Array
+    q: Array
+    scaling: Array
+    bounds: Bounds
+
+    def with_step(self, length: float) -> LocalSystem:
+        """The same problem with one r for all points."""
+        return LocalSystem(self.W, self.q, np.full_like(self.q, length), self.bounds)
+
+    def trial(self, f: Array) -> Array:
+        """F - r y, which decides what state a point is in."""
+        return f - self.scaling * (self.q + image(self.W, f))
+
+    def coulomb(self, normal: Array) -> tuple[Array, Array]:
+        """The law as it is."""
+        return self.bounds.mu, self.bounds.cohesion
+
+    def touching(self, normal: Array) -> tuple[Array, Array]:
+        """The law with cohesion that grows from 0 over the first 1e-4 of pressure."""
+        mu, cohesion = self.bounds.mu, self.bounds.cohesion
+        growing = TOUCHING_SLOPE * normal < cohesion
+        return np.where(growing, mu + TOUCHING_SLOPE, mu), np.where(growing, 0.0, cohesion)
+
+    def line(self) -> Line:
+        """The law for the slower solvers, which has a solution whatever the cohesion."""
+        return self.touching if self.bounds.cohesion.any() else self.coulomb
+
+
+def frozen(bound: Array) -> Line:
+    """Tresca's law: fixed bounds."""
+    slope = np.zeros_like(bound)
+    return lambda normal: (slope, bound)
+
+
+def limits(line: Line, normal: Array) -> Array:
+    """The bound of |f_t| for normal forces; 0 where open."""
+    slope, intercept = line(normal)
+    return np.where(normal > 0, slope * normal + intercept, 0.0)
+
+
+def project(trial: Array, line: Line) -> Array:
+    """The admissible force next to a trial one: normal part first, then the disc (interval)."""
+    f = np.maximum(trial, 0.0)
+    limit = limits(line, trial[:, 0])
+    size = np.sqrt((trial[:, 1:] ** 2).sum(axis=1))
+    f[:, 1:] = trial[:, 1:] * np.where(size > limit, limit / np.maximum(size, 1e-300), 1.0)[:, None]
+    return f

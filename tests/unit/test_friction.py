@@ -1,0 +1,145 @@
+"""The friction law by hand, and the velocity-level contact solve: law, energy, what it leaves."""
+
+import numpy as np
+import pytest
+
+from solver.contact.friction import Bounds, FrictionLaw
+from solver.contact.local_problem import LocalProblem, image
+from solver.contact.local_system import TOUCHING_SLOPE
+from solver.contact.velocity import VelocityContact
+
+
+def mask(*values: int) -> np.ndarray:
+    return np.array(values, dtype=bool)
+
+
+def test_the_coefficient_falls_from_static_to_dynamic_with_speed():
+    law = FrictionLaw(static=0.6, dynamic=0.2, decay=3.0)
+    speed = np.array([0.0, np.log(2) / 3, np.log(4) / 3, 1e3])
+    # the jump by memory has no say where there is a decay
+    for slipped in (mask(0, 0, 0, 0), mask(1, 1, 1, 1)):
+        assert law.coefficient(speed, slipped) == pytest.approx([0.6, 0.4, 0.3, 0.2])
+
+
+def test_without_decay_the_coefficient_jumps_where_a_point_slipped():
+    law = FrictionLaw(static=0.6, dynamic=0.2)
+    assert law.coefficient(np.array([0.0, 5.0]), mask(0, 1)).tolist() == [0.6, 0.2]
+    smooth = FrictionLaw(static=0.5, dynamic=0.0, decay=2.0)  # mu_d = 0 divides nothing
+    assert smooth.coefficient(np.array([0.5]), mask(1)) == pytest.approx([0.5 * np.exp(-1)])
+
+
+def test_cohesion_is_a_force_per_point_and_can_be_lost():
+    weight, broken = np.array([0.1, 0.2]), mask(0, 1)
+    kept = FrictionLaw(static=0.5, dynamic=0.5, cohesion=3e4)
+    lost = FrictionLaw(static=0.5, dynamic=0.5, cohesion=3e4, cohesion_lost=True)
+    assert kept.adhesion(weight, broken) == pytest.approx([3e3, 6e3])
+    assert lost.adhesion(weight, broken) == pytest.approx([3e3, 0.0])
+
+
+def test_which_laws_are_constant():
+    assert FrictionLaw.coulomb(0.4) == FrictionLaw(static=0.4, dynamic=0.4)
+    assert FrictionLaw.coulomb(0.4).constant
+    assert FrictionLaw(static=0.4, dynamic=0.4, decay=2.0).constant
+    assert not FrictionLaw(static=0.5, dynamic=0.4).constant
+    assert not FrictionLaw(static=0.4, dynamic=0.4, cohesion=1.0).constant
+
+
+def test_bounds_know_whether_there_is_any_friction():
+    assert Bounds.uniform(0.0, 3).frictionless
+    assert not Bounds.uniform(0.1, 3).frictionless
+    assert not Bounds(np.zeros(2), np.array([0.0, 1.0])).frictionless
+
+
+# ---------------------------------------------------------------- velocity level
+
+
+def system(seed: int, points: int, d: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Velocities, G M^-1 G^T and impulses, half of them at the bound for mu = 0.5, c = 0.1."""
+    rng = np.random.default_rng(seed)
+    matrix = rng.standard_normal((d * points, d * points + 2))
+    W = (matrix @ matrix.T / (d * points)).reshape(points, d, points, d)
+    impulse = np.abs(rng.standard_normal((points, d)))
+    direction = rng.standard_normal((points, d - 1))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    share = np.where(rng.random(points) < 0.5, 1.0, rng.uniform(0, 0.9, points))
+    impulse[:, 1:] = direction * (share * (0.5 * impulse[:, 0] + 0.1))[:, None]
+    return 0.3 * rng.standard_normal((points, d)), W, impulse
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_velocities_obey_the_law_and_energy_falls_by_what_is_booked(d):
+    stuck = slid = 0
+    for seed in range(40):
+        points = 1 + seed % 5
+        velocity, W, impulse = system(seed, points, d)
+        given = W.copy()
+        bounds = Bounds(np.full(points, 0.5), np.full(points, 0.1))
+        correction = VelocityContact(LocalProblem(d)).correct(velocity, W, impulse, bounds)
+        assert correction is not None
+        assert np.array_equal(W, given)
+        q, total, after = correction.q, impulse + correction.q, velocity + image(W, correction.q)
+        assert total[:, 0].min() >= 0 and after[:, 0].min() > -1e-6
+        assert np.abs(total[:, 0] * after[:, 0]).max() < 1e-6
+        # W = G M^-1 G^T: the kinetic energy changes by q.v + q.W q/2
+        change = float((q * velocity).sum() + 0.5 * (q * image(W, q)).sum())
+        booked = correction.contact + correction.friction
+        assert booked >= 0 and change == pytest.approx(-booked, rel=1e-9, abs=1e-12)
+        size, held = np.linalg.norm(impulse[:, 1:], axis=1), np.abs(q[:, 1:]).max(axis=1) == 0
+        slipping = size >= (0.5 * impulse[:, 0] + 0.1) * (1 - 1e-9)
+        assert held[slipping].all()  # slipping points keep their friction
+        if held.all():
+            continue
+        free = ~slipping & (total[:, 0] > 0.1 / TOUCHING_SLOPE)  # with all of their cohesion
+        bound = 0.5 * total[:, 0] + 0.1
+        inside = free & (np.linalg.norm(total[:, 1:], axis=1) < bound * (1 - 1e-6))
+        assert np.abs(after[inside, 1:]).max(initial=0) < 1e-6
+        stuck, slid = stuck + inside.sum(), slid + slipping.sum()
+    assert stuck >= 5 and slid >= 5
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_mass_point_by_hand(d):
+    """Mass 2: approaching at 3 and sliding at 0.4; all of it is taken, E = 2 (9 + .16)/2."""
+    W = (np.eye(d) / 2).reshape(1, d, 1, d)
+    velocity = np.array([[-3.0, 0.4, 0.0]])[:, :d]
+    impulse = np.zeros((1, d))
+    impulse[0, 0] = 1.0
+    solver = VelocityContact(LocalProblem(d))
+    correction = solver.correct(velocity, W, impulse, Bounds.uniform(0.7, 1))
+    assert correction.q == pytest.approx(-2 * velocity, rel=1e-7)
+    assert (correction.contact, correction.friction) == pytest.approx((9.0, 0.16), rel=1e-6)
+    smooth = solver.correct(velocity, W, impulse, Bounds.uniform(0.0, 1))
+    assert smooth.q == pytest.approx(np.array([[6.0, 0.0, 0.0]])[:, :d], rel=1e-7)
+    assert (smooth.contact, smooth.friction) == pytest.approx((9.0, 0.0), rel=1e-6)
+
+
+def test_cohesion_holds_what_friction_alone_does_not():
+    """Unit mass, P_n = 1 that stays, 0.5 m/s of sliding: mu = 0.1 takes 0.1, c = 0.45 the rest."""
+    W, velocity = np.eye(2).reshape(1, 2, 1, 2), np.array([[0.0, 0.5]])
+    impulse = np.array([[1.0, 0.0]])
+    solver = VelocityContact(LocalProblem(2))
+    sliding = solver.correct(velocity, W, impulse, Bounds.uniform(0.1, 1))
+    held = solver.correct(velocity, W, impulse, Bounds(np.array([0.1]), np.array([0.45])))
+    assert sliding.q[0, 1] == pytest.approx(-0.1, rel=1e-6)
+    assert held.q[0, 1] == pytest.approx(-0.5, rel=1e-6)
+
+
+def test_no_closed_point_no_correction():
+    local = LocalProblem(2)
+    empty = np.zeros((0, 2))
+    nothing = VelocityContact(local).correct(
+        empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0)
+    )
+    assert nothing is None and not local.rescues
+
+
+def test_a_correction_that_would_add_energy_is_left_out():
+    class Wrong(LocalProblem):
+        def solve(self, W, q, start, bounds, scaling=None):
+            return start + 1.0  # pushes along the velocity
+
+    local = Wrong(2)
+    velocity, W, impulse = np.ones((1, 2)), np.eye(2).reshape(1, 2, 1, 2), np.ones((1, 2))
+    result = VelocityContact(local).correct(velocity, W, impulse, Bounds.uniform(5.0, 1))
+    assert result is None
+    assert local.rescues == {"velocity solve left out": 1}
