@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,30 +12,34 @@ from solver.post.history import DISSIPATED_ENERGIES, STORED_ENERGIES, History
 Array = NDArray[np.float64]
 
 
-def scale(total: Array, work: Array, *, upright: float, weight_height: float) -> float:
+def scale(work: Array, *, above_rest: float, weight_height: float) -> float:
     """The energy (J) that gains and errors are compared with.
 
     (Energy at the start above rest) + integral of |power of the ground| + 1e-3 m g H. The integral
     is the total variation of the work over the rows of the history.
 
     Args:
-        total: Kinetic + strain + gravity + spring + interface energy, J.
         work: Work of the ground since the start, J.
-        upright: Gravity energy of the blocks standing upright at their places, J.
+        above_rest: Kinetic energy at the start, and gravity energy of the blocks above that of
+            standing upright at their places, J; less than nothing counts as nothing.
         weight_height: Sum of m g H over the blocks, J.
     """
-    above_rest = max(0.0, float(total[0]) - upright)
-    return above_rest + float(np.sum(np.abs(np.diff(work)))) + 1e-3 * weight_height
+    return max(0.0, above_rest) + float(np.sum(np.abs(np.diff(work)))) + 1e-3 * weight_height
 
 
 def largest_gain_fraction(total: Array, work: Array, scale: float) -> float:
     """Largest of (total - total at start - work of the ground), over the scale."""
-    return float(np.max(total - total[0] - work) / scale)
+    return _over(float(np.max(total - total[0] - work)), scale)
 
 
 def ledger_error_fraction(error: Array, scale: float) -> float:
     """Largest |ledger error|, over the scale."""
-    return float(np.max(np.abs(error)) / scale)
+    return _over(float(np.max(np.abs(error))), scale)
+
+
+def _over(energy: float, scale: float) -> float:
+    """An energy over the scale; not known where nothing weighs and nothing moves."""
+    return energy / scale if scale > 0 else math.nan
 
 
 def total(history: History) -> Array:

@@ -14,13 +14,14 @@ import ufl
 from dolfinx import fem, io
 
 from solver.mechanics.material import Material, green_strain
+from solver.post.pvd import PvdIndex
 
 
 def von_mises_stress(displacement: fem.Function, material: Material) -> Any:
     """The von Mises stress sqrt(3/2 s : s), s the deviator of the Cauchy stress, in UFL, Pa.
 
     The Cauchy stress is F S F^T / det F, with S of St. Venant-Kirchhoff. In plane strain it has the
-    out-of-plane part lambda tr(E) / det F; in plane stress none.
+    out-of-plane part lambda tr(E) / det F; in plane stress none; in space it is there as it is.
     """
     gradient = ufl.grad(displacement)
     dimension = displacement.function_space.mesh.geometry.dim
@@ -39,7 +40,7 @@ def von_mises_stress(displacement: fem.Function, material: Material) -> Any:
 
 
 class FieldWriter:
-    """Writes `fields.pvd` and its pieces; every rank calls every method.
+    """Writes the pieces of one body and lists them in the index; every rank calls every method.
 
     The functions are those of the solver, written as they are at the time of the call. The stress
     is the mean over each cell; the other fields have the degree of the displacement.
@@ -53,15 +54,20 @@ class FieldWriter:
         velocity: fem.Function,
         contact_pressure: fem.Function,
         material: Material,
+        index: PvdIndex | None = None,
+        part: int = 0,
     ):
         """Open the files.
 
         Args:
-            file: The .pvd file.
+            file: Gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
+                When the writer is closed this file lists them, too: the body alone.
             displacement: u, m: place in the ground frame minus mesh position.
             velocity: v, m/s, relative to the ground.
             contact_pressure: p, Pa, >= 0: scalar function of the same degree.
             material: For the stress.
+            index: Lists the pieces of all bodies as they are written; None: `file` does.
+            part: Number of the body in the index.
         """
         mesh = displacement.function_space.mesh
         cellwise = fem.functionspace(mesh, ("DG", 0))
@@ -81,6 +87,8 @@ class FieldWriter:
         self._integral = fem.form(stress * test * ufl.dx(metadata=rule))
         self._volume = fem.assemble_vector(fem.form(test * ufl.dx)).array
         self._writer = io.VTKFile(mesh.comm, file, "w")
+        self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
+        self._stem, self._part, self._count = file.stem, part, 0
 
     def write(self, time: float) -> None:
         """Write the fields at a time (s)."""
@@ -90,9 +98,12 @@ class FieldWriter:
         for function in self._functions:
             function.x.scatter_forward()
         self._writer.write_function(self._functions, time)
+        # dolfinx lists its pieces when it closes the file; a killed run would have no list.
+        self._index.add(time, f"{self._stem}{self._count:06d}.pvtu", self._part)
+        self._count += 1
 
     def close(self) -> None:
-        """Finish the files: the .pvd that lists them is written here."""
+        """Finish the files."""
         self._writer.close()
 
     def __enter__(self) -> FieldWriter:

@@ -7,124 +7,71 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.build import Assembly, Member
+from solver.contact.carriers import Face
+from solver.contact.interface import Key, Memory
+from solver.contact.surfaces import NitschePoints
 from solver.dynamics.state import Exchange, State
 from solver.dynamics.stepper import Stepper
-from solver.mechanics.kinematics import lean, unwrap
+from solver.dynamics.system import Link
+from solver.mechanics.dense_body import Oscillator, RigidBlock
+from solver.mechanics.elastic_body import ElasticBody
+from solver.mechanics.kinematics import lean, rotation_vector, unwrap
 from solver.parallel import global_sum
 
 Array = NDArray[np.float64]
 
 
 class Observer:
-    """Angle, slip, gaps, forces and the energy ledger of one block on a rigid plane.
+    """Motion of all blocks and of the platform, and the energy ledger.
 
     Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
     """
 
-    def __init__(self, stepper: Stepper, state: State, thickness: float):
+    def __init__(self, assembly: Assembly, state: State, *, ground: Sequence[int] = (0,)):
         """Start at a state.
 
         Args:
-            stepper: Body, interface, loads.
+            assembly: Bodies, interfaces, loads.
             state: Where the run starts.
-            thickness: Of the block, m: forces and energies are those of the whole block.
+            ground: Directions of the ground's acceleration that are written down.
         """
-        self._stepper, self._thickness = stepper, thickness
-        self._angle, self._slip = 0.0, 0.0
+        self._stepper, self._ground = assembly.stepper, list(ground)
+        self._blocks = [BlockObserver(member, self._stepper, state) for member in assembly.members]
+        self._platform = None
+        if assembly.support.moves:
+            self._platform = PlatformObserver(assembly)
+        system = self._stepper.system
+        # The datum of what carries the blocks is where it stands without load.
+        self._at_rest = sum(
+            member.body.mass * float(self._stepper.gravity @ member.body.centre)
+            for member in assembly.members
+        )
         self._exchanged = np.zeros(5)
-        self._interface = stepper.interface
-        self._home = self._first_home(state)
-        self._corners, self._places = self._bottom()
         self._start: float | None = None
-
-    def _bottom(self) -> tuple[NDArray[np.int64], Array]:
-        """The two bottom corners: where they stand in the interface's layer, and in the block."""
-        places = self._stepper.interface.points.node_positions
-        row = np.flatnonzero(places[:, 1] < places[:, 1].min() + 1e-9 * np.ptp(places[:, 0]))
-        corners = row[[np.argmin(places[row, 0]), np.argmax(places[row, 0])]]
-        return corners, places[corners]
+        self._sum = np.zeros(system.dimension)
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
         """The values of a history row, in the order of `solver.post.history.columns`."""
-        stepper, body = self._stepper, self._stepper.body
-        u = state.u.reshape(-1, body.dimension)
-        momentum = body.inertia(state.v).reshape(-1, body.dimension)
-        arm = body.arm + u
-        spin = float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))
-        sums = global_sum(
-            body.comm, np.array([*(body.directional_mass @ state.u), *momentum.sum(axis=0), spin])
-        )
-        moved, velocity = sums[:2] / body.mass, sums[2:4] / body.mass
-        spin = float(sums[4]) - body.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
-        self._angle = unwrap(lean(body.rotation(state.u)), self._angle)
-        gaps, corners, closed = self._contact(state)
-        centre = body.centre + moved
-        forces = self._thickness * state.contact.force.sum(axis=0)
-        penetration = max(0.0, -float(gaps[:, 0].min()))
-        kinematic = [self._angle, spin / body.polar_inertia, self._slip, *corners[:, 0]]
-        kinematic += [penetration, *centre, *forces]
-        head = [
-            state.time,
-            step,
-            float(exchange.iterations),
-            float(closed),
-            float(stepper.base(state.time)[0]),
-        ]
-        return (
-            head + [float(value) for value in kinematic] + self._energies(state, exchange, centre)
-        )
+        stepper = self._stepper
+        closed = sum(int((memory.force[:, 0] > 0).sum()) for memory in state.contacts)
+        ground = stepper.base(state.time)
+        values = [state.time, step, float(exchange.iterations), float(closed)]
+        values += [float(ground[k]) for k in self._ground]
+        for block in self._blocks:
+            values += block.row(state)
+        if self._platform is not None:
+            values += self._platform.row(state, step)
+        return values + self._energies(state, exchange)
 
-    def _contact(self, state: State) -> tuple[Array, Array, int]:
-        """Gaps of all points and of the bottom corners, number of closed points; slip goes on."""
-        interface = self._stepper.interface
-        gaps = interface.gaps(state.contact.surface)
-        if interface is not self._interface:
-            self._interface = interface
-            self._corners, self._places = self._bottom()
-        closed = state.contact.force[:, 0] > 0
-        touching = np.flatnonzero(closed) if closed.any() else [int(np.argmin(gaps[:, 0]))]
-        self._slip = self._slip_of(gaps[:, 1], touching)
-        displacement = self._stepper.layer(state.u)[self._corners]
-        corners = (self._places + displacement - interface.origin) @ interface.frame.T
-        return gaps, corners, int(closed.sum())
-
-    def _first_home(self, state: State) -> dict[tuple[float, ...], float]:
-        """Where the points of the face that stands on the plane belong along it, m.
-
-        As far from the lowest one as in the block: a tilted block has its base foreshortened.
-        """
-        interface, points = self._interface, self._interface.points
-        gaps = interface.gaps(state.contact.surface)
-        lowest = int(np.argmin(np.where(state.contact.eligible, gaps[:, 0], np.inf)))
-        along = (points.reference - points.reference[lowest]) @ interface.frame[1]
-        keys = interface.keys()
-        same = np.flatnonzero(points.tag == points.tag[lowest])
-        return {keys[q]: float(gaps[lowest, 1] + along[q]) for q in same}
-
-    def _slip_of(self, place: Array, touching: Sequence[int] | NDArray[np.int64]) -> float:
-        """Mean displacement of the touching points along the plane since they were at home.
-
-        Home is where a point belongs at the start, for points of other faces where it has
-        to be for the slip not to jump when they first touch.
-        """
-        keys = self._interface.keys()
-        known = [place[q] - self._home[keys[q]] for q in touching if keys[q] in self._home]
-        slip = float(np.mean(known)) if known else self._slip
-        for q in touching:
-            self._home.setdefault(keys[q], place[q] - slip)
-        return slip
-
-    def _energies(self, state: State, exchange: Exchange, centre: Array) -> list[float]:
+    def _energies(self, state: State, exchange: Exchange) -> list[float]:
         """Stored, taken in and dissipated energy, J."""
         stepper = self._stepper
-        gravity = -stepper.body.mass * float(stepper.gravity @ centre)
-        stored = [
-            state.kinetic,
-            state.strain,
-            gravity,
-            0.0,
-            stepper.interface.energy(state.contact),
-        ]
+        system = stepper.system
+        moved = global_sum(system.comm, system.directional_mass @ state.u)
+        gravity = -self._at_rest - float(stepper.gravity @ moved)
+        interface = stepper.interface_energy(state)
+        stored = [state.kinetic, state.strain, gravity, state.spring, interface]
         self._exchanged += [
             exchange.input,
             exchange.friction,
@@ -136,5 +83,171 @@ class Observer:
         if self._start is None:
             self._start = total
         error = total - self._start - self._exchanged[0] + self._exchanged[1:].sum()
-        values = [*stored, *self._exchanged, total, error]
-        return [float(self._thickness * value) for value in values]
+        return [float(value) for value in (*stored, *self._exchanged, total, error)]
+
+
+class BlockObserver:
+    """Angle, slip, gaps and forces of one block."""
+
+    def __init__(self, member: Member, stepper: Stepper, state: State):
+        """Start at a state."""
+        self._member, self._stepper = member, stepper
+        self._own = stepper.system.slices[member.number]
+        self._angle = 0.0
+        self._slip = np.zeros(stepper.system.dimension - 1)
+        self._interface = self._link.interface
+        self._home = self._first_home(state)
+        self._corners = self._bottom()
+
+    @property
+    def _link(self) -> Link:
+        """The interface of the block's own points; another one after a face has joined."""
+        return self._stepper.links[self._member.contacts[0]]
+
+    def _bottom(self) -> Array | tuple[NDArray[np.int64], Array]:
+        """The bottom corners: of a rigid block where they are in it, of a mesh which nodes."""
+        if isinstance(self._member.body, RigidBlock):
+            return np.asarray(self._link.interface.points.reference[:2])
+        points = self._link.interface.points
+        assert isinstance(points, NitschePoints)
+        places = points.points.node_positions
+        scale = 1e-9 * points.size
+        row = np.flatnonzero(places[:, -1] < places[:, -1].min() + scale)
+        level = places[row]
+        if places.shape[1] == 2:
+            ends = [np.argmin(level[:, 0]), np.argmax(level[:, 0])]
+        else:
+            x, y = level[:, 0], level[:, 1]
+            ends = [np.argmin(x + y), np.argmax(x - y), np.argmax(x + y), np.argmax(y - x)]
+        corners = row[ends]
+        return corners, places[corners]
+
+    def _corner_positions(self, state: State) -> Array:
+        """Where the bottom corners are."""
+        u = state.u[self._own]
+        body = self._member.body
+        if isinstance(body, RigidBlock):
+            assert isinstance(self._corners, np.ndarray)
+            return body.material_positions(self._corners, body.replicate(u))
+        points = self._link.interface.points
+        assert isinstance(points, NitschePoints) and isinstance(self._corners, tuple)
+        nodes, places = self._corners
+        return places + points.points.layer.gather(u.reshape(-1, body.dimension))[nodes]
+
+    def row(self, state: State) -> list[float]:
+        """Values of the columns of a block."""
+        angle, spin, centre = self._motion(state)
+        link, memory = self._link, state.contacts[self._member.contacts[0]]
+        if link.interface is not self._interface:
+            self._interface = link.interface
+            self._corners = self._bottom()
+        place = memory.seat.place
+        self._slip = self._slipped(memory)
+        seat = link.interface.carrier.seat(self._corner_positions(state), memory.seat.carrier)
+        deepest = float(np.min(place[memory.eligible, 0], initial=0.0))
+        values = [*angle, *spin, *self._slip, *seat.place[:, 0], max(0.0, -deepest), *centre]
+        return [float(value) for value in (*values, *self._force(state))]
+
+    def _motion(self, state: State) -> tuple[Sequence[float], Sequence[float], Array]:
+        """Angles, angular velocities and centre."""
+        body = self._member.body
+        u, v = state.u[self._own], state.v[self._own]
+        if isinstance(body, RigidBlock):
+            pose, speed = body.replicate(u), body.replicate(v)
+            self._angle = float(pose[2])
+            return [self._angle], [float(speed[2])], body.centre + pose[:2]
+        d = body.dimension
+        momentum = body.inertia(v).reshape(-1, d)
+        arm = body.arm + u.reshape(-1, d)
+        if d == 2:
+            turning = [float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))]
+        else:
+            turning = np.cross(arm, momentum).sum(axis=0).tolist()
+        parts = [*(body.directional_mass @ u), *momentum.sum(axis=0), *turning]
+        sums = global_sum(body.comm, np.array(parts))
+        moved, velocity = sums[:d] / body.mass, sums[d : 2 * d] / body.mass
+        rotation = body.rotation(u)
+        if d == 2:
+            spin = float(sums[4]) - body.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
+            self._angle = unwrap(lean(rotation), self._angle)
+            return [self._angle], [spin / body.polar_inertia], body.centre + moved
+        turn = sums[2 * d :] - body.mass * np.cross(moved, velocity)
+        omega = np.linalg.solve(rotation @ body.inertia_tensor @ rotation.T, turn)
+        self._angle = unwrap(float(np.arctan2(rotation[0, 2], rotation[2, 2])), self._angle)
+        return [self._angle, *rotation_vector(rotation)], list(omega), body.centre + moved
+
+    def _force(self, state: State) -> Array:
+        """Normal and tangential force on the block, in the frame of what carries it."""
+        own, *edge = self._member.contacts
+        force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)
+        frame = self._stepper.links[own].interface.carrier.frame
+        for number in edge:
+            pressed = state.contacts[number].force.sum(axis=0)
+            pushed = pressed @ self._stepper.links[number].interface.carrier.frame
+            force = force - pushed @ frame.T
+        return force
+
+    def _first_home(self, state: State) -> dict[Key, Array]:
+        """Where the points of the face that stands on the carrier belong along it, m.
+
+        As far from the lowest one as in the block: a tilted block has its base foreshortened.
+        """
+        interface = self._interface
+        memory = state.contacts[self._member.contacts[0]]
+        place, reference = memory.seat.place, interface.points.reference
+        lowest = int(np.argmin(np.where(memory.eligible, place[:, 0], np.inf)))
+        carrier = interface.carrier
+        level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
+        along = (reference - reference[lowest]) @ level[1:].T
+        keys = interface.keys()
+        points = interface.points
+        tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
+        same = np.flatnonzero(tag == tag[lowest])
+        return {keys[q]: place[lowest, 1:] + along[q] for q in same}
+
+    def _slipped(self, memory: Memory) -> Array:
+        """Mean displacement of the touching points along the carrier since they were at home.
+
+        Home is where a point belongs at the start, for points of other faces where it has
+        to be for the slip not to jump when they first touch.
+        """
+        keys, place = self._interface.keys(), memory.seat.place
+        closed = np.flatnonzero(memory.force[:, 0] > 0)
+        lowest = np.argmin(np.where(memory.eligible, place[:, 0], np.inf))
+        touching = closed if len(closed) else np.array([lowest])
+        known = [place[q, 1:] - self._home[keys[q]] for q in touching if keys[q] in self._home]
+        slip = sum(known) / len(known) if known else self._slip
+        for q in touching:
+            self._home.setdefault(keys[q], place[q, 1:] - slip)
+        return np.asarray(slip)
+
+
+class PlatformObserver:
+    """Drift, velocity and acceleration of what carries the blocks, where it moves as a whole."""
+
+    def __init__(self, assembly: Assembly):
+        """Start at rest."""
+        self._support, system = assembly.support, assembly.stepper.system
+        assert assembly.support.number is not None
+        self._own = system.slices[assembly.support.number]
+        self._velocity: Array | None = None
+
+    def row(self, state: State, step: float) -> list[float]:
+        """Drift, velocity, acceleration along x; in space the same along y.
+
+        The acceleration is the increment of velocity over the step, impulses of contact counted in.
+        """
+        drift, velocity = (self._mean(vector[self._own]) for vector in (state.u, state.v))
+        before = velocity if self._velocity is None else self._velocity
+        self._velocity = velocity
+        columns = zip(drift, velocity, (velocity - before) / step, strict=True)
+        return [float(value) for column in columns for value in column]
+
+    def _mean(self, vector: Array) -> Array:
+        """Horizontal components of the platform's motion: of a meshed one, the mean of its top."""
+        body, surface = self._support.body, self._support.surface
+        if isinstance(body, Oscillator):
+            return body.replicate(vector)
+        assert isinstance(body, ElasticBody) and surface is not None
+        nodes = surface.layer.gather(vector.reshape(-1, body.dimension))
+        return np.asarray(nodes.mean(axis=0)[:-1])

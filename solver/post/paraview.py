@@ -1,12 +1,14 @@
-"""The script that opens the fields of a run in ParaView, as the block stands."""
+"""The script that opens the fields of a run in ParaView, the bodies where they stand."""
 
 from __future__ import annotations
 
-SCRIPT = '''\
+from string import Template
+
+SCRIPT = Template('''\
 """Opens this run in ParaView: paraview --script=open_in_paraview.py
 
-The block is drawn true to scale (displacement added to the mesh, factor 1), coloured by von Mises
-stress, with the surface that it stands on. Press play.
+All bodies are drawn true to scale (displacement added to the mesh, factor 1),
+$coloured, above the floor. Press play.
 """
 
 from pathlib import Path
@@ -18,6 +20,7 @@ from paraview.simple import (
     GetColorTransferFunction,
     Line,
     PVDReader,
+    Plane,
     Render,
     ResetCamera,
     Show,
@@ -26,34 +29,69 @@ from paraview.simple import (
 
 # ParaView does not always tell a script where it lies: then look into the current folder
 here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
-HALF_FLOOR = {half_floor!r}  # m
+HALF_FLOOR, LEVEL = $half_floor, $level  # m
 
 fields = PVDReader(FileName=str(here / "fields.pvd"))
 view = GetActiveViewOrCreate("RenderView")
-view.InteractionMode = "2D"
+$camera
 
-block = WarpByVector(Input=fields, Vectors=["POINTS", "displacement"], ScaleFactor=1.0)
-shown = Show(block, view)
+bodies = WarpByVector(Input=fields, Vectors=["POINTS", "displacement"], ScaleFactor=1.0)
+shown = Show(bodies, view)
 shown.Representation = "Surface With Edges"
-ColorBy(shown, ("CELLS", "von_mises"))
-shown.SetScalarBarVisibility(view, True)
-shown.RescaleTransferFunctionToDataRange(False, True)
-GetColorTransferFunction("von_mises").AutomaticRescaleRangeMode = "Grow and update every timestep"
+$colours
 
-floor = Show(Line(Point1=[-HALF_FLOOR, 0.0, 0.0], Point2=[HALF_FLOOR, 0.0, 0.0]), view)
-floor.LineWidth = 3.0
-floor.AmbientColor = floor.DiffuseColor = [0.2, 0.2, 0.2]
+$floor
+shown = Show(floor, view)
+shown.LineWidth = 3.0
+shown.AmbientColor = shown.DiffuseColor = $grey
 
 GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
 ResetCamera(view)
 Render(view)
-'''
+''')
+
+BY_STRESS = '''\
+ColorBy(shown, ("CELLS", "von_mises"))
+shown.SetScalarBarVisibility(view, True)
+shown.RescaleTransferFunctionToDataRange(False, True)
+colours = GetColorTransferFunction("von_mises")
+colours.AutomaticRescaleRangeMode = "Grow and update every timestep"'''
+
+PLAIN = "ColorBy(shown, None)"
+
+#: From the front, a little from the right and from above.
+CAMERA_3D = """\
+view.CameraPosition, view.CameraFocalPoint = [0.4, -0.85, 0.34], [0.0, 0.0, 0.0]
+view.CameraViewUp = [0.0, 0.0, 1.0]"""
+
+LINE = "floor = Line(Point1=[-HALF_FLOOR, LEVEL, 0.0], Point2=[HALF_FLOOR, LEVEL, 0.0])"
+
+PLANE = """\
+floor = Plane(
+    Origin=[-HALF_FLOOR, -HALF_FLOOR, LEVEL],
+    Point1=[HALF_FLOOR, -HALF_FLOOR, LEVEL],
+    Point2=[-HALF_FLOOR, HALF_FLOOR, LEVEL],
+)"""
 
 
-def paraview_script(half_floor: float) -> str:
+def paraview_script(
+    half_floor: float, *, dimension: int = 2, level: float = 0.0, stress: bool = True
+) -> str:
     """Text of `open_in_paraview.py`.
 
     Args:
         half_floor: Half the length of the floor that is drawn, m.
+        dimension: Of the bodies, 2 or 3.
+        level: Height of the floor, m.
+        stress: Whether a body is elastic: coloured by its stress, else each body in a colour.
     """
-    return SCRIPT.replace("{half_floor!r}", repr(float(half_floor)))
+    spatial = dimension == 3
+    return SCRIPT.substitute(
+        half_floor=repr(float(half_floor)),
+        level=repr(float(level)),
+        coloured="coloured by von Mises stress" if stress else "in one colour, without stress",
+        colours=BY_STRESS if stress else PLAIN,
+        camera=CAMERA_3D if spatial else 'view.InteractionMode = "2D"',
+        floor=PLANE if spatial else LINE,
+        grey=[0.85, 0.85, 0.85] if spatial else [0.2, 0.2, 0.2],
+    )

@@ -17,6 +17,8 @@ def report(summary: Mapping[str, Any]) -> str:
         lines[0] += f": {summary['reason']}"
     for name, block in summary["blocks"].items():
         lines += _block_lines(name, block)
+    if "platform" in summary:
+        lines.append(_platform(summary["platform"]))
     if summary["energy"]:
         energy = summary["energy"]
         lines.append(
@@ -47,6 +49,18 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
         lines.append(f"  restitution   {ratios}{more}")
     return lines
+
+
+def _platform(platform: Mapping[str, float]) -> str:
+    """What the platform did."""
+    words = []
+    for direction, along in (("", ""), ("_second", " along y")):
+        if f"peak_drift{direction}_m" in platform:
+            words += [
+                f"peak drift{along} {1e3 * platform[f'peak_drift{direction}_m']:.4g} mm",
+                f"residual drift{along} {1e3 * platform[f'residual_drift{direction}_m']:.3g} mm",
+            ]
+    return f"platform: {', '.join(words)}"
 
 
 def _cost(cost: Mapping[str, Any]) -> str:

@@ -188,16 +188,28 @@ def overturned(angle: Array, slenderness: float) -> bool:
     return bool(abs(angle[-1]) > slenderness or np.max(np.abs(angle)) > lost)
 
 
-def mode(angle: Array, slip: Array, lift: Array, shape: Block) -> str:
-    """How a block moved: "rest", "slide", "rock", "slide-rock" or "overturned".
+def mode(
+    angle: Array,
+    slip: Array,
+    lift: Array,
+    shape: Block,
+    *,
+    lean: Array | None = None,
+    fell: bool = False,
+) -> str:
+    """How a block moved: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
 
     Args:
-        angle: Rocking angle, rad.
-        slip: Slip along what carries the block, m.
+        angle: Rocking angle against what carries the block, rad.
+        slip: Slip along what carries the block, m; its magnitude where that is a plane.
         lift: Gap of the bottom corner that is higher, m.
         shape: The block.
+        lean: Angle from upright, rad; None: the same as `angle`.
+        fell: Whether the block ends below what carried it.
     """
-    if overturned(angle, shape.slenderness):
+    if fell:
+        return "fell"
+    if overturned(angle if lean is None else lean, shape.slenderness):
         return "overturned"
     swinging = np.abs(angle) > SMALLEST_SWING * shape.slenderness
     rocks = bool(np.any(swinging & (lift > SMALLEST_LIFT * shape.width)))

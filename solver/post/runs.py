@@ -29,6 +29,11 @@ class Run:
         """What the run is called in pictures."""
         return self.folder.resolve().name
 
+    @property
+    def model(self) -> str:
+        """What made the run: finite elements, rigid blocks, or the name of a rigid-body answer."""
+        return str(self.summary["model"])
+
 
 def read_run(folder: Path) -> Run:
     """Read a run back; a folder that holds none is bad input."""

@@ -1,55 +1,158 @@
-"""Snapshots of a run for ParaView: the functions the field writer writes, filled from a state."""
+"""Snapshots of a run for ParaView: the fields of every body, filled from the state of the run."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from dolfinx import fem
+from numpy.typing import NDArray
 
+from solver.build import Assembly
+from solver.contact.surfaces import NitschePoints
 from solver.dynamics.state import State
-from solver.dynamics.stepper import Stepper
+from solver.mechanics.dense_body import DenseBody, RigidBlock
+from solver.mechanics.elastic_body import ElasticBody
 from solver.post.fields import FieldWriter
+from solver.post.ground import floor_level, platform_corners
 from solver.post.paraview import paraview_script
+from solver.post.pvd import PvdIndex
+from solver.post.rigid_fields import RigidFieldWriter
+from solver.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class Run(Protocol):
+    """What snapshots are taken of."""
+
+    assembly: Assembly
+    state: State
 
 
 class Snapshots:
-    """Displacement, velocity, stress and contact pressure of the body; collective."""
+    """Displacement, velocity, stress and contact pressure of all bodies; collective."""
 
-    def __init__(self, stepper: Stepper, folder: Path):
+    def __init__(self, run: Run, folder: Path, scene: Scene):
         """Open `fields.pvd` and write the script that shows it in ParaView."""
-        self._stepper = stepper
-        body = stepper.body
-        space = body.space
+        self._run = run
+        system = run.assembly.stepper.system
+        writes = system.comm.rank == 0
+        index = PvdIndex(folder / "fields.pvd", writes=writes)
+        self._bodies: list[MeshedFields | RigidFields] = []
+        for number, body in enumerate(system.bodies):
+            file = folder / f"fields_{body.name}.pvd"
+            if isinstance(body, ElasticBody):
+                self._bodies.append(MeshedFields(run, number, body, file, index))
+            else:
+                corners = _corners(body, scene)
+                writer = RigidFieldWriter(file, corners, index=index, part=number, writes=writes)
+                self._bodies.append(RigidFields(run, number, body, corners, writer))
+        if writes:
+            script = paraview_script(
+                _extent(scene),
+                dimension=scene.dimension,
+                level=floor_level(scene),
+                stress=any(isinstance(body, ElasticBody) for body in system.bodies),
+            )
+            (folder / "open_in_paraview.py").write_text(script, encoding="utf-8")
+
+    def write(self, time: float) -> None:
+        """Write the fields of the run's state."""
+        for body in self._bodies:
+            body.write(time)
+
+    def close(self) -> None:
+        """Finish the files."""
+        for body in self._bodies:
+            body.close()
+
+
+def _extent(scene: Scene) -> float:
+    """Half the length of the floor that is drawn, m."""
+    return float(
+        sum(np.hypot(block.width, block.height) for block in scene.blocks)
+        + max(abs(block.offset) for block in scene.blocks)
+    )
+
+
+def _corners(body: DenseBody, scene: Scene) -> Array:
+    """Corners of a rigid block at its reference place, or of the platform."""
+    if not isinstance(body, RigidBlock):
+        return platform_corners(scene)
+    corners = np.array(body.shape.corners(scene.dimension))
+    middle = np.zeros(scene.dimension)
+    middle[-1] = body.shape.height / 2
+    return corners - middle + body.centre
+
+
+class MeshedFields:
+    """The fields of a meshed body."""
+
+    def __init__(self, run: Run, number: int, body: ElasticBody, file: Path, index: PvdIndex):
+        """Open the files of a body."""
+        self._run, self._body = run, body
+        self._own = run.assembly.stepper.system.slices[number]
+        self._number, space = number, body.space
         self._displacement, self._velocity = fem.Function(space), fem.Function(space)
         degree = space.element.basix_element.degree
         self._pressure = fem.Function(fem.functionspace(space.mesh, ("Lagrange", degree)))
         self._writer = FieldWriter(
-            folder / "fields.pvd",
+            file,
             displacement=self._displacement,
             velocity=self._velocity,
             contact_pressure=self._pressure,
             material=body.material,
+            index=index,
+            part=number,
         )
-        if body.comm.rank == 0:
-            size = float(np.linalg.norm(np.ptp(stepper.interface.points.node_positions, axis=0)))
-            (folder / "open_in_paraview.py").write_text(paraview_script(size), encoding="utf-8")
 
-    def write(self, state: State) -> None:
-        """Write the fields of a state."""
-        body, points = self._stepper.body, self._stepper.interface.points
+    def write(self, time: float) -> None:
+        """Write the fields as they are."""
+        body, state = self._body, self._run.state
         for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
-            function.x.array[: body.size] = values
+            function.x.array[: body.size] = values[self._own]
             function.x.scatter_forward()
-        # The point forces spread over the nodes, over the area that belongs to each of them.
-        area = points.values_T @ (points.weight * state.contact.eligible)
-        force = points.values_T @ state.contact.force[:, 0]
-        pressure = np.divide(force, area, out=np.zeros_like(force), where=area > 0)
+        self._fill_pressure(state)
+        self._writer.write(time)
+
+    def _fill_pressure(self, state: State) -> None:
+        """The point forces spread over the nodes, over the area that belongs to each of them."""
+        body = self._body
         self._pressure.x.array[:] = 0.0
-        points.layer.add(self._pressure.x.array[: body.owned], np.maximum(pressure, 0.0))
+        for link, memory in zip(self._run.assembly.stepper.links, state.contacts, strict=True):
+            contact = link.interface.points
+            if link.body != self._number or not isinstance(contact, NitschePoints):
+                continue
+            points = contact.points
+            area = points.values_T @ (points.weight * memory.eligible) * body.thickness
+            force = points.values_T @ memory.force[:, 0]
+            pressure = np.divide(force, area, out=np.zeros_like(force), where=area > 0)
+            points.layer.add(self._pressure.x.array[: body.owned], np.maximum(pressure, 0.0))
         self._pressure.x.scatter_forward()
-        self._writer.write(state.time)
 
     def close(self) -> None:
         """Finish the files."""
         self._writer.close()
+
+
+class RigidFields:
+    """A rigid body among meshed ones."""
+
+    def __init__(
+        self, run: Run, number: int, body: DenseBody, corners: Array, writer: RigidFieldWriter
+    ):
+        """Take the body, its corners and the writer."""
+        self._run, self._body, self._corners, self._writer = run, body, corners, writer
+        self._own = run.assembly.stepper.system.slices[number]
+
+    def write(self, time: float) -> None:
+        """Write the body as it stands."""
+        body, state = self._body, self._run.state
+        pose, speed = body.replicate(state.u[self._own]), body.replicate(state.v[self._own])
+        moved = body.material_positions(self._corners, pose) - self._corners
+        self._writer.write(time, moved, body.rows(self._corners, pose) @ speed)
+
+    def close(self) -> None:
+        """Nothing is left open."""

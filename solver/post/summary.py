@@ -12,6 +12,8 @@ import numpy as np
 
 from solver.post import energy, rocking
 from solver.post.history import History
+from solver.post.motion import block_motion
+from solver.post.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
 
 #: Version of the layout of summary.json.
@@ -40,6 +42,7 @@ def summarise(
         model: What the history comes from, as pictures name it.
     """
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
+    platform = _platform(history) if len(history) else {}
     return {
         "schema": SCHEMA,
         "title": scene.title,
@@ -49,6 +52,7 @@ def summarise(
         "end_s": float(history["time_s"][-1]) if len(history) else 0.0,
         "versions": dict(versions),
         "blocks": blocks,
+        **({"platform": platform} if platform else {}),
         "energy": _energy(scene, history) if len(history) else {},
         "cost": dict(cost),
     }
@@ -56,33 +60,62 @@ def summarise(
 
 def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     """What one block did."""
-    time, angle = history["time_s"], history[f"{block.name}.angle_rad"]
-    slip = history[f"{block.name}.slip_m"]
-    lift = np.maximum(history[f"{block.name}.gap_left_m"], history[f"{block.name}.gap_right_m"])
-    impacts = rocking.impacts(time, angle, block.shape, scene.gravity)
-    peaks = rocking.peaks(time, angle, block.shape.slenderness)
-    return {
-        "mode": rocking.mode(angle, slip, lift, block.shape),
-        "peak_angle_rad": float(np.max(np.abs(angle))),
-        "peak_slip_m": float(np.max(np.abs(slip))),
-        "residual_angle_rad": float(angle[-1]),
-        "residual_slip_m": float(slip[-1]),
+    motion = block_motion(scene, history, block)
+    time, angle, shape = motion.time, motion.angle, motion.shape
+    slip = np.linalg.norm(motion.slip, axis=1)
+    impacts = rocking.impacts(time, angle, shape, scene.gravity)
+    peaks = rocking.peaks(time, angle, shape.slenderness)
+    known = {
+        "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=motion.fell),
+        "peak_angle_rad": float(np.max(np.abs(motion.lean))),
+        "peak_slip_m": float(np.max(slip)),
+        "peak_friction_force_N": float(np.max(np.linalg.norm(motion.friction, axis=1))),
+        "residual_angle_rad": float(motion.lean[-1]),
+        "residual_slip_m": float(motion.slip[-1, 0]),
+    }
+    if motion.slip.shape[1] == 2:
+        known["residual_slip_second_m"] = float(motion.slip[-1, 1])
+    if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
+        known["mass_ratio_felt"] = _mass_ratio_felt(block, scene, history)
+    return known | {
         "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
     }
 
 
+def _mass_ratio_felt(block: BlockSpec, scene: Scene, history: History) -> float:
+    """The part of a block's mass that its platform feels along x.
+
+    The mass that would, moving with the platform, give a friction force nearest to that of the
+    block in the mean square over time, over the block's own mass: 1 where it sticks.
+    """
+    acceleration = history["base.acceleration_m_s2"] + history["platform.acceleration_m_s2"]
+    mass, step = block.shape.mass, history["step_s"]
+    inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
+    square = mass * float(np.sum(step * acceleration**2))
+    return float(np.sum(step * inertial * acceleration)) / square if square > 0 else math.nan
+
+
+def _platform(history: History) -> dict[str, float]:
+    """What the platform did, in each direction in which it moves."""
+    known = {}
+    for direction in ("", "_second"):
+        if f"platform.drift{direction}_m" in history:
+            drift = history[f"platform.drift{direction}_m"]
+            known[f"peak_drift{direction}_m"] = float(np.max(np.abs(drift)))
+            known[f"residual_drift{direction}_m"] = float(drift[-1])
+    return known
+
+
 def _energy(scene: Scene, history: History) -> dict[str, Any]:
     """How well energy was kept, and where it went."""
     total, work = history["energy.total_J"], history["energy.input_J"]
-    tilt = math.radians(scene.gravity_tilt_deg)
-    # The datum of gravity is the surface of the foundation at x = 0; a tilt turns it towards +x.
-    upright = sum(
-        b.shape.weight(scene.gravity) * (b.height / 2 * math.cos(tilt) - b.offset * math.sin(tilt))
-        for b in scene.blocks
+    raised = float(gravity_above_upright(scene, history)[0])
+    scale = energy.scale(
+        work,
+        above_rest=float(history["energy.kinetic_J"][0]) + raised,
+        weight_height=sum(b.shape.weight(scene.gravity) * b.height for b in scene.blocks),
     )
-    weight_height = sum(b.shape.weight(scene.gravity) * b.height for b in scene.blocks)
-    scale = energy.scale(total, work, upright=upright, weight_height=weight_height)
     return {
         "scale_J": scale,
         "largest_gain_fraction": energy.largest_gain_fraction(total, work, scale),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -11,15 +13,20 @@ from solver.post.history import History, columns
 
 def test_scale_adds_start_power_and_weight() -> None:
     """30 J above rest, power +2 -5 +1 J, 1e-3 of 1000 J."""
-    total = np.array([130.0, 129.0])
     work = np.array([0.0, 2.0, -3.0, -2.0])
-    assert energy.scale(total, work, upright=100.0, weight_height=1000.0) == pytest.approx(39.0)
+    assert energy.scale(work, above_rest=30.0, weight_height=1000.0) == pytest.approx(39.0)
 
 
 def test_scale_of_a_block_that_settles_below_upright() -> None:
     """A static start lies below the undeformed block: nothing is above rest then."""
-    still = np.array([99.9, 99.9])
-    assert energy.scale(still, 0 * still, upright=100.0, weight_height=1000.0) == pytest.approx(1.0)
+    assert energy.scale(np.zeros(2), above_rest=-0.1, weight_height=1000.0) == pytest.approx(1.0)
+
+
+def test_without_weight_and_motion_nothing_can_be_said() -> None:
+    """No gravity, no motion: the scale is 0, and fractions of it are not known."""
+    assert energy.scale(np.zeros(2), above_rest=0.0, weight_height=0.0) == 0.0
+    assert math.isnan(energy.largest_gain_fraction(np.zeros(2), np.zeros(2), 0.0))
+    assert math.isnan(energy.ledger_error_fraction(np.zeros(2), 0.0))
 
 
 def test_gain_counts_only_what_the_ground_did_not_give() -> None:

@@ -62,9 +62,9 @@ def von_mises(plane: str) -> float:
     return float(np.sqrt(squares / 2))
 
 
-def write_fields(file: Path, *, ranks: int, degree: int, cell: str, plane: str) -> None:
-    numbers = ",".join(repr(float(value)) for value in DEFORMATION.ravel())
-    command = [sys.executable, "-c", WRITE, str(file), str(degree), cell, plane, numbers]
+def python(code: str, *arguments: object, ranks: int) -> None:
+    """Run a script on some ranks."""
+    command = [sys.executable, "-c", code, *map(str, arguments)]
     if ranks > 1:
         command = ["mpirun", "-n", str(ranks), *command]
     # not taken for a rank of the run that this test may be part of
@@ -73,8 +73,15 @@ def write_fields(file: Path, *, ranks: int, degree: int, cell: str, plane: str) 
     assert done.returncode == 0, done.stderr
 
 
-def read_fields(file: Path, time: float) -> pyvista.UnstructuredGrid:
+def write_fields(file: Path, *, ranks: int, degree: int, cell: str, plane: str) -> None:
+    numbers = ",".join(repr(float(value)) for value in DEFORMATION.ravel())
+    python(WRITE, file, degree, cell, plane, numbers, ranks=ranks)
+
+
+def read_fields(file: Path, time: float | None) -> pyvista.UnstructuredGrid:
     reader = pyvista.get_reader(str(file))
+    if time is None:
+        return reader.read()
     reader.set_active_time_value(time)
     return reader.read().combine()
 
@@ -89,6 +96,47 @@ def assert_fields(grid: pyvista.UnstructuredGrid, plane: str) -> None:
     np.testing.assert_allclose(data["velocity"], np.hstack([turning, zeros]), atol=1e-14)
     np.testing.assert_allclose(data["contact_pressure"], 7.0 - place[:, 1], atol=1e-13)
     np.testing.assert_allclose(grid.cell_data["von_mises"], von_mises(plane), rtol=1e-9)
+
+
+# An elastic block (part 0) and a rigid one (part 1), at two instants; the second is never closed.
+WRITE_PARTS = """
+import os, sys
+from pathlib import Path
+from mpi4py import MPI
+import numpy as np
+from dolfinx import fem, mesh
+from geometry.block import Block
+from solver.mechanics.material import Material
+from solver.post.fields import FieldWriter
+from solver.post.pvd import PvdIndex
+from solver.post.rigid_fields import RigidFieldWriter
+
+folder, dimension, degree, first = Path(sys.argv[1]), *map(int, sys.argv[2:5])
+comm = MPI.COMM_WORLD
+low = [(-0.1, 0.0), (-0.1, -0.2, 0.0)][dimension - 2]
+high = [(0.1, 1.0), (0.1, 0.2, 1.0)][dimension - 2]
+create = [mesh.create_rectangle, mesh.create_box][dimension - 2]
+kind = [mesh.CellType.quadrilateral, mesh.CellType.hexahedron][dimension - 2]
+domain = create(comm, [low, high], (2, 2, 3)[3 - dimension :], cell_type=kind)
+V = fem.functionspace(domain, ("Lagrange", degree, (dimension,)))
+u, v = fem.Function(V), fem.Function(V)
+p = fem.Function(fem.functionspace(domain, ("Lagrange", degree)))
+plane = ["strain", "solid"][dimension - 2]
+material = Material(young=8e9, poisson=0.2, density=1.0, plane=plane)
+index = PvdIndex(folder / "fields.pvd", writes=comm.rank == 0)
+corners = np.array(Block(width=0.4, height=0.1, thickness=0.4, density=1.0).corners(dimension))
+elastic = FieldWriter(folder / "fields_stone.pvd", displacement=u, velocity=v, contact_pressure=p,
+                      material=material, index=index, part=first)
+rigid = RigidFieldWriter(folder / "fields_lid.pvd", corners, index=index, part=1 - first,
+                         writes=comm.rank == 0)
+for time in (0.0, 0.1):
+    u.interpolate(lambda x: time * np.stack([x[0], 0 * x[0], 0 * x[0]][:dimension]))
+    elastic.write(time)
+    rigid.write(time, corners * 0.0 + np.eye(dimension)[-1], 2 * time * corners)
+comm.Barrier()
+MPI.Finalize()
+os._exit(0)  # as if killed: nothing is closed
+"""
 
 
 @pytest.mark.serial
@@ -118,7 +166,71 @@ def test_fields_come_back_from_several_ranks(tmp_path: Path, ranks: int) -> None
     assert np.count_nonzero(grid.cell_data["vtkGhostType"] == 0) == 21
 
 
-def test_the_paraview_script_runs(tmp_path: Path) -> None:
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("ranks", "dimension", "degree", "first"),
+    [
+        (1, 2, 2, 0),
+        (1, 3, 1, 1),
+        (1, 3, 2, 0),
+        pytest.param(2, 3, 1, 0, marks=pytest.mark.mpi),
+    ],
+)
+def test_several_bodies_of_a_killed_run(
+    tmp_path: Path, ranks: int, dimension: int, degree: int, first: int
+) -> None:
+    """All parts of an instant are read together, with all their fields."""
+    python(WRITE_PARTS, tmp_path, dimension, degree, first, ranks=ranks)
+    reader = pyvista.get_reader(str(tmp_path / "fields.pvd"))
+    assert reader.time_values == [0.0, 0.1]
+    assert [dataset.part for dataset in reader.datasets] == [0, 1, 0, 1]
+    reader.set_active_time_value(0.1)
+    parts = reader.read()
+    assert len(parts) == 2
+    stone, lid = parts[first], parts[1 - first]
+    assert stone.n_cells >= (2 * 3 if dimension == 2 else 2 * 2 * 3)
+    stretch = np.asarray(stone.point_data["displacement"])
+    np.testing.assert_allclose(stretch[:, 0], 0.1 * np.asarray(stone.points)[:, 0], atol=1e-15)
+    assert lid.n_cells == 1
+    size = 0.4 * 0.1 * (1 if dimension == 2 else 0.4)
+    sizes = lid.compute_cell_sizes()
+    assert sizes["Area" if dimension == 2 else "Volume"][0] == pytest.approx(size)
+    up = np.eye(3)[dimension - 1]
+    np.testing.assert_array_equal(lid.point_data["displacement"], np.tile(up, (lid.n_points, 1)))
+    np.testing.assert_allclose(lid.point_data["velocity"], 0.2 * np.asarray(lid.points))
+    assert not np.any(lid.point_data["contact_pressure"])
+    assert lid.cell_data["von_mises"].tolist() == [0.0]
+    assert_drawn(tmp_path / "fields.pvd", dimension, alone=ranks == 1)
+
+
+def assert_drawn(file: Path, dimension: int, *, alone: bool) -> None:
+    """Each cell, or each face of the surface, once; on several ranks those between them, too."""
+    pytest.importorskip("matplotlib")
+    from solver.post.deformed import read_snapshots
+
+    (drawn,) = read_snapshots(file, [0.1], dimension)
+    outlines = 2 * 3 + 1 if dimension == 2 else 2 * (2 * 2 + 2 * 3 + 2 * 3) + 6
+    assert len(drawn.outlines) == outlines if alone else len(drawn.outlines) > outlines
+    assert np.count_nonzero(drawn.von_mises) == len(drawn.outlines) - (1 if dimension == 2 else 6)
+
+
+@pytest.mark.serial
+def test_stress_in_space(tmp_path: Path) -> None:
+    """Uniaxial strain in 3-D: the von Mises stress is that of plane strain, closed form."""
+    python(WRITE_PARTS, tmp_path, 3, 1, 0, ranks=1)
+    grid = read_fields(tmp_path / "fields_stone000001.pvtu", None)
+    shear, lame = 8e9 / 2.4, 8e9 * 0.2 / (1.2 * 0.6)
+    strain = 0.1 + 0.1**2 / 2
+    along = (lame + 2 * shear) * strain * 1.1
+    beside = lame * strain / 1.1
+    np.testing.assert_allclose(grid.cell_data["von_mises"], along - beside, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "stress", "floor"),
+    [(2, True, "Line"), (2, False, "Line"), (3, True, "Plane"), (3, False, "Plane")],
+)
+def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, floor: str) -> None:
     """It opens the file beside it and warps true to scale (against a stand-in for ParaView)."""
     seen: dict[str, dict[str, object]] = {}
 
@@ -138,7 +250,8 @@ def test_the_paraview_script_runs(tmp_path: Path) -> None:
             return call
 
     script = tmp_path / "open_in_paraview.py"
-    script.write_text(paraview_script(0.75))
+    text = paraview_script(0.75, dimension=dimension, level=-0.5, stress=stress)
+    script.write_text(text)
     modules = {"paraview": types.ModuleType("paraview"), "paraview.simple": Simple("simple")}
     with pytest.MonkeyPatch.context() as patch:
         for name, module in modules.items():
@@ -147,4 +260,7 @@ def test_the_paraview_script_runs(tmp_path: Path) -> None:
         exec(compile(script.read_text(), script, "exec"), {"__file__": str(script)})
     assert seen["PVDReader"]["FileName"] == str(tmp_path / "fields.pvd")
     assert seen["WarpByVector"]["ScaleFactor"] == 1.0
-    assert seen["Line"]["Point1"] == [-0.75, 0.0, 0.0]
+    corner = [-0.75, -0.5, 0.0] if dimension == 2 else [0.75, -0.75, -0.5]
+    assert seen[floor]["Point1"] == corner
+    assert len({"Line", "Plane"} & set(seen)) == 1
+    assert ("GetColorTransferFunction" in seen) is stress

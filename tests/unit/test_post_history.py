@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from solver.errors import SceneError
-from solver.post.history import History, columns
+from solver.post.history import History, columns, scene_columns
+from solver.scene import parse_scene
 
 
 def test_columns_follow_the_interface() -> None:
@@ -26,6 +27,64 @@ def test_columns_follow_the_interface() -> None:
     assert names[15] == "base.angle_rad"
     assert names[-2:] == ("energy.total_J", "energy.ledger_error_J")
     assert len(names) == 5 + 2 * 10 + 12
+
+
+def test_columns_in_space_and_of_a_platform() -> None:
+    """Vectors in space; motions of the ground and platforms only where they are."""
+    names = columns(["a"], dimension=3, platform=True, vertical=True, second=True)
+    assert names[4:7] == (
+        "base.acceleration_m_s2",
+        "base.vertical_acceleration_m_s2",
+        "base.second_acceleration_m_s2",
+    )
+    assert names[7:11] == ("a.angle_rad", "a.angle_x_rad", "a.angle_y_rad", "a.angle_z_rad")
+    assert {f"a.gap_{corner}_m" for corner in (1, 2, 3, 4)} < set(names)
+    assert names[27:33] == (
+        "platform.drift_m",
+        "platform.velocity_m_s",
+        "platform.acceleration_m_s2",
+        "platform.drift_second_m",
+        "platform.velocity_second_m_s",
+        "platform.acceleration_second_m_s2",
+    )
+    assert len(names) == 5 + 2 + 20 + 6 + 12
+    assert len(columns(["a"], platform=True)) == len(columns(["a"])) + 3
+
+
+@pytest.mark.parametrize(
+    ("foundation", "moves"),
+    [
+        ("", False),
+        ("kind = 'oscillator'\nmass = 1.0\nperiod = 0.5", True),
+        ("kind = 'elastic'\nwidth = 2\nheight = 1\ndensity = 1\nyoung = 1\npoisson = 0", False),
+    ],
+)
+def test_columns_of_a_scene(foundation: str, moves: bool) -> None:
+    """They are those of what the scene has."""
+    scene = parse_scene(
+        "[[block]]\nwidth = 1\nheight = 1\nmass = 1\nmodel = 'rigid'\n"
+        f"[foundation]\n{foundation}\n"
+        "[motion]\nkind = 'none'\n[motion.vertical]\nkind = 'sine'\namplitude_g = 1\nperiod = 1\n"
+        "[time]\nend = 1\nstep = 0.1"
+    )
+    assert scene_columns(scene) == columns(["block"], platform=moves, vertical=True)
+
+
+def test_many_rows_at_once(tmp_path: Path) -> None:
+    """Rows of `extend` and of `append` stand in their order, in memory and in the file."""
+    rows = np.random.default_rng(3).standard_normal((1500, 2))
+    history = History(["time_s", "a"], tmp_path / "history.csv")
+    history.append(rows[0])
+    history.extend(rows[1:1200])
+    history.flush()
+    history.extend(rows[:0])
+    history.extend(rows[1200:])
+    history.flush()
+    np.testing.assert_array_equal(History.read(tmp_path / "history.csv")["a"], rows[:, 1])
+    np.testing.assert_array_equal(history["time_s"], rows[:, 0])
+    for wrong in (rows[:, :1], rows[0]):
+        with pytest.raises(ValueError, match="for 2 columns"):
+            history.extend(wrong)
 
 
 def test_a_history_comes_back_to_the_last_bit(tmp_path: Path) -> None:

@@ -141,6 +141,9 @@ def test_modes() -> None:
     # beyond the balance point and back: it rocks
     bold = 1.2 * ALPHA * np.sin(math.pi * t)
     assert rocking.mode(bold, still, 0.25 * np.abs(np.sin(bold)), SHAPE) == "rock"
+    # an upper block at rest on one that falls over; a block that slid off the edge
+    assert rocking.mode(still, still, still, SHAPE, lean=math.pi / 2 * t) == "overturned"
+    assert rocking.mode(still, away, still, SHAPE, fell=True) == "fell"
 
 
 def test_rocking_energy_is_that_of_the_raised_centre() -> None:

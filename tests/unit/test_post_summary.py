@@ -40,6 +40,8 @@ def made_up_run() -> tuple[Scene, History]:
             "time_s": t,
             "stone.angle_rad": angle,
             "stone.slip_m": -1e-4 * t,
+            "stone.friction_force_N": 7.0 - 10.0 * t,
+            "stone.centre_y_m": 0.5 + (10.0 - t) / (503.0 * 9.81),
             "stone.gap_left_m": 0.25 * math.sin(max(angle, 0)),
             "stone.gap_right_m": 0.25 * math.sin(max(-angle, 0)),
             "energy.gravity_J": upright + 10.0 - t,
@@ -66,6 +68,8 @@ def test_names_and_numbers() -> None:
     assert block["peak_angle_rad"] == pytest.approx(0.05)
     assert block["peak_slip_m"] == pytest.approx(2e-4)
     assert block["residual_slip_m"] == pytest.approx(-2e-4)
+    assert block["peak_friction_force_N"] == pytest.approx(13.0)
+    assert "platform" not in summary
     assert [i["time_s"] for i in block["impacts"]] == pytest.approx([0.5, 1.5])
     alpha = math.atan(0.25)
     energies = [math.cos(alpha - peak) - math.cos(alpha) for peak in (0.05, 0.04)]

@@ -1,0 +1,94 @@
+"""How pictures look: sizes, colours, lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+#: Colours that are told apart by everyone (Okabe and Ito 2008).
+BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
+PURPLE, SKY, GREY = "#CC79A7", "#56B4E9", "#666666"
+PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)
+
+DASHES = (0, (4, 1.5))
+
+#: Width of a column of text, in.
+WIDTH = 6.3
+
+STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.5,
+    "hatch.linewidth": 0.4,
+    "legend.frameon": False,
+    "legend.handlelength": 2.4,
+    "lines.linewidth": 1.1,
+    "savefig.dpi": 200,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+}
+
+
+def new_figure(height: float, width: float = WIDTH) -> Any:
+    """A figure of that size (in) that needs no screen and leaves no global state behind."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(draw: Callable[[], Figure], file: Path) -> Path:
+    """Draw a figure in the style of all, and write it."""
+    with mpl.rc_context(STYLE):
+        draw().savefig(file)
+    return file
+
+
+def zero_line(axes: Axes) -> None:
+    """A thin line at zero, behind the curves."""
+    axes.axhline(0, color=GREY, linewidth=0.5, zorder=0)
+
+
+def least_span(axes: Axes, least: float) -> None:
+    """Show at least -least to least: what stands still shall look like it."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -least), max(high, least))
+
+
+def legend_above(figure: Any, columns: int = 4) -> None:
+    """What the curves of all panels are, each once, above them, in one row or in even ones."""
+    found: dict[str, Any] = {}
+    for axes in figure.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    if found:
+        handles, labels = list(found.values()), list(found)
+        rows = math.ceil(len(labels) / columns)
+        figure.legend(
+            handles, labels, loc="outside upper center", ncols=math.ceil(len(labels) / rows)
+        )
+
+
+def colour(number: int) -> str:
+    """The colour of the curve of that number."""
+    return PALETTE[number % len(PALETTE)]
+
+
+def largest(values: NDArray[np.float64]) -> float:
+    """Largest magnitude among what is known; 0 where nothing is."""
+    known = np.abs(values[np.isfinite(values)])
+    return float(np.max(known, initial=0.0))

@@ -1,0 +1,39 @@
+"""Where blocks stand when nothing moves, and their gravity energy above that."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.post.history import History
+from solver.post.motion import centres
+from solver.scene import BlockSpec, Scene
+
+Array = NDArray[np.float64]
+
+
+def upright_centre(scene: Scene, block: BlockSpec) -> Array:
+    """Centre of a block that stands upright at its place, on all that carries it, m, (d,).
+
+    In the frame of the foundation: its surface is at level 0, its centre at x = 0.
+    """
+    place = np.zeros(scene.dimension)
+    place[-1] = block.height / 2
+    part: BlockSpec | None = block
+    while part is not None:
+        place[0] += part.offset
+        if scene.dimension == 3:
+            place[1] += part.offset_second
+        part = scene.carrier_of(part)
+        place[-1] += 0.0 if part is None else part.height
+    return place
+
+
+def gravity_above_upright(scene: Scene, history: History) -> Array:
+    """Gravity energy of all blocks above that of their upright places, J, over the rows."""
+    gravity = np.array(scene.gravity_vector)
+    energy = np.zeros(len(history))
+    for block in scene.blocks:
+        raised = centres(history, block.name) - upright_centre(scene, block)
+        energy -= block.shape.mass * (raised @ gravity)
+    return energy
