@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 from mpi4py import MPI
 
-import numpy as np
-
-from solver.dynamics.state import State
-from solver.dynamics.stepper import Stepper
 from solver.post.history import History
 from solver.post.summary import write_json
 from solver.scene import Scene, scene_to_toml
+
+
+class Fields(Protocol):
+    """What writes the fields of a run; collective."""
+
+    def write(self, time: float) -> None:
+        """Write the fields as they are at a time (s)."""
+
+    def close(self) -> None:
+        """Finish the files."""
 
 
 class RunFiles:
@@ -37,8 +44,8 @@ class RunFiles:
         self._scene, self._folder, self._comm, self._also = scene, folder, comm, log
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None
-        self._fields: Any = None
-        self._last = self._written = 0.0
+        self._fields: Fields | None = None
+        self._written: float | None = None
         self._began = time.perf_counter()
         self.output_seconds = 0.0
         if self._writes and folder is not None:
@@ -79,33 +86,36 @@ class RunFiles:
         if self._also is not None:
             self._also(line)
 
-    def start(self, stepper: Stepper, state: State, history: History) -> None:
-        """Write the fields of t = 0 and say what is being run."""
-        began = time.perf_counter()
+    def start(self, history: History, fields: Callable[[Path], Fields], description: str) -> None:
+        """Say what is being run, and write the fields of t = 0.
+
+        Args:
+            history: Of the run.
+            fields: Opens the fields in a folder; not called where none are asked for.
+            description: Of the run, for the log.
+        """
         self._history = history
-        body = stepper.body
-        self.log(
-            f"{body.unknowns} unknowns, ranks: {body.comm.size}, "
-            f"{stepper.interface.points.count} contact points"
-        )
+        self.log(description)
         if self._folder is not None and self._scene.output.fields == "vtk":
-            from solver.post.snapshots import Snapshots
+            began = time.perf_counter()
+            self._fields = fields(self._folder)
+            self._fields.write(0.0)
+            self._written = 0.0
+            self.output_seconds += time.perf_counter() - began
 
-            self._fields = Snapshots(stepper, self._folder)
-            self._fields.write(state)
-        self.output_seconds += time.perf_counter() - began
-
-    def snapshot(self, state: State, *, last: bool = False) -> None:
-        """Write fields and history where it is time to, and at the end if not just done."""
+    def next_snapshot(self, now: float) -> float:
+        """The first time after `now` (s) at which a snapshot is due."""
         every = self._scene.output.every
-        due = int(np.floor(state.time / every + 1e-9)) > int(np.floor(self._last / every + 1e-9))
-        self._last = state.time
-        if self._folder is None or not (due or (last and self._written != state.time)):
+        return (math.floor(now / every + 1e-9) + 1) * every
+
+    def snapshot(self, now: float) -> None:
+        """Write fields and history at a time (s), once."""
+        if self._folder is None or self._written == now:
             return
         began = time.perf_counter()
-        self._written = state.time
+        self._written = now
         if self._fields is not None:
-            self._fields.write(state)
+            self._fields.write(now)
         if self._history is not None:
             self._history.flush()
         self.output_seconds += time.perf_counter() - began

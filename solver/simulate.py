@@ -3,34 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from mpi4py import MPI
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.arrangement import initial_position
-from geometry.foundation import RigidFoundation
-from geometry.mesh import block_mesh
-from solver.contact.faces import ContactFaces
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.state import Exchange, State
-from solver.dynamics.step_control import Ladder
-from solver.dynamics.stepper import StepFailed, Stepper
-from solver.excitation.motion import base_motion
 from solver.info import versions
 from solver.interruption import Interruption
-from solver.mechanics.elastic_body import Damping, ElasticBody
-from solver.mechanics.material import Material
-from solver.post.history import History, columns
-from solver.post.observer import Observer
+from solver.post.history import History, scene_columns
 from solver.post.summary import summarise
-from solver.run_files import RunFiles
+from solver.run_files import Fields, RunFiles
 from solver.scene import Scene
 
 Log = Callable[[str], None]
@@ -61,55 +49,72 @@ class Result:
     summary: dict[str, Any]
 
 
-def build(
-    scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracomm = MPI.COMM_WORLD
-) -> Stepper:
-    """Mesh the block of a scene and set its solver up."""
-    spec = scene.blocks[0]
-    mesh = block_mesh(
-        spec.shape, cells=spec.cells, cell=spec.cell, refinement=spec.refinement, comm=comm
-    )
-    material = Material(
-        young=spec.young, poisson=spec.poisson, density=spec.shape.density, plane=scene.plane
-    )
-    given = scene.damping
-    damping = None if given is None else Damping(mass=given.mass, stiffness=given.stiffness)
-    body = ElasticBody(mesh.mesh, material, degree=spec.degree, damping=damping)
-    contact = scene.contact
-    faces = ContactFaces(
-        body.space,
-        mesh.facet_tags,
-        material,
-        RigidFoundation(),
-        points=contact.points,
-        gamma=contact.gamma,
-        friction=contact.friction,
-        theta=contact.theta,
-    )
-    motion = base_motion(scene.motion, scene.time.end)
-    return Stepper(
-        body,
-        faces,
-        GeneralizedAlpha(scene.time.rho_inf),
-        gravity=np.array(scene.gravity_vector),
-        base_acceleration=None
-        if motion is None
-        else lambda t: np.array([motion.acceleration(t), 0.0]),
-        velocity_solve=contact.velocity_solve,
-        petsc_options=petsc_options,
-    )
+@dataclass(slots=True)
+class Desk:
+    """What an engine is given: where its rows go, and who watches.
+
+    Attributes:
+        scene: What is run.
+        history: Takes the rows.
+        files: The folder of the run, if there is one.
+        interruption: Whether someone wants the run to stop.
+        progress: A display.
+    """
+
+    scene: Scene
+    history: History
+    files: RunFiles
+    interruption: Interruption
+    progress: ProgressReport | None
+
+    def show(self, now: float, step: float, iterations: int) -> None:
+        """Tell the display of a finished step."""
+        if self.progress is not None:
+            self.progress.update(now, step, iterations)
+
+    def stopped(self, now: float) -> str:
+        """Why the run has to stop at a time (s); empty where it has not."""
+        if not self.interruption.requested():
+            return ""
+        return f"stopped by {self.interruption.signal_name} at t = {now:.6g} s"
 
 
-def initial_state(scene: Scene, stepper: Stepper, log: Log) -> State:
-    """Where the block stands at t = 0: in equilibrium where it begins closed, else unstressed."""
-    spec, nodes = scene.blocks[0], stepper.body.nodes
-    u = (initial_position(spec.shape, spec.offset, spec.tilt)(nodes) - nodes).ravel()
-    if scene.time.initial == "static" and spec.tilt == 0.0:
-        try:
-            return stepper.static_start(u)
-        except StepFailed as trouble:
-            log(f"no static equilibrium ({trouble}): starting unstressed")
-    return stepper.start(u, np.zeros_like(u))
+class Engine(Protocol):
+    """What runs a scene: with meshed bodies, or with rigid ones alone."""
+
+    description: str
+    """Size of the problem, for the log."""
+
+    def first_row(self) -> Sequence[float] | NDArray[np.float64]:
+        """The row of the history at t = 0."""
+
+    def open_fields(self, folder: Path) -> Fields:
+        """What writes the fields."""
+
+    def loop(self, desk: Desk) -> tuple[str, str]:
+        """Step to the end; returns status and reason."""
+
+    def cost(self) -> dict[str, Any]:
+        """What the run took, seconds apart."""
+
+
+def is_rigid(scene: Scene) -> bool:
+    """Whether nothing in a scene is meshed: then dolfinx, PETSc and Gmsh stay out of it."""
+    rigid = all(block.model == "rigid" for block in scene.blocks)
+    return rigid and scene.foundation.kind in ("rigid", "oscillator")
+
+
+def engine_for(
+    scene: Scene, files: RunFiles, petsc_options: Sequence[str], comm: MPI.Intracomm
+) -> Engine:
+    """The engine that a scene needs, set up and at its start."""
+    if is_rigid(scene):
+        from solver.rigid.simulation import RigidRun
+
+        return RigidRun(scene, files.log)
+    from solver.meshed_run import MeshedRun
+
+    return MeshedRun(scene, files.log, petsc_options=petsc_options, comm=comm)
 
 
 def simulate(
@@ -143,98 +148,22 @@ def simulate(
     ):
         if progress is not None:
             stack.callback(progress.close)
-        stepper = build(scene, petsc_options=petsc_options, comm=comm)
-        state = initial_state(scene, stepper, files.log)
-        observer = Observer(stepper, state, scene.blocks[0].thickness)
-        history = History(columns([b.name for b in scene.blocks]), files.history_file)
-        files.start(stepper, state, history)
-        history.append(observer.row(state, Exchange(), scene.time.step))
-        run = _Run(scene, stepper, files, interruption, observer, history, progress)
+        engine = engine_for(scene, files, petsc_options, comm)
+        history = History(scene_columns(scene), files.history_file)
+        history.append(engine.first_row())
+        files.start(history, engine.open_fields, engine.description)
+        desk = Desk(scene, history, files, interruption, progress)
         ready, written = time.perf_counter(), files.output_seconds
-        status, reason = run.loop(state)
+        status, reason = engine.loop(desk)
         loop = time.perf_counter() - ready - (files.output_seconds - written)
-        cost = run.cost(ready - began - written, loop)
+        cost = {
+            "wall_s": loop,
+            "setup_s": ready - began - written,
+            "output_s": files.output_seconds,
+            **engine.cost(),
+        }
         summary = summarise(
             scene, history, status=status, cost=cost, versions=versions(), reason=reason
         )
         files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
     return Result(status, history, summary)
-
-
-@dataclass(slots=True)
-class _Run:
-    """The time loop and what it counts."""
-
-    scene: Scene
-    stepper: Stepper
-    files: RunFiles
-    interruption: Interruption
-    observer: Observer
-    history: History
-    progress: ProgressReport | None
-    steps: int = 0
-    rejected: int = 0
-    iterations: int = 0
-    row: list[float] = field(default_factory=list)
-
-    def loop(self, state: State) -> tuple[str, str]:
-        """Step to the end; returns status and reason."""
-        span = self.scene.time
-        ladder = Ladder(span.step, span.end, span.smallest)
-        status, reason = "completed", ""
-        while not ladder.done:
-            if self.interruption.requested():
-                who = self.interruption.signal_name
-                status, reason = "interrupted", f"stopped by {who} at t = {state.time:.6g} s"
-                break
-            step = ladder.step
-            try:
-                state, exchange = self.stepper.advance(state, step)
-            except StepFailed as trouble:
-                where = f"at t = {state.time:.6g} s with a step of {step:.3g} s"
-                self.files.log(f"step rejected {where}: {trouble}")
-                if ladder.reject():
-                    continue
-                status, reason = "not converged", f"{where}: {trouble}"
-                break
-            ladder.accept()
-            state.time = ladder.time
-            self._record(state, exchange, step)
-        self.rejected = ladder.rejected
-        self._last_row()
-        self.files.snapshot(state, last=True)
-        return status, reason
-
-    def _record(self, state: State, exchange: Exchange, step: float) -> None:
-        """Write down a step that succeeded."""
-        self.steps += 1
-        self.iterations += exchange.iterations
-        self.row = self.observer.row(state, exchange, step)
-        if self.steps % self.scene.output.history_every == 0:
-            self._last_row()
-        self.files.snapshot(state)
-        if self.progress is not None:
-            self.progress.update(state.time, step, exchange.iterations)
-
-    def _last_row(self) -> None:
-        """Append the row of the last step, once."""
-        if self.row:
-            self.history.append(self.row)
-            self.row = []
-
-    def cost(self, setup: float, loop: float) -> dict[str, Any]:
-        """What the run took."""
-        body, local = self.stepper.body, self.stepper.local
-        rescues = Counter(local.rescues) + self.stepper.velocity_local.rescues
-        return {
-            "wall_s": loop,
-            "setup_s": setup,
-            "output_s": self.files.output_seconds,
-            "steps": self.steps,
-            "rejected_steps": self.rejected,
-            "newton_iterations": self.iterations,
-            "factorizations": body.factorizations,
-            "unknowns": body.unknowns,
-            "ranks": body.comm.size,
-            "local_problems_rescued": dict(rescues),
-        }

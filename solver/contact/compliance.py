@@ -5,48 +5,59 @@ It is computed column by column, as points come near contact.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from solver.contact.points import ContactPoints
 from solver.mechanics.elastic_body import ElasticBody
 from solver.mechanics.factorization import Factorization
+from solver.parallel import Layer
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+@dataclass(frozen=True, slots=True)
+class Ports:
+    """Points of a body where forces act and motions are read.
+
+    Attributes:
+        layer: The nodes that the rows refer to.
+        force_rows: (points d, layer unknowns): its transpose turns point forces into nodal ones.
+        read_rows: Rows of the same shape that read the response.
+        count: Number of points.
+    """
+
+    layer: Layer
+    force_rows: Any
+    read_rows: Any
+    count: int
+
+
 class Compliance:
-    """What unit forces at contact points move: K^-1 (force rows)^T, read through other rows.
+    """What unit forces at the ports of a body move: K^-1 (force rows)^T, read through other rows.
 
     In the frame that rotates with the body all of it is constant. A column is computed when its
     point first comes near contact, so that a standing block never pays for its sides and top.
     """
 
-    def __init__(
-        self,
-        body: ElasticBody,
-        points: ContactPoints,
-        factor: Factorization,
-        force_rows: Array | sp.csr_matrix,
-        read_rows: Array | sp.csr_matrix,
-    ):
+    def __init__(self, body: ElasticBody, factor: Factorization, ports: Sequence[Ports]):
         """Start without any column.
 
         Args:
             body: The body that the factorization belongs to.
-            points: Its contact points.
             factor: Factorized tangent or mass.
-            force_rows: Rows (points d, layer unknowns) whose transpose turns point forces into
-                nodal ones.
-            read_rows: Rows of the same shape that read the response.
+            ports: Groups of points; they are numbered on from group to group.
         """
-        self.body, self.points, self.factor = body, points, factor
-        self.force_rows, self.read_rows = force_rows, read_rows
-        self._place = np.full(points.count, -1)
+        self.body, self.factor, self.ports = body, factor, tuple(ports)
+        self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])
+        count = int(self._first[-1])
+        self._place = np.full(count, -1)
         self._response = np.empty((body.size, 0))
-        self._matrix = np.empty((points.count * body.dimension, 0))
+        self._matrix = np.empty((count * body.dimension, 0))
         self._last: Indices = np.empty(0, dtype=np.int64)
         self._gathered: tuple[Array, Array] = np.empty((0, 0)), np.empty((body.size, 0))
 
@@ -62,16 +73,10 @@ class Compliance:
         self._last = chosen
         return self._gathered
 
-    def in_frame(self, chosen: Indices, frame: Array) -> Array:
-        """Compliance among the points `chosen` in another frame, (m, d, m, d).
-
-        Args:
-            chosen: Numbers of the points.
-            frame: Its rows are unit vectors.
-        """
+    def blocks(self, chosen: Indices) -> Array:
+        """Compliance among the points `chosen`, (m, m, d, d)."""
         m, d = len(chosen), self.body.dimension
-        blocks = self.of(chosen)[0].reshape(m, d, m, d).transpose(0, 2, 1, 3)
-        return np.ascontiguousarray((frame @ blocks @ frame.T).transpose(0, 2, 1, 3))
+        return self.of(chosen)[0].reshape(m, d, m, d).transpose(0, 2, 1, 3)
 
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
@@ -80,15 +85,23 @@ class Compliance:
 
     def _compute(self, missing: Indices) -> None:
         """Solve for the columns of further points."""
-        d, layer = self.body.dimension, self.points.layer
-        rows = self.force_rows[self._expand(missing)]
-        unit = (rows if isinstance(rows, np.ndarray) else rows.toarray()).T
-        right = np.zeros((self.body.owned, d, unit.shape[1]))
-        layer.add(right, unit.reshape(layer.size, d, -1))
+        d, owned = self.body.dimension, self.body.owned
+        right = np.zeros((owned, d, len(missing) * d))
+        for port, first in zip(self.ports, self._first[:-1], strict=True):
+            mine = np.flatnonzero((missing >= first) & (missing < first + port.count))
+            if len(mine):
+                rows = port.force_rows[self._expand(missing[mine] - first)]
+                unit = (rows if isinstance(rows, np.ndarray) else rows.toarray()).T
+                columns = np.zeros((owned, d, unit.shape[1]))
+                port.layer.add(columns, unit.reshape(port.layer.size, d, -1))
+                right[:, :, self._expand(mine)] = columns
         right = right.reshape(self.body.size, -1)
         right[self.body.fixed] = 0.0
         response = self.factor.solve_many(right)
-        near = layer.gather(response.reshape(self.body.owned, -1)).reshape(layer.size * d, -1)
+        read = []
+        for port in self.ports:
+            near = port.layer.gather(response.reshape(owned, -1)).reshape(port.layer.size * d, -1)
+            read.append(port.read_rows @ near)
         self._place[missing] = self._matrix.shape[1] // d + np.arange(len(missing))
-        self._matrix = np.hstack([self._matrix, self.read_rows @ near])
+        self._matrix = np.hstack([self._matrix, np.vstack(read)])
         self._response = np.hstack([self._response, response])

@@ -2,48 +2,91 @@
 
 Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a
 face cost time in every iteration, so a face joins when it has turned to within 60 degrees of facing
-the plane, which a block that stands, slides or rocks never lets its sides do; one that tips over
+its carrier, which a block that stands, slides or rocks never lets its sides do; one that tips over
 does, before it touches with them.
 """
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
-from dolfinx import fem, mesh
+from dolfinx import mesh
 from numpy.typing import NDArray
 
-from geometry.foundation import RigidFoundation
 from geometry.tags import FacetTag
+from solver.contact.carriers import Carrier
 from solver.contact.facets import evaluate_facets, gather
-from solver.contact.plane_contact import ContactState, PlaneContact
+from solver.contact.friction import FrictionLaw
+from solver.contact.interface import Interface
 from solver.contact.points import contact_points, extent
-from solver.mechanics.material import Material
+from solver.contact.surfaces import NitschePoints, SurfacePoints
+from solver.mechanics.elastic_body import ElasticBody
 
 Array = NDArray[np.float64]
 
 FACING = -0.5
-"""Cosine of the angle between a face's normal and the plane's below which the face joins."""
+"""Cosine of the angle between a face's normal and the carrier's below which the face joins."""
+
+
+class Contacts(Protocol):
+    """Who may touch whom, and the interface that it takes.
+
+    Attributes:
+        body: Number of the body whose points these are.
+        carrier: Number of the body that carries them; None for the ground and what is fixed to it.
+        surface: What carries them.
+        joined: Tags of the faces that take part.
+    """
+
+    body: int | None
+    carrier: int | None
+    surface: Carrier
+    joined: frozenset[int]
+
+    def facing(self, rotation: Array) -> frozenset[int]:
+        """Tags of faces turned towards the carrier, and of those that joined before."""
+
+    def join(self, faces: frozenset[int]) -> Interface:
+        """The interface of these faces."""
 
 
 class ContactFaces:
-    """Builds the interface of a body with a rigid plane from the faces that can touch."""
+    """The faces of a meshed body, and what carries it."""
 
     def __init__(
         self,
-        space: fem.FunctionSpace,
+        member: ElasticBody,
         facet_tags: mesh.MeshTags,
-        material: Material,
-        plane: RigidFoundation,
+        carrier: Carrier,
+        law: FrictionLaw,
         *,
-        points: str,
-        gamma: float,
-        friction: float,
-        theta: int,
+        points: str = "nodes",
+        gamma: float = 100.0,
+        theta: int = 1,
+        body: int = 0,
+        on: int | None = None,
+        cuts: Array | None = None,
     ):
-        """Take what `contact_points` and `PlaneContact` need; `join` builds the interface."""
-        self._space, self._tags, self._material, self._plane = space, facet_tags, material, plane
-        self._points, self._gamma, self.friction, self._theta = points, gamma, friction, theta
-        self._normal = np.asarray(plane.normal)
+        """Take what `contact_points` and `Interface` need; `join` builds the interface.
+
+        Args:
+            member: The body.
+            facet_tags: Tags of its boundary facets.
+            carrier: What carries it.
+            law: Friction.
+            points: "nodes" or "gauss".
+            gamma: Nondimensional Nitsche parameter.
+            theta: Nitsche variant.
+            body: Number of the body in its system.
+            on: Number of the body that carries it, None for the ground.
+            cuts: As for `contact_points`.
+        """
+        self.body: int | None = body
+        self.carrier, self.surface = on, carrier
+        self._member, self._tags, self._law = member, facet_tags, law
+        self._points, self._gamma, self._theta, self._cuts = points, gamma, theta, cuts
+        space = member.space
         records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
         facets, _ = gather(space, records, extent(space.mesh))
         self._face, self._outward = facets.tag, facets.normal
@@ -51,30 +94,51 @@ class ContactFaces:
         self.joined: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of faces with a facet turned towards the plane, and of those that joined before."""
-        towards = self._outward @ rotation.T @ self._normal < FACING
+        """Tags of faces with a facet turned towards the carrier, and of those that joined."""
+        normal = self.surface.frame[0] @ rotation
+        towards = self._outward @ normal < FACING
         return self.joined.union(self._face[towards].tolist())
 
-    def join(self, faces: frozenset[int]) -> PlaneContact:
+    def join(self, faces: frozenset[int]) -> Interface:
         """The interface of these faces."""
         self.joined = faces
         chosen = np.isin(self._tags.values, list(faces))
+        space = self._member.space
         tags = mesh.meshtags(
-            self._space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen]
+            space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen]
         )
         points = contact_points(
-            self._space, tags, self._material, points=self._points, gamma=self._gamma
+            *(space, tags, self._member.law),
+            points=self._points,
+            gamma=self._gamma,
+            cuts=self._cuts,
         )
-        return PlaneContact(points, self._plane, theta=self._theta)
+        member = NitschePoints(self._member, points)
+        return Interface(member, self.surface, self._law, theta=self._theta)
 
 
-def carry_over(
-    state: ContactState, old: PlaneContact, new: PlaneContact, fresh: ContactState
-) -> ContactState:
-    """The memory of `old`'s points in a fresh state of `new`, which holds those points and more."""
-    place = {key: k for k, key in enumerate(old.keys())}
-    for k, key in enumerate(new.keys()):
-        if key in place:
-            fresh.force[k], fresh.anchor[k] = state.force[place[key]], state.anchor[place[key]]
-            fresh.eligible[k] = state.eligible[place[key]]
-    return fresh
+class FixedContacts:
+    """Points that take part from the beginning to the end: of rigid bodies, of a carrier's edge."""
+
+    joined: frozenset[int] = frozenset()
+
+    def __init__(
+        self,
+        points: SurfacePoints,
+        carrier: Carrier,
+        law: FrictionLaw,
+        *,
+        body: int | None,
+        on: int | None,
+    ):
+        """Take the points, what they may touch, and the numbers of both bodies."""
+        self.body, self.carrier, self.surface = body, on, carrier
+        self._interface = Interface(points, carrier, law)
+
+    def facing(self, rotation: Array) -> frozenset[int]:
+        """No further face joins."""
+        return self.joined
+
+    def join(self, faces: frozenset[int]) -> Interface:
+        """The interface."""
+        return self._interface

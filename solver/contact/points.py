@@ -16,7 +16,7 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from solver.contact.facets import Evaluations, evaluate_facets, gather
-from solver.mechanics.material import Material
+from solver.mechanics.material import Material, hooke
 from solver.parallel import Layer
 
 Array = NDArray[np.float64]
@@ -32,13 +32,13 @@ class SurfaceState:
         position: x, (points, d), m.
         traction: T = F S N, (points, d), Pa, averaged over the facets that meet in a point.
         deformation: F, (evaluations, d, d).
-        stress: S, second Piola-Kirchhoff, (evaluations, d, d), Pa.
+        drawn: S N, second Piola-Kirchhoff stress on the normal, (evaluations, d, 1), Pa.
     """
 
     position: Array
     traction: Array
     deformation: Array
-    stress: Array
+    drawn: Array
 
 
 def compact(matrix: sp.spmatrix) -> Any:
@@ -79,6 +79,7 @@ class ContactPoints:
             merge: Whether evaluations of one face at one place are one point.
         """
         self.layer, self.material, self.size = layer, material, size
+        self._moduli = material.lame, material.shear
         self.node_positions = table.node_positions
         count, dimension = table.position.shape
         if merge:
@@ -88,14 +89,15 @@ class ContactPoints:
             first = point = np.arange(count)
         point = point.ravel()
         self.count, self.dimension = len(first), dimension
-        self.weight = np.bincount(point, table.weight)
+        self.weight: Array = np.bincount(point, table.weight)
         share = table.weight / self.weight[point]
         average = sp.csr_matrix((share, (point, np.arange(count))), shape=(self.count, count))
-        self.reference = table.position[first]
+        self.reference: Array = table.position[first]
         self.tag = table.tag[first]
         self.normal = average @ table.normal
-        self.gamma_h = gamma * material.longitudinal * degree**2 / (average @ table.size)
+        self.gamma_h: Array = gamma * material.longitudinal * degree**2 / (average @ table.size)
         self._normal = table.normal
+        self._normal_row, self._normal_column = table.normal[:, None, :], table.normal[:, :, None]
         rows = np.repeat(np.arange(count), table.nodes.shape[1])
         shape = (count, layer.size)
         values = average @ sp.csr_matrix(
@@ -122,15 +124,16 @@ class ContactPoints:
         d = self.dimension
         transposed = (self._gradient @ displacement).reshape(-1, d, d)  # [e, j, i] = du_i/dX_j
         gradient = transposed.swapaxes(1, 2)
-        strain = 0.5 * (gradient + transposed + transposed @ gradient)
-        stress = self.material.stress(strain)
+        twice = transposed @ gradient
+        twice += gradient
+        twice += transposed
         deformation = gradient + self._identity
-        nominal = deformation @ (stress @ self._normal[:, :, None])
+        drawn = hooke(twice, *self._moduli) @ self._normal_column
         return SurfaceState(
             position=self.reference + self.values @ displacement,
-            traction=self._average @ nominal[:, :, 0],
+            traction=self._average @ (deformation @ drawn)[:, :, 0],
             deformation=deformation,
-            stress=stress,
+            drawn=drawn,
         )
 
     def traction_gradient(self, old: SurfaceState, new: SurfaceState, vector: Array) -> Array:
@@ -146,13 +149,17 @@ class ContactPoints:
             vector: One vector per point, (points, d).
         """
         d = self.dimension
-        deformation = 0.5 * (old.deformation + new.deformation)
-        stress = 0.5 * (old.stress + new.stress)
+        deformation = old.deformation + new.deformation
+        deformation *= 0.5
+        drawn = old.drawn + new.drawn
+        drawn *= 0.5
         each = self._average_T @ vector
-        pulled = (each[:, None, :] @ deformation).swapaxes(1, 2) * self._normal[:, None, :]
-        inner = self.material.stress(0.5 * (pulled + pulled.swapaxes(1, 2)))
-        outer = deformation @ inner + each[:, :, None] * (self._normal[:, None, :] @ stress)
-        return self._gradient_T @ outer.swapaxes(1, 2).reshape(-1, d)
+        pulled = (each[:, None, :] @ deformation).swapaxes(1, 2) * self._normal_row
+        inner = hooke(pulled + pulled.swapaxes(1, 2), *self._moduli)
+        # Transposed: the rows are directions of the gradient.
+        outer = inner @ deformation.swapaxes(1, 2)
+        outer += drawn * each[:, None, :]
+        return self._gradient_T @ outer.reshape(-1, d)
 
     def traction_rows(self) -> sp.csr_matrix:
         """T of the undeformed body as a linear map, (points d, nodes d): C sym(grad u) N."""
@@ -195,6 +202,7 @@ def contact_points(
     *,
     points: str,
     gamma: float,
+    cuts: Array | None = None,
 ) -> ContactPoints:
     """The contact points of all tagged boundary facets of a body; the same on every rank.
 
@@ -204,10 +212,19 @@ def contact_points(
         material: Of the body.
         points: "nodes" or "gauss".
         gamma: Nondimensional Nitsche parameter.
+        cuts: Where the facets of the surface opposite lie in the undeformed body, m: the facets
+            here are integrated on the common refinement of both ("gauss" only), which alone passes
+            the patch test. In the plane the ends of those facets, (n, 2); in space their corners in
+            turn, (n, k, 3).
+
+    Raises:
+        ValueError: For cuts with "nodes", and as `facet_rule`.
     """
+    if cuts is not None and points != "gauss":
+        raise ValueError(f"contact_points: got cuts with points at {points!r}, allowed 'gauss'")
     degree = V.ufl_element().degree
     size = extent(V.mesh)
-    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree), size)
+    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree, cuts), size)
     return ContactPoints(
         table,
         layer,

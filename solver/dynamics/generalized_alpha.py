@@ -56,13 +56,20 @@ class GeneralizedAlpha:
         """1/2 - alpha_f: a step's numerical dissipation is `skew` du.dr (du, dr: increments)."""
         return 0.5 - self.alpha_f
 
-    def weights(self, dt: float, mass_damping: float, stiffness_damping: float) -> TangentWeights:
+    def weights(
+        self,
+        dt: float,
+        mass_damping: float = 0.0,
+        stiffness_damping: float = 0.0,
+        spring_damping: float = 0.0,
+    ) -> TangentWeights:
         """The weights of mass, stiffness and interface in the tangent of a step of length `dt`.
 
         Args:
             dt: Step, s.
             mass_damping: Rayleigh's lambda_R, 1/s.
             stiffness_damping: Rayleigh's beta_R, s.
+            spring_damping: Dashpot over spring of what stands on springs, s.
         """
         rate = 2 * (1 - self.alpha_f) / dt  # of v_alpha with respect to u_{n+1}
         return TangentWeights(
@@ -70,14 +77,16 @@ class GeneralizedAlpha:
             stiffness=1 - self.alpha_f + rate * stiffness_damping,
             interface=1 - self.alpha_f,
             contact=self.contact_weight,
+            spring=1 - self.alpha_f + rate * spring_damping,
         )
 
 
 @dataclass(frozen=True, slots=True)
 class TangentWeights:
-    """Factors of M, K, the theta term of Nitsche's method and the contact forces in a tangent."""
+    """Factors of M, K, theta term of Nitsche's method, contact forces and springs in a tangent."""
 
     mass: float
     stiffness: float
     interface: float
     contact: float
+    spring: float = 0.0

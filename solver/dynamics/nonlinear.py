@@ -147,10 +147,10 @@ class NonlinearSolver:
         before, self._before = self._before, residual
         if not np.isfinite(residual):
             return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
+        if iterations == 0:
+            return 0  # forces that balance need not obey the contact law of this step
         if residual <= atol:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
-        if iterations == 0:
-            return 0
         if residual <= rtol * self._first:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE)
         stands_still = iterations > 1 and residual > 0.5 * before and residual < ROUND_OFF * atol

@@ -1,14 +1,15 @@
 """An elastic body: what it weighs, how it resists, one factorization of that for each step size.
 
-Total Lagrangian, St. Venant-Kirchhoff. All vectors are per unit of thickness and hold the owned
-unknowns of a rank, node by node.
+Total Lagrangian, St. Venant-Kirchhoff. All vectors hold the owned unknowns of a rank, node by node,
+and belong to the whole thickness.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -17,7 +18,7 @@ from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
 from solver.compat import PackedForm
-from solver.dynamics.generalized_alpha import TangentWeights
+from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.mechanics.factorization import Factorization
 from solver.mechanics.kinematics import polar_rotation
 from solver.mechanics.material import Material, green_strain
@@ -48,6 +49,34 @@ class StrainWeights:
     rate: float = 0.0
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Support:
+    """Facets whose displacement is held, in some directions or in all.
+
+    Attributes:
+        facets: Numbers of boundary facets.
+        directions: Held components of the displacement.
+    """
+
+    facets: NDArray[np.int32]
+    directions: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroundSpring:
+    """A horizontal spring and dashpot to the ground, spread evenly over some facets.
+
+    Attributes:
+        facets: Numbers of boundary facets.
+        stiffness: k of the whole spring, N/m.
+        dashpot: c of the whole dashpot, N s/m.
+    """
+
+    facets: NDArray[np.int32]
+    stiffness: float
+    dashpot: float = 0.0
+
+
 class ElasticBody:
     """Forces, energies and tangents of one meshed body."""
 
@@ -59,6 +88,10 @@ class ElasticBody:
         degree: int = 1,
         damping: Damping | None = None,
         clamped: Callable[[Array], NDArray[np.bool_]] | None = None,
+        name: str = "block",
+        thickness: float = 1.0,
+        supports: Sequence[Support] = (),
+        spring: GroundSpring | None = None,
     ):
         """Compile the forms and assemble mass and stiffness.
 
@@ -69,8 +102,15 @@ class ElasticBody:
             damping: Rayleigh damping; None assembles no such terms.
             clamped: Marker of boundary points held fixed, as dolfinx's `locate_entities_boundary`
                 takes it.
+            name: What messages and files call it.
+            thickness: t, m; 1 in 3-D.
+            supports: Further held facets.
+            spring: Between some facets and the ground.
         """
+        self.name, self.thickness = name, thickness
         self.material, self.damping = material, damping or Damping()
+        self.law = material.times(thickness)
+        """Stresses times thickness."""
         d = domain.geometry.dim
         self.dimension, self.comm = d, domain.comm
         self.space = fem.functionspace(domain, ("Lagrange", degree, (d,)))
@@ -80,33 +120,51 @@ class ElasticBody:
         self.u, self.u_old = fem.Function(self.space, name="displacement"), fem.Function(self.space)
         self.v_old = fem.Function(self.space, name="velocity")
         self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
-        self.clamped = clamped is not None
-        bcs = self._clamp(domain, clamped)
-        self.fixed = (
-            np.concatenate([bc.dof_indices()[0] for bc in bcs]) if bcs else np.empty(0, np.int32)
-        )
-        self.fixed = self.fixed[self.fixed < self.size]
+        if clamped is not None:
+            facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
+            supports = (*supports, Support(facets=facets, directions=tuple(range(d))))
+        self.clamped = bool(supports)
+        self.fixed = self._held(supports)
         self._compile(domain, degree)
         self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
         self._factorizations: dict[TangentWeights, Factorization] = {}
+        self._spring, self._dashpot = self._spread(domain, spring)
         self.factorizations = 0
         """How many tangents were factorized so far."""
         self._interface: PETSc.Mat | None = None
         self._measure_inertia()
 
-    def _clamp(
-        self, domain: mesh.Mesh, clamped: Callable[[Array], NDArray[np.bool_]] | None
-    ) -> list[fem.DirichletBC]:
-        """Homogeneous Dirichlet conditions on the clamped boundary."""
-        if clamped is None:
-            return []
-        facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
-        dofs = fem.locate_dofs_topological(self.space, domain.topology.dim - 1, facets)
-        return [fem.dirichletbc(np.zeros(self.dimension), dofs, self.space)]
+    def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
+        """Owned unknowns that supports hold."""
+        held = [np.empty(0, dtype=np.int32)]
+        dimension = self.space.mesh.topology.dim - 1
+        for support in supports:
+            nodes = fem.locate_dofs_topological(self.space, dimension, support.facets)
+            held += [nodes * self.dimension + k for k in support.directions]
+        unknowns = np.unique(np.concatenate(held))
+        return unknowns[unknowns < self.size].astype(np.int32)
+
+    def _spread(
+        self, domain: mesh.Mesh, spring: GroundSpring | None
+    ) -> tuple[PETSc.Mat | None, float]:
+        """Stiffness of the spring to the ground, and its dashpot over it (s)."""
+        if spring is None:
+            return None, 0.0
+        order = np.argsort(spring.facets)
+        facets = mesh.meshtags(
+            domain, domain.topology.dim - 1, spring.facets[order], np.ones_like(spring.facets)
+        )
+        ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
+        area = self.comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds)))
+        trial, test = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        horizontal = sum(trial[k] * test[k] for k in range(self.dimension - 1))
+        density = fem.Constant(domain, spring.stiffness / area)
+        matrix = PackedForm(density * horizontal * ds).matrix()
+        return matrix, spring.dashpot / spring.stiffness
 
     def _compile(self, domain: mesh.Mesh, degree: int) -> None:
         """The weak forms, with the weights of a step as constants."""
-        d, material = self.dimension, self.material
+        d, material = self.dimension, self.law
         simplex = domain.basix_cell().name in ("triangle", "tetrahedron")
         quadrature = max(1, 2 * degree - 2) if simplex else 2 * degree
         dx = ufl.Measure("dx", domain, metadata={"quadrature_degree": quadrature})
@@ -135,6 +193,10 @@ class ElasticBody:
         self._increment_energy = PackedForm(ufl.inner(increment, stress(increment)) * dx)
         linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
         self.stiffness_matrix = PackedForm(linear * dx).matrix()
+        cells = domain.topology.index_map(d).size_local
+        size = max(domain.h(d, np.arange(min(cells, 1), dtype=np.int32)), default=0.0)
+        # Forces of round-off grow with the cells in space, E h u, and not in the plane, E t u.
+        self._cell_size = 1.0 if d == 2 else self.comm.allreduce(float(size), op=MPI.MAX)
         inertia = fem.Constant(domain, material.density) * ufl.inner(trial, test)
         self.mass_matrix = PackedForm(
             inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
@@ -162,9 +224,46 @@ class ElasticBody:
 
     def inertia(self, vector: Array) -> Array:
         """M x, with the consistent mass."""
+        return self._times(self.mass_matrix, vector)
+
+    def _times(self, matrix: PETSc.Mat, vector: Array) -> Array:
+        """A product, by way of vectors that are kept."""
         self._factor[:] = vector
-        self.mass_matrix.mult(*self._product)
+        matrix.mult(*self._product)
         return self._image.copy()
+
+    @property
+    def inertia_tensor(self) -> Array:
+        """Of the unrotated body in space about its centre, (3, 3), kg m2."""
+        return np.trace(self._moment) * np.eye(self.dimension) - self._moment
+
+    @property
+    def rigidity(self) -> float:
+        """What the body's stiffness against forces on it is like, N/m."""
+        length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.law.density))
+        return self.law.longitudinal * length
+
+    def surface_force(self, facets: NDArray[np.int32], traction: Sequence[float]) -> Array:
+        """Forces of a traction on boundary facets, per undeformed area: a load that stays as it is.
+
+        Args:
+            facets: Numbers of the facets.
+            traction: Pa, (d,).
+        """
+        domain = self.space.mesh
+        order = np.argsort(facets)
+        tags = mesh.meshtags(
+            domain, domain.topology.dim - 1, facets[order], np.ones(len(facets), dtype=np.int32)
+        )
+        ds = ufl.Measure("ds", domain, subdomain_data=tags)(1)
+        value = fem.Constant(domain, self.thickness * np.asarray(traction, dtype=float))
+        form = PackedForm(ufl.inner(value, ufl.TestFunction(self.space)) * ds)
+        vector = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
+        form.vector(vector.array)
+        vector.scatter_reverse(la.InsertMode.add)
+        force: Array = vector.array[: self.size].copy()
+        force[self.fixed] = 0.0
+        return force
 
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""
@@ -172,6 +271,17 @@ class ElasticBody:
             return np.eye(self.dimension)
         moment = u.reshape(-1, self.dimension).T @ self._moment_row
         return polar_rotation(global_sum(self.comm, moment) + self._moment)
+
+    def begin_step(self, u_old: Array, v_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
+        """Fix what a step of length `dt` starts from."""
+        af, beta = scheme.alpha_f, self.damping.stiffness
+        viscous = 2 * (1 - af) * beta / dt
+        weights = StrainWeights(1 - af + viscous, af - viscous, -(1 - 2 * af) * beta)
+        self.begin(u_old, v_old, weights)
+
+    def begin_static(self, u: Array, v: Array) -> None:
+        """Prepare for the forces of a state itself, the damping of strain rates among them."""
+        self.begin(u, v, StrainWeights(new=1.0, old=0.0, rate=self.damping.stiffness))
 
     def begin(self, u_old: Array, v_old: Array, weights: StrainWeights) -> None:
         """Fix what a step starts from: state at t_n and the weights of its stress."""
@@ -203,16 +313,44 @@ class ElasticBody:
             self._buffer.scatter_reverse(la.InsertMode.add)
         return self._buffer.array[: self.size].copy()
 
+    @property
+    def on_spring(self) -> bool:
+        """Whether a spring ties it to the ground."""
+        return self._spring is not None
+
+    def spring(self, vector: Array) -> Array | None:
+        """Force of the spring to the ground for a displacement; None without one."""
+        return None if self._spring is None else self._times(self._spring, vector)
+
+    def drag(self, velocity: Array) -> Array | None:
+        """C v: mass-proportional damping and the dashpot; None without both."""
+        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
+        if self._dashpot and self._spring is not None:
+            dashpot = self._dashpot * self._times(self._spring, velocity)
+            force = dashpot if force is None else force + dashpot
+        return force
+
+    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
+        """Weights of the tangent in a step."""
+        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self._dashpot)
+
+    def round_off(self, u: Array, weights: TangentWeights) -> float:
+        """Square of the residual that round-off leaves at u; this rank's part."""
+        node_mass = self.mass * self.dimension / self.unknowns
+        stiffness = 0.6 * self.law.longitudinal * self._cell_size
+        stiffness += 0.1 * weights.mass * node_mass
+        return float(np.finfo(float).eps * stiffness) ** 2 * float(u @ u)
+
     def strain_energy(self) -> float:
-        """Integral of E:C:E/2 over this rank's cells, J/m, at the displacement last assigned."""
+        """Integral of E:C:E/2 over this rank's cells, J, at the displacement last assigned."""
         return self._strain_energy.scalar()
 
     def increment_energy(self) -> float:
-        """Integral of dE:C:dE over this rank's cells, J/m, dE = E_{n+1} - E_n."""
+        """Integral of dE:C:dE over this rank's cells, J, dE = E_{n+1} - E_n."""
         return self._increment_energy.scalar()
 
     def rate_energy(self) -> float:
-        """Integral of dE_n/dt:C:dE over this rank's cells, W s/m; 0 without stiffness damping."""
+        """Integral of dE_n/dt:C:dE over this rank's cells, W s; 0 without stiffness damping."""
         return self._rate_form.scalar() if self.damping.stiffness else 0.0
 
     def stiffen(self, interface: PETSc.Mat) -> None:
@@ -230,6 +368,8 @@ class ElasticBody:
             matrix = self.stiffness_matrix.copy()
             matrix.scale(weights.stiffness)
             matrix.axpy(weights.mass, self.mass_matrix)
+            if self._spring is not None:
+                matrix.axpy(weights.spring, self._spring)
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
             self._factorizations[weights] = Factorization(self.hold(matrix))

@@ -30,3 +30,10 @@ def lean(rotation: NDArray[np.float64]) -> float:
 def unwrap(angle: float, previous: float) -> float:
     """The value of `angle` modulo 2 pi that is nearest to `previous`."""
     return float(angle + 2 * np.pi * np.round((previous - angle) / (2 * np.pi)))
+
+
+def rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rotation vector of a rotation in space, rad: along its axis, as long as its angle."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_matrix(rotation).as_rotvec())

@@ -6,7 +6,7 @@ rotate by any angle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -48,14 +48,25 @@ class Material:
         """Lambda + 2 mu, Pa: the stiffness against a contact pressure."""
         return self.lame + 2 * self.shear
 
+    def times(self, thickness: float) -> Material:
+        """The material of a plate of this thickness: forces per metre become whole forces."""
+        return replace(self, young=self.young * thickness, density=self.density * thickness)
+
     def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
         """S = lambda tr(E) I + 2 mu E for strains (..., d, d)."""
-        stress = 2 * self.shear * strain
-        directions = range(strain.shape[-1])
-        trace = self.lame * sum(strain[..., i, i] for i in directions)
-        for i in directions:
-            stress[..., i, i] += trace
-        return stress
+        return hooke(2 * strain, self.lame, self.shear)
+
+
+def hooke(twice: NDArray[np.float64], lame: float, shear: float) -> NDArray[np.float64]:
+    """S = lambda tr(E) I + 2 mu E of twice the strain, 2 E, (..., d, d)."""
+    stress = shear * twice
+    trace = twice[..., 0, 0] + twice[..., 1, 1]
+    if twice.shape[-1] == 3:
+        trace += twice[..., 2, 2]
+    trace *= 0.5 * lame
+    for i in range(twice.shape[-1]):
+        stress[..., i, i] += trace
+    return stress
 
 
 def green_strain(gradient: Any) -> Any:

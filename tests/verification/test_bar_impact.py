@@ -15,11 +15,13 @@ import numpy as np
 import pytest
 
 from geometry.block import Block
-from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
+from solver.contact.carriers import Plane
 from solver.contact.faces import ContactFaces
+from solver.contact.friction import FrictionLaw
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.dynamics.stepper import Stepper
+from solver.dynamics.system import System
 from solver.mechanics.elastic_body import ElasticBody
 from solver.mechanics.material import Material
 from solver.reference import bar_impact
@@ -50,23 +52,16 @@ def bounce(rho_inf: float, gamma: float) -> Bounce:
     material = Material(young=1.0, poisson=0.0, density=1.0)
     body = ElasticBody(domain.mesh, material, clamped=lambda x: np.isclose(x[1], 1.0))
     faces = ContactFaces(
-        body.space,
-        domain.facet_tags,
-        material,
-        RigidFoundation(),
-        points="nodes",
-        gamma=gamma,
-        friction=0.0,
-        theta=1,
+        body, domain.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0), gamma=gamma
     )
-    stepper = Stepper(body, faces, GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
+    stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     x = body.nodes[:, 1]
     u = np.zeros_like(body.nodes)
     u[:, 1] = AMPLITUDE * (1 - x) / 2
     state = stepper.start(u.ravel(), np.zeros(u.size))
 
     def energy() -> float:
-        return state.kinetic + state.strain + stepper.interface.energy(state.contact)
+        return state.kinetic + state.strain + stepper.interface_energy(state)
 
     start = energy()
     assert start == pytest.approx(AMPLITUDE**2 * h * bar_impact.ENERGY, rel=1e-5)
@@ -79,7 +74,7 @@ def bounce(rho_inf: float, gamma: float) -> Bounce:
         lost += exchange.contact + exchange.numerical
         highest = max(highest, energy())
         ledger = max(ledger, abs(energy() - start + lost))
-        pressure = state.contact.force[:, 0].sum() / h / AMPLITUDE
+        pressure = state.contacts[0].force[:, 0].sum() / h / AMPLITUDE
         changes += (pressure > 0) != closed
         closed = pressure > 0
         exact = bar_impact.displacement(t, x)

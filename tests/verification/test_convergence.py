@@ -12,11 +12,13 @@ import ufl
 from dolfinx import fem
 
 from geometry.block import Block
-from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
+from solver.contact.carriers import Plane
 from solver.contact.faces import ContactFaces
+from solver.contact.friction import FrictionLaw
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.dynamics.stepper import Stepper
+from solver.dynamics.system import System
 from solver.mechanics.elastic_body import Damping, ElasticBody, StrainWeights
 from solver.mechanics.material import Material
 
@@ -89,13 +91,14 @@ def test_static_block_converges_in_the_cell_size(cell, degree, plane):
 class Vibration:
     """A free block in the air, its stepper, and its lowest vibration."""
 
+    body: ElasticBody
     stepper: Stepper
     shape: np.ndarray
     frequency: float
 
     def start(self, amplitude: float, speed: float = 0.0):
         """Deflected and moving as the mode, 20 mm above the ground."""
-        up = np.zeros_like(self.stepper.body.nodes)
+        up = np.zeros_like(self.body.nodes)
         up[:, 1] = 0.02
         self.aloft = up.ravel()
         u = self.aloft + amplitude * self.shape
@@ -103,10 +106,10 @@ class Vibration:
 
     def coordinate(self, state) -> float:
         """How much of the mode is in a state."""
-        return float(self.shape @ self.stepper.body.inertia(state.u - self.aloft))
+        return float(self.shape @ self.body.inertia(state.u - self.aloft))
 
     def energy(self, state) -> float:
-        return state.kinetic + state.strain + self.stepper.interface.energy(state.contact)
+        return state.kinetic + state.strain + self.stepper.interface_energy(state)
 
 
 def dense(matrix) -> np.ndarray:
@@ -119,25 +122,18 @@ def dense(matrix) -> np.ndarray:
 
 
 def vibration(rho_inf: float, theta: int, damping: Damping | None = None) -> Vibration:
-    made, material, body = block((2, 4), "quadrilateral", 2, damping=damping)
+    made, _, body = block((2, 4), "quadrilateral", 2, damping=damping)
     faces = ContactFaces(
-        body.space,
-        made.facet_tags,
-        material,
-        RigidFoundation(),
-        points="nodes",
-        gamma=100.0,
-        friction=0.5,
-        theta=theta,
+        body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5), theta=theta
     )
-    stepper = Stepper(body, faces, GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
+    stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     stepper.start(np.zeros(body.size), np.zeros(body.size))  # faces join
     stiffness = dense(body.stiffness_matrix)
     if theta:
-        stiffness -= dense(stepper.interface.theta_matrix(body.mass_matrix))
+        stiffness -= dense(stepper.links[0].interface.theta_matrix(body.mass_matrix))
     squares, shapes = scipy.linalg.eigh(stiffness, dense(body.mass_matrix))
     assert np.abs(squares[:3]).max() < 1e-6 * squares[3]  # three rigid motions
-    return Vibration(stepper, shapes[:, 3], float(np.sqrt(squares[3])))
+    return Vibration(body, stepper, shapes[:, 3], float(np.sqrt(squares[3])))
 
 
 def largest_error(vibrating: Vibration, damping: Damping | None, dts: Sequence[float]) -> float:
@@ -156,7 +152,7 @@ def largest_error(vibrating: Vibration, damping: Damping | None, dts: Sequence[f
         turned = damped * state.time
         exact = np.exp(-decay * state.time) * (np.cos(turned) + sine * np.sin(turned))
         worst = max(worst, abs(vibrating.coordinate(state) / amplitude - exact))
-    assert not state.contact.force.any()
+    assert not state.contacts[0].force.any()
     return worst
 
 
@@ -187,10 +183,11 @@ def test_start_is_in_balance(theta):
     """p_0 = -K u_0 - C v_0, from the matrices; small displacements and loads from nowhere."""
     damping = Damping(mass=30.0, stiffness=2e-4)
     vibrating = vibration(0.8, theta, damping)
-    body, interface = vibrating.stepper.body, vibrating.stepper.interface
+    body = vibrating.body
     u, v = 1e-9 * np.random.default_rng(0).uniform(-1, 1, (2, body.size))
     v *= vibrating.frequency
     state = vibrating.stepper.start(u, v)
+    interface = vibrating.stepper.links[0].interface
     mass, stiffness = dense(body.mass_matrix), dense(body.stiffness_matrix)
     elastic = stiffness @ u
     if theta:

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from geometry.block import Block
-from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
+from solver.contact.carriers import Plane
 from solver.contact.faces import ContactFaces
-from solver.contact.plane_contact import PlaneContact
+from solver.contact.friction import FrictionLaw
+from solver.contact.interface import Interface
+from solver.dynamics.system import ports_of
 from solver.mechanics.elastic_body import Damping, ElasticBody, StrainWeights
 from solver.mechanics.material import Material
 
@@ -34,7 +36,7 @@ class Thing:
 
     body: ElasticBody
     faces: ContactFaces
-    interface: PlaneContact
+    interface: Interface
 
     def displacement(self, seed: int, angle: float, strain: float = 0.05) -> np.ndarray:
         """A rotation about the centre and a rough field on top of it."""
@@ -47,10 +49,10 @@ class Thing:
         return size * np.random.default_rng(seed).uniform(-1, 1, self.body.size)
 
     def layer(self, u: np.ndarray) -> np.ndarray:
-        return self.interface.points.layer.gather(u.reshape(-1, 2))
+        return self.interface.points.points.layer.gather(u.reshape(-1, 2))
 
     def surface(self, u: np.ndarray):
-        return self.interface.points.evaluate(self.layer(u))
+        return self.interface.points.points.evaluate(self.layer(u))
 
     def work(self, nodal: np.ndarray, u: np.ndarray) -> float:
         """Of forces on the layer's nodes."""
@@ -64,16 +66,7 @@ def thing(request) -> Thing:
     material = Material(young=3.0, poisson=0.25, density=2000.0, plane=plane)
     damping = Damping(mass=0.0, stiffness=1e-3)
     body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
-    faces = ContactFaces(
-        body.space,
-        made.facet_tags,
-        material,
-        RigidFoundation(),
-        points="nodes",
-        gamma=100.0,
-        friction=0.5,
-        theta=1,
-    )
+    faces = ContactFaces(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5))
     return Thing(body, faces, faces.join(FACES))
 
 
@@ -158,7 +151,7 @@ def test_rate_of_strain(thing):
 
 def test_discrete_gradient_of_the_traction(thing):
     """DT[u_1 - u_0] between two states is T_1 - T_0."""
-    points = thing.interface.points
+    points = thing.interface.points.points
     u0, u1 = thing.displacement(6, 0.1), thing.displacement(7, 0.8)
     old, new = thing.surface(u0), thing.surface(u1)
     for seed in range(3):
@@ -171,7 +164,7 @@ def test_discrete_gradient_of_the_traction(thing):
 
 def test_gradient_of_the_traction(thing):
     """Where both states are one it is the derivative of T."""
-    points = thing.interface.points
+    points = thing.interface.points.points
     u, v = thing.displacement(8, 0.5), thing.direction(9)
     vector = np.random.default_rng(1).standard_normal((points.count, 2))
     here = thing.surface(u)
@@ -182,7 +175,7 @@ def test_gradient_of_the_traction(thing):
 
 def test_traction_of_a_homogeneous_stretch(thing):
     """x = F X by hand: T = F S N on every face, whatever the elements."""
-    body, points = thing.body, thing.interface.points
+    body, points = thing.body, thing.interface.points.points
     F = np.array([[1.02, 0.3], [-0.1, 0.97]])
     u = (body.nodes @ F.T - body.nodes).ravel()
     E = (F.T @ F - np.eye(2)) / 2
@@ -198,23 +191,25 @@ def test_traction_of_a_homogeneous_stretch(thing):
 
 def test_rows_of_traction_and_position(thing):
     """Linear maps: the derivatives at rest."""
-    interface, points = thing.interface, thing.interface.points
+    interface, points = thing.interface, thing.interface.points.points
     v = thing.direction(11)
     expected = slope(lambda s: thing.surface(s * v).traction)
-    found = (interface.traction_rows @ thing.layer(v).ravel()).reshape(-1, 2)
+    found = (points.traction_rows() @ thing.layer(v).ravel()).reshape(-1, 2)
     assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
     moved = thing.surface(v).position - points.reference
-    assert (interface.position_rows @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(moved)
+    assert (points.position_rows() @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(moved)
     softened = moved - found / points.gamma_h[:, None]
-    for rows in (interface.read_rows, interface.force_rows):  # theta = 1: the same
+    ports = ports_of(interface.points, interface, tractions=True)
+    for rows in (ports.read_rows, ports.force_rows):  # theta = 1: the same
         assert (rows @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(softened)
 
 
 @pytest.mark.parametrize("theta", [1, -1])
 def test_theta_matrix(thing, theta):
     """v.A v = theta sum w |DT[v]|^2/gamma_h, and A u the derivative of the theta term."""
-    interface = PlaneContact(thing.interface.points, RigidFoundation(), theta=theta)
-    points, body = interface.points, thing.body
+    law = FrictionLaw.coulomb(0.5)
+    interface = Interface(thing.interface.points, Plane.level(2), law, theta=theta)
+    points, body = interface.points.points, thing.body
     matrix = interface.theta_matrix(body.stiffness_matrix)
     v = thing.direction(12)
     x, y = matrix.createVecs()
@@ -228,20 +223,25 @@ def test_theta_matrix(thing, theta):
     def term(s: float) -> np.ndarray:
         """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
         surface = thing.surface(s * v)
-        nodal = interface.nodal(surface, surface, np.zeros((points.count, 2)), 1.0, 1.0)
-        total = np.zeros((body.owned, 2))
-        points.layer.add(total, nodal)
-        return total.ravel()
+        nothing = np.zeros((points.count, 2))
+        pull = interface.traction_pull(surface, surface, nothing, 1.0, 1.0)
+        total = np.zeros(body.size)
+        interface.points.push(total, surface, surface, nothing, pull)
+        return total
 
     assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
 
 
 def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     """G^T f between two states works f.(y_1 - y_0), y = x - T/gamma_h (theta = 1)."""
-    interface, points = thing.interface, thing.interface.points
+    interface, points = thing.interface, thing.interface.points.points
     u0, u1 = thing.displacement(13, 0.1, 1e-2), thing.displacement(14, 0.15, 1e-2)
     old, new = thing.surface(u0), thing.surface(u1)
     force = np.random.default_rng(15).standard_normal((points.count, 2))
-    nodal = interface.nodal(old, new, force, 0.0, 1.0)
-    expected = float(np.sum(force * (interface.augmented(new) - interface.augmented(old))))
-    assert thing.work(nodal, u1 - u0) == pytest.approx(expected, rel=1e-11)
+    pull = interface.traction_pull(old, new, force, 0.0, 1.0)
+    vectors, reaction = interface.push(*(interface.observe(u, None)[1] for u in (u0, u1)), force)
+    total = np.zeros(thing.body.size)
+    interface.points.push(total, old, new, vectors, pull)
+    y_old, y_new = (interface.augmented(*interface.observe(u, None)) for u in (u0, u1))
+    assert reaction is None
+    assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)

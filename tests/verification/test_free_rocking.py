@@ -9,10 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry.tags import FacetTag
-from solver.contact.faces import carry_over
+from solver.contact.interface import carry_over
 from solver.reference.housner import housner
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, build, initial_state, simulate
+from solver.build import build, initial_state
+from solver.simulate import Result, simulate
 
 BLOCK = {
     "width": 0.25,
@@ -185,17 +186,17 @@ def test_a_block_that_tips_over_lies_on_its_side() -> None:
 
 def test_memory_survives_when_a_face_joins() -> None:
     """The bottom's points keep force and anchor once the side is there."""
-    stepper = build(scene())
-    state = initial_state(scene(), stepper, lambda line: None)
+    assembly = build(scene())
+    stepper = assembly.stepper
+    state, _ = initial_state(scene(), assembly)
     state, _ = stepper.advance(state, 1e-3)
-    before, alone = state.contact, stepper.interface
+    before, alone = state.contacts[0], stepper.links[0].interface
     keys = alone.keys()
-    stepper._join(frozenset({FacetTag.BOTTOM, FacetTag.RIGHT}))
-    fresh = stepper.interface.start(
-        stepper.interface.points.evaluate(stepper.layer(state.u)), stepper.body.rotation(state.u)
-    )
-    after = carry_over(before, alone, stepper.interface, fresh)
-    place = {key: k for k, key in enumerate(stepper.interface.keys())}
+    assert int(FacetTag.RIGHT) not in assembly.stepper._contacts[0].joined
+    together = stepper._contacts[0].join(frozenset({FacetTag.BOTTOM, FacetTag.RIGHT}))
+    fresh = together.start(state.u, None, np.eye(2))
+    after = carry_over(before, alone, together, fresh)
+    place = {key: k for k, key in enumerate(together.keys())}
     assert len(place) > len(keys)
     for k, key in enumerate(keys):
         assert after.force[place[key]] == pytest.approx(before.force[k])

@@ -1,0 +1,304 @@
+"""From a scene to its bodies, its contacts and a stepper; only what the scene needs is meshed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from mpi4py import MPI
+
+import numpy as np
+from dolfinx.mesh import MeshTags
+from numpy.typing import NDArray
+
+from geometry.arrangement import Pose
+from geometry.mesh import block_mesh, move
+from geometry.tags import FacetTag
+from solver.arrangement import stands
+from solver.contact.carriers import Carrier, Face
+from solver.contact.faces import ContactFaces, Contacts, FixedContacts
+from solver.contact.friction import FrictionLaw
+from solver.contact.surface import carrier_surface
+from solver.contact.surfaces import NodePoints, RigidPoints
+from solver.dynamics.generalized_alpha import GeneralizedAlpha
+from solver.dynamics.state import State
+from solver.dynamics.stepper import StepFailed, Stepper
+from solver.dynamics.system import Body, System
+from solver.excitation.motion import ground_motion
+from solver.foundations import Support, foundation, rim
+from solver.mechanics.dense_body import RigidBlock
+from solver.mechanics.elastic_body import Damping, ElasticBody
+from solver.mechanics.material import Material
+from solver.scene import Scene
+from solver.specs import BlockSpec
+
+Array = NDArray[np.float64]
+
+RIGID = 1e3
+"""How much stiffer than any meshed body a rigid block in space is made."""
+
+
+@dataclass(slots=True)
+class Member:
+    """A block as a body.
+
+    Attributes:
+        spec: What the scene says of it.
+        body: The body.
+        number: Of the body in the system.
+        stand: From the body's reference configuration to where it begins.
+        tags: Facet tags of a meshed body.
+        contacts: Numbers of its contacts: with its own points, and with those of the edge below it.
+    """
+
+    spec: BlockSpec
+    body: ElasticBody | RigidBlock
+    number: int
+    stand: Pose
+    tags: MeshTags | None = None
+    contacts: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Assembly:
+    """A scene made of bodies.
+
+    Attributes:
+        stepper: Steps them.
+        members: The blocks, in the order of the scene.
+        support: What carries them.
+    """
+
+    stepper: Stepper
+    members: Sequence[Member]
+    support: Support
+
+
+def build(
+    scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> Assembly:
+    """Mesh what has to be meshed and set the solver up."""
+    placed = stands(scene)
+    members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
+    support = foundation(scene, len(members), comm)
+    bodies: list[Body] = []
+    bodies += [member.body for member in members]
+    if support.body is not None:
+        bodies.append(support.body)
+    contacts: list[Contacts] = []
+    for member in members:
+        contacts += _contacts(scene, member, members, support, len(contacts))
+    stepper = Stepper(
+        System(bodies),
+        contacts,
+        GeneralizedAlpha(scene.time.rho_inf),
+        gravity=np.array(scene.gravity_vector),
+        base_acceleration=ground_motion(scene),
+        velocity_solve=scene.contact.velocity_solve,
+        petsc_options=petsc_options,
+    )
+    return Assembly(stepper, members, support)
+
+
+def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intracomm) -> Member:
+    """One block: meshed upright at its place, or rigid.
+
+    In space a rigid block among meshed bodies is one very stiff hexahedron: its mass and rotary
+    inertia are those of the block, and finite rotations are those of every meshed body.
+    """
+    spec = scene.blocks[number]
+    upright, stand = placed
+    dimension = scene.dimension
+    centre = np.zeros(dimension)
+    centre[-1] = spec.height / 2
+    if spec.model == "rigid" and dimension == 2:
+        block = RigidBlock(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
+        return Member(spec, block, number, stand)
+    rigid = spec.model == "rigid"
+    made = block_mesh(
+        spec.shape,
+        dimension=dimension,
+        cells=(1, 1, 1) if rigid else spec.cells,
+        cell="hexahedron" if rigid else spec.cell,
+        refinement=1.0 if rigid else spec.refinement,
+        comm=comm,
+    )
+    move(made.mesh, upright)
+    young, poisson = (_stiffest(scene), 0.0) if rigid else spec.elasticity
+    plane = scene.plane if dimension == 2 else "solid"
+    material = Material(young=young, poisson=poisson, density=spec.shape.density, plane=plane)
+    body = ElasticBody(
+        made.mesh,
+        material,
+        degree=1 if rigid else spec.degree,
+        damping=None if rigid else rayleigh(scene),
+        name=spec.name,
+        thickness=spec.thickness if dimension == 2 else 1.0,
+    )
+    return Member(spec, body, number, stand, made.facet_tags)
+
+
+def _stiffest(scene: Scene) -> float:
+    """Young's modulus of a block that is rigid beside the meshed bodies of a scene, Pa."""
+    moduli = [block.young for block in scene.blocks if block.model == "elastic"]
+    moduli.append(getattr(scene.foundation, "young", None))
+    return RIGID * max(young for young in moduli if young)
+
+
+def rayleigh(scene: Scene) -> Damping | None:
+    """Rayleigh damping of meshed bodies."""
+    given = scene.damping
+    return None if given is None else Damping(mass=given.mass, stiffness=given.stiffness)
+
+
+def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:
+    """Friction between a block and what carries it."""
+    given = scene.friction_of(spec)
+    return FrictionLaw(
+        static=given.static,
+        dynamic=given.dynamic,
+        decay=given.decay,
+        cohesion=given.cohesion,
+        cohesion_lost=given.cohesion_lost,
+    )
+
+
+def _contacts(
+    scene: Scene, member: Member, members: Sequence[Member], support: Support, first: int
+) -> list[Contacts]:
+    """The contact of a block with what carries it, and of that one's edge with the block."""
+    law = friction_law(scene, member.spec)
+    below = next((other for other in members if other.spec.name == member.spec.on), None)
+    carrier, on = (support.carrier(), support.number) if below is None else _top(below)
+    own: Contacts
+    if isinstance(member.body, ElasticBody):
+        assert member.tags is not None
+        contact = scene.contact
+        own = ContactFaces(
+            *(member.body, member.tags, carrier, law),
+            points=contact.points,
+            gamma=contact.gamma,
+            theta=contact.theta,
+            body=member.number,
+            on=on,
+        )
+    else:
+        points = RigidPoints(member.body, _outline(member, carrier), _base_area(scene, member))
+        own = FixedContacts(points, carrier, law, body=member.number, on=on)
+    contacts = [own]
+    edge = support.edge() if below is None else _edge(below)
+    if edge is not None:
+        contacts.append(FixedContacts(edge, _bottom(member), law, body=on, on=member.number))
+    member.contacts = list(range(first, first + len(contacts)))
+    return contacts
+
+
+def _base_area(scene: Scene, member: Member) -> float:
+    """Area of the bottom and as much for each other side that may touch: cohesion acts on it."""
+    return member.spec.width * member.spec.thickness * 2
+
+
+def _outline(member: Member, carrier: Carrier) -> Array:
+    """Points of a rigid block that may touch: its corners, on facets also points between them."""
+    corners = _corners(member)
+    if not isinstance(carrier, Face):
+        return corners
+    count = int(np.ceil(member.spec.width / carrier.facet))
+    between = np.linspace(0, 1, count + 1)[1:-1, None]
+    bottom = corners[0] + between * (corners[1] - corners[0])
+    return np.vstack([corners, bottom])
+
+
+def _corners(member: Member) -> Array:
+    """Corners of a rigid block in its reference configuration: bottom left, bottom right, top."""
+    assert isinstance(member.body, RigidBlock)
+    half = np.array([member.spec.width, member.spec.height]) / 2
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    return member.body.centre + signs * half
+
+
+def level_frame(dimension: int, up: float = 1.0) -> Array:
+    """Rows normal and tangents of a level face that looks up or down."""
+    if dimension == 2:
+        return np.array([[0.0, up], [up, 0.0]])
+    return np.array([[0.0, 0.0, up], [1.0, 0.0, 0.0], [0.0, up, 0.0]])
+
+
+def _face(member: Member, tag: FacetTag, up: float, margin: float) -> Face:
+    """A level face of a block as a carrier."""
+    frame = level_frame(member.body.dimension, up)
+    if isinstance(member.body, ElasticBody):
+        assert member.tags is not None
+        surface = carrier_surface(member.body.space, member.tags, int(tag))
+        points = NodePoints(member.body, surface.layer, surface.positions)
+        return Face(points, surface.nodes, frame, surface.cell, surface.degree, margin)
+    corners = _corners(member)
+    ends = corners[[3, 2]] if tag == FacetTag.TOP else corners[[1, 0]]
+    return Face(RigidPoints(member.body, ends), np.array([[0, 1]]), frame, "interval", 1, margin)
+
+
+def _top(member: Member) -> tuple[Face, int]:
+    """The top of a block as a carrier."""
+    return _face(member, FacetTag.TOP, 1.0, 1e-9), member.number
+
+
+def _bottom(member: Member) -> Face:
+    """The bottom of a block as what an edge below it presses on, its own edges left out."""
+    return _face(member, FacetTag.BOTTOM, -1.0, -1e-6)
+
+
+def _edge(member: Member) -> NodePoints | RigidPoints:
+    """The ends of the top of a block."""
+    if isinstance(member.body, ElasticBody):
+        assert member.tags is not None
+        surface = carrier_surface(member.body.space, member.tags, int(FacetTag.TOP))
+        return NodePoints(
+            member.body, surface.layer, surface.positions, chosen=rim(surface.positions)
+        )
+    return RigidPoints(member.body, _corners(member)[[3, 2]])
+
+
+def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
+    """Where everything is at t = 0, and a remark where it could not be as asked.
+
+    In equilibrium where the blocks begin closed, else unstressed.
+    """
+    stepper, remark = assembly.stepper, ""
+    u = np.zeros(stepper.system.size)
+    v = np.zeros_like(u)
+    for member in assembly.members:
+        own = stepper.system.slices[member.number]
+        u[own], v[own] = _placed(member)
+    closed = all(block.tilt == 0.0 for block in scene.blocks)
+    if scene.time.initial == "static" and closed and scene.gravity > 0:
+        for glued in (False, True):
+            try:
+                state = stepper.static_start(u, glued=glued)
+                return stepper.launch(state, v) if v.any() else state, remark
+            except StepFailed as trouble:
+                first = (
+                    f"friction does not hold the start ({trouble}): let go from where glue would"
+                )
+                last = f"no static equilibrium ({trouble}): starting unstressed"
+                remark = last if glued else first
+    return stepper.start(u, v), remark
+
+
+def _placed(member: Member) -> tuple[Array, Array]:
+    """Initial displacement and velocity of the owned unknowns of a block."""
+    body, spec = member.body, member.spec
+    if isinstance(body, RigidBlock):
+        moved = member.stand(body.centre[None])[0] - body.centre
+        turn = np.arctan2(member.stand.rotation[0, 1], member.stand.rotation[0, 0])
+        velocity = np.array([*spec.velocity, spec.angular_velocity], dtype=float)
+        return np.append(moved, turn)[body.own], velocity[body.own]
+    place = member.stand(body.nodes)
+    centre = member.stand(body.centre[None])[0]
+    arm = place - centre
+    velocity = np.tile(np.asarray(spec.velocity, dtype=float), (len(arm), 1))
+    if body.dimension == 2:
+        assert isinstance(spec.angular_velocity, float)
+        velocity += spec.angular_velocity * arm[:, ::-1] * (1.0, -1.0)
+    else:
+        velocity += np.cross(np.asarray(spec.angular_velocity, dtype=float), arm)
+    return (place - body.nodes).ravel(), velocity.ravel()

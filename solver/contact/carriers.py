@@ -1,0 +1,321 @@
+"""What carries contact points: an endless plane, or the facets of a body's face.
+
+For points in space a carrier gives the gap g along the normal of the step's frame and the tangential
+position s, in the coordinates of its own material, so that the stick memory travels with it. The
+increments of both between two instants are products of its rows with increments of position,
+exactly: that is what makes the work of contact forces a difference of states.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.foundation import RigidFoundation
+from solver.contact.surfaces import FixedPoints, NodePoints, RigidPoints, Seen
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+STILL = 1e-6
+"""A foot that moves by less than this part of its facet is taken to have the local slope."""
+
+
+@dataclass(slots=True)
+class Foot:
+    """Where points stand on the facets of a face.
+
+    Attributes:
+        nodes: Nodes of each point's facet, (m, k).
+        weights: Shape functions N there, (m, k).
+        along: Tangential position s in the undeformed face, (m, d-1), m.
+        slope: Rise of the face along the tangents of the frame, (m, d-1).
+        metric: Current over undeformed tangential lengths, (m, d-1, d-1).
+        off: Beyond the edge of the face, (m,).
+    """
+
+    nodes: Indices
+    weights: Array
+    along: Array
+    slope: Array
+    metric: Array
+    off: NDArray[np.bool_]
+
+    def carried(self, values: Array) -> Array:
+        """N values: what the nodes' values (n, d) are at the feet, (m, d)."""
+        return (self.weights[:, None, :] @ values[self.nodes])[:, 0]
+
+
+@dataclass(slots=True)
+class Seat:
+    """Gaps and tangential positions of points over a carrier at one instant.
+
+    Attributes:
+        place: (g, s), (m, d), m.
+        carrier: Where the carrier's own points are; None for the ground.
+        foot: Where the points stand; None on a plane.
+    """
+
+    place: Array
+    carrier: Seen | None = None
+    foot: Foot | None = None
+
+
+class Plane:
+    """An endless plane: the ground's, or that of a rigid platform."""
+
+    turns = False
+
+    def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
+        """Set up.
+
+        Args:
+            frame: Rows normal and tangents, (d, d).
+            origin: A point of the plane, m.
+            platform: One point of the platform that the plane belongs to; None for the ground.
+        """
+        self.frame, self.origin, self.points = frame, origin, platform
+
+    @classmethod
+    def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
+        """The horizontal plane at level 0."""
+        ground = RigidFoundation.level(dimension)
+        return cls(ground.frame, np.asarray(ground.point), platform)
+
+    def seat(self, position: Array, carrier: Seen | None) -> Seat:
+        """Gaps and tangential positions of points in space."""
+        origin = self.origin if carrier is None else self.origin + carrier.position[0]
+        return Seat((position - origin) @ self.frame.T, carrier)
+
+    def vectors(self, old: Seat, new: Seat, force: Array) -> Array:
+        """Point forces (normal, tangential) as vectors in space, (m, d)."""
+        return force @ self.frame
+
+    def react(self, old: Seat, new: Seat, vectors: Array) -> Array | None:
+        """Forces on the carrier's own points; None for the ground."""
+        return None if self.points is None else -vectors.sum(axis=0)[None, :]
+
+    def carried(self, seat: Seat, values: Array) -> Array:
+        """What vectors of the carrier's points are at the contact points."""
+        return np.broadcast_to(values[0], seat.place.shape)
+
+    def turn(self, rotation: Array) -> None:
+        """A plane keeps its frame."""
+
+    def off(self, seat: Seat) -> NDArray[np.bool_] | None:
+        """No point is beyond the edge of a plane."""
+        return None
+
+
+class Face:
+    """Facets of a body that can carry points of another one."""
+
+    turns = True
+
+    def __init__(
+        self,
+        points: NodePoints | RigidPoints | FixedPoints,
+        facets: Indices,
+        frame: Array,
+        cell: str,
+        degree: int = 1,
+        margin: float = 1e-9,
+    ):
+        """Set up.
+
+        Args:
+            points: The nodes of the face.
+            facets: Nodes of each facet, (facets, k); in the plane in their order along the face.
+            frame: Rows normal and tangents of the undeformed face.
+            cell: "interval", "triangle" or "quadrilateral".
+            degree: Polynomial degree on a facet.
+            margin: Part of a facet by which points may be beyond its edge; negative: must be
+                inside.
+        """
+        self._margin = margin
+        if cell == "interval" and degree == 2:
+            facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
+        self.points, self.facets, self.reference_frame = points, facets, frame
+        self.frame = frame
+        kind = getattr(basix.CellType, cell)
+        variant = basix.LagrangeVariant.gll_warped
+        self._element = basix.create_element(basix.ElementFamily.P, kind, degree, variant)
+        self._straight = cell == "interval" and degree == 1
+        self._interval = cell == "interval"
+        self._corners = basix.geometry(kind)
+        self._chain = np.append(facets[:, 0], facets[-1, 1])
+        self._along = points.reference @ frame[1:].T
+        self._reference = self._along[self._chain, 0]
+        chains = self._along[facets[:, : len(self._corners)]]
+        self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
+        self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
+
+    def turn(self, rotation: Array) -> None:
+        """Let the frame of the coming step be that of the turned body."""
+        self.frame = self.reference_frame @ rotation.T
+
+    def seat(self, position: Array, carrier: Seen | None) -> Seat:
+        """Gaps and tangential positions of points in space."""
+        assert carrier is not None
+        foot = self._foot(position @ self.frame[1:].T, carrier.position @ self.frame.T)
+        gap = (position - foot.carried(carrier.position)) @ self.frame[0]
+        return Seat(np.column_stack([gap, foot.along]), carrier, foot)
+
+    def _foot(self, along: Array, nodes: Array) -> Foot:
+        """Feet of points with tangential positions (m, d-1) for nodes in the frame, (n, d)."""
+        if self._straight:
+            return self._foot_on_chain(along[:, 0], nodes)
+        facet, where = self._nearest(along, nodes[:, 1:])
+        where = self._inverted(facet, where, along, nodes[:, 1:])
+        if not self._interval:
+            lost = np.flatnonzero(self._outside(where))
+            if len(lost):
+                facet[lost], where[lost] = self._best_around(along[lost], nodes[:, 1:])
+        at = self.facets[facet]
+        tangential = nodes[at][:, :, 1:]
+        shape, derivative = self._shapes(where)
+        own = np.einsum("mk,mkd->md", shape, self._along[at])
+        current = np.einsum("jmk,mkd->mdj", derivative, tangential)
+        before = np.linalg.inv(np.einsum("jmk,mkd->mdj", derivative, self._along[at]))
+        rise = np.einsum("jmk,mk->mj", derivative, nodes[at][:, :, 0])
+        slope = np.einsum("mj,mjd->md", rise, np.linalg.inv(current))
+        return Foot(at, shape, own, slope, current @ before, self._outside(where))
+
+    def _inverted(self, facet: Indices, where: Array, along: Array, nodes: Array) -> Array:
+        """Coordinates of points on given facets, from a first guess (Newton's method)."""
+        tangential = nodes[self.facets[facet]]
+        for _ in range(4):
+            shape, derivative = self._shapes(where)
+            miss = along - np.einsum("mk,mkd->md", shape, tangential)
+            jacobian = np.einsum("jmk,mkd->mdj", derivative, tangential)
+            where = where + np.linalg.solve(jacobian, miss[:, :, None])[:, :, 0]
+        return where
+
+    def _best_around(self, along: Array, nodes: Array) -> tuple[Indices, Array]:
+        """The best of the facets around points that are outside of the one that seemed nearest.
+
+        Nearness is judged on facets taken as parallelograms; bent ones end elsewhere.
+        """
+        guess = self._as_parallelograms(along, nodes)
+        rows, found = np.arange(len(along)), []
+        for facet in np.argsort(self._miss(guess), axis=1)[:, :4].T:
+            found.append((facet, self._inverted(facet, guess[rows, facet], along, nodes)))
+        facets, places = (np.stack(part) for part in zip(*found, strict=True))
+        best = np.argmin(self._miss(places), axis=0)
+        return facets[best, rows], places[best, rows]
+
+    def _foot_on_chain(self, along: Array, nodes: Array) -> Foot:
+        """Feet on straight facets in the plane, in closed form."""
+        chain = nodes[self._chain]
+        last = len(chain) - 2
+        facet = np.minimum(np.maximum(chain[:, 1].searchsorted(along, "right") - 1, 0), last)
+        steps, reference = chain[1:] - chain[:-1], self._reference
+        length = steps[facet, 1]
+        where = (along - chain[facet, 1]) / length
+        weights = np.empty((len(where), 2))
+        weights[:, 0], weights[:, 1] = 1 - where, where
+        own = np.diff(reference)[facet]
+        outside = (where < -self._margin) | (where > 1 + self._margin)
+        return Foot(
+            self.facets[facet],
+            weights,
+            (reference[facet] + where * own)[:, None],
+            (steps[facet, 0] / length)[:, None],
+            (length / own)[:, None, None],
+            outside,
+        )
+
+    def _shapes(self, where: Array) -> tuple[Array, Array]:
+        """Shape functions (m, k) and their derivatives (d-1, m, k)."""
+        table = self._element.tabulate(1, where)[:, :, :, 0]
+        return table[0], table[1:]
+
+    def _nearest(self, along: Array, nodes: Array) -> tuple[Indices, Array]:
+        """The facet nearest to each point, and the point in the facet's own coordinates."""
+        if self._interval:
+            ends = nodes[:, 0][np.append(self.facets[:, 0], self.facets[-1, 1])]
+            last = len(self.facets) - 1
+            facet = np.clip(np.searchsorted(ends, along[:, 0], side="right") - 1, 0, last)
+            start, end = ends[facet], ends[facet + 1]
+            return facet, ((along[:, 0] - start) / (end - start))[:, None]
+        where = self._as_parallelograms(along, nodes)
+        facet = np.argmin(self._miss(where), axis=1)
+        return facet, where[np.arange(len(along)), facet]
+
+    def _as_parallelograms(self, along: Array, nodes: Array) -> Array:
+        """Coordinates of all points on all facets, each taken as spanned by two of its edges."""
+        origin = nodes[self.facets[:, 0]]
+        edges = np.stack([nodes[self.facets[:, k]] - origin for k in (1, 2)], axis=2)
+        inverse = np.linalg.inv(edges)
+        coordinates: Array = np.einsum("fij,mfj->mfi", inverse, along[:, None, :] - origin[None])
+        return coordinates
+
+    def _miss(self, where: Array) -> Array:
+        """How far points are outside of their facet, in its own coordinates."""
+        low = np.max(-where, axis=-1)
+        triangle = len(self._corners) == 3
+        high = where.sum(axis=-1) - 1 if triangle else np.max(where - 1, axis=-1)
+        return np.maximum(low, high)
+
+    def _outside(self, where: Array) -> NDArray[np.bool_]:
+        """Whether points are beyond the edge of the whole face: of the facet nearest to them."""
+        return self._miss(where) > self._margin
+
+    def vectors(self, old: Seat, new: Seat, force: Array) -> Array:
+        """Point forces as vectors in space such that their work on increments is exact."""
+        if not force.any():
+            return np.zeros_like(force)
+        first, last = old.foot, new.foot
+        assert first is not None and last is not None
+        assert old.carrier is not None and new.carrier is not None
+        mean = 0.5 * (old.carrier.position + new.carrier.position)
+        moved = (last.carried(mean) - first.carried(mean)) @ self.frame.T
+        rise, shift = moved[:, 0], moved[:, 1:]
+        travel = last.along - first.along
+        slope = 0.5 * (first.slope + last.slope)
+        metric = 0.5 * (first.metric + last.metric)
+        squares = np.sum(travel**2, axis=1)
+        moves = squares > (STILL * self.facet) ** 2
+        if moves.any():
+            over = np.where(moves, np.sum(shift**2, axis=1), 1.0)
+            correction = np.where(moves, rise - np.sum(slope * shift, axis=1), 0.0)
+            slope = slope + (correction / over)[:, None] * shift
+            bend = np.where(moves[:, None], shift - (metric @ travel[:, :, None])[:, :, 0], 0.0)
+            over = np.where(moves, squares, 1.0)
+            metric = metric + bend[:, :, None] * (travel / over[:, None])[:, None, :]
+        vectors = np.empty_like(force)
+        vectors[:, 0] = force[:, 0]
+        if self._interval:
+            vectors[:, 1] = force[:, 1] / metric[:, 0, 0] - force[:, 0] * slope[:, 0]
+        else:
+            tangential = np.linalg.solve(metric.swapaxes(1, 2), force[:, 1:, None])[:, :, 0]
+            vectors[:, 1:] = tangential - force[:, :1] * slope
+        return vectors @ self.frame
+
+    def react(self, old: Seat, new: Seat, vectors: Array) -> Array | None:
+        """Forces on the nodes of the face: half at the feet before, half at those after."""
+        pressed = np.flatnonzero(vectors.any(axis=1))
+        if not len(pressed):
+            return None
+        assert old.foot is not None and new.foot is not None
+        target = np.zeros((self.points.count, vectors.shape[1]))
+        for foot in (old.foot, new.foot):
+            share = 0.5 * foot.weights[pressed, :, None] * vectors[pressed, None, :]
+            np.subtract.at(target, foot.nodes[pressed], share)
+        return target
+
+    def carried(self, seat: Seat, values: Array) -> Array:
+        """What vectors of the face's nodes are at the contact points."""
+        assert seat.foot is not None
+        return seat.foot.carried(values)
+
+    def off(self, seat: Seat) -> NDArray[np.bool_] | None:
+        """Points beyond the edge of the face."""
+        assert seat.foot is not None
+        return seat.foot.off
+
+
+Carrier = Plane | Face

@@ -1,0 +1,341 @@
+"""Contact with Coulomb friction between points of one body and what carries them.
+
+All point quantities are in the frame (normal, tangential) of the carrier. With the gap g, the
+tangential position s, the elastic traction T and gamma_h, everything is said in terms of the
+augmented position
+
+    y = (g, s) - T/gamma_h:   l_n = [-gamma_h y_n]_+,   l_t = projection of -gamma_h (y_t - anchor)
+
+on |l_t| <= c + mu l_n. The anchor is the stick memory: it stays while a point sticks, follows (y_t +
+l_t/gamma_h) while it slips, and is y_t while it is open. Point forces are f = w l (Chouly, Hild and
+Renard; the memory and the merging of points are this program's). Points of rigid bodies have no
+traction and no gamma_h: y is (g, s) there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from solver.contact.carriers import Carrier, Face, Seat
+from solver.contact.friction import Bounds, FrictionLaw
+from solver.contact.points import SurfaceState
+from solver.contact.surfaces import NitschePoints, Seen, SurfacePoints
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Key = tuple[float, ...]
+
+DEEP = 0.05
+"""A point farther behind a face than this part of the face's length came round its edge."""
+
+
+@dataclass(slots=True)
+class Memory:
+    """What contact remembers of one instant.
+
+    Attributes:
+        surface: Positions of the points, and tractions where they have any.
+        seat: Their gaps and tangential positions.
+        force: f = w l, (points, d), N: normal, tangential; on the body of the points.
+        anchor: Stick memory, (points, d-1), m.
+        eligible: Points that may touch: of the coinciding points of a corner, the one whose face
+            opposes the carrier; none that came round the carrier's edge.
+        slipped: Points that slipped in the last step.
+        broken: Points that have lost their cohesion.
+    """
+
+    surface: Seen
+    seat: Seat
+    force: Array
+    anchor: Array
+    eligible: Mask
+    slipped: Mask
+    broken: Mask
+
+
+@dataclass(frozen=True, slots=True)
+class Dissipation:
+    """What a step lost in an interface, J."""
+
+    friction: float
+    contact: float
+
+
+class Interface:
+    """Kinematics, forces and energy of the contact of one body's points with one carrier."""
+
+    def __init__(
+        self,
+        points: SurfacePoints,
+        carrier: Carrier,
+        law: FrictionLaw,
+        *,
+        theta: int = 1,
+    ):
+        """Set up.
+
+        Args:
+            points: Of the body that is carried.
+            carrier: What carries it.
+            law: Friction.
+            theta: 1 symmetric, 0 fewest terms, -1 skew Nitsche method.
+        """
+        self.points, self.carrier, self.law = points, carrier, law
+        self.jumps = law.static != law.dynamic and law.decay == 0
+        """Whether points that break loose fall to the dynamic coefficient at once."""
+        self.count, self.dimension = points.count, points.dimension
+        self.size = points.size
+        """Of the whole body that is carried, m."""
+        self._corners: list[NDArray[np.int64]] = []
+        self.area: Array
+        self.inverse_gamma: Array
+        self.softness: Array
+        if isinstance(points, NitschePoints):
+            self.theta, self.weight = theta, points.points.weight
+            self.inverse_gamma = 1.0 / points.points.gamma_h
+            self.softness = self.inverse_gamma / self.weight
+            self.area = self.weight * points.body.thickness
+            places: Array = points.reference / points.size
+            self._corners = self._coinciding(places)
+        else:
+            none = np.zeros(self.count)
+            self.theta, self.weight, self.inverse_gamma, self.softness = 0, none, none, none
+            self.area = np.full((self.count,), points.area / self.count)
+        self._keys = self._named()
+
+    def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
+        """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.
+
+        Args:
+            like: A matrix of the body, for sizes and distribution.
+        """
+        assert isinstance(self.points, NitschePoints)
+        d, points = self.dimension, self.points.points
+        weight = np.repeat(self.theta * self.weight * self.inverse_gamma, d)
+        rows = points.traction_rows()
+        local = sp.csr_matrix(rows.T @ sp.diags(weight) @ rows)
+        unknowns = (points.layer.nodes[:, None] * d + np.arange(d)).ravel().astype(PETSc.IntType)
+        matrix = PETSc.Mat().createAIJ(like.getSizes(), comm=like.comm)
+        matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
+        start, end = like.getOwnershipRange()
+        for row in np.flatnonzero((unknowns >= start) & (unknowns < end)):
+            part = slice(local.indptr[row], local.indptr[row + 1])
+            matrix.setValues(unknowns[row], unknowns[local.indices[part]], local.data[part])
+        matrix.assemble()
+        return matrix
+
+    def _named(self) -> list[Key]:
+        """What tells the points of a body apart, whatever faces have joined: face and place."""
+        if not isinstance(self.points, NitschePoints):
+            return [tuple(map(float, row)) for row in self.points.reference]
+        points = self.points.points
+        # Scaled by the whole body: the layer of nodes grows when a face joins.
+        places = np.column_stack([points.tag, np.round(points.reference / points.size, 7) + 0.0])
+        return [tuple(map(float, row)) for row in places]
+
+    def keys(self) -> list[Key]:
+        """What tells the points of a body apart: face and place."""
+        return self._keys
+
+    @staticmethod
+    def _coinciding(places: Array) -> list[NDArray[np.int64]]:
+        """Groups of points of different faces that share a place."""
+        _, group = np.unique(np.round(places, 9), axis=0, return_inverse=True)
+        members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
+        return [m for m in members if len(m) > 1]
+
+    def observe(self, u: Array | None, carrier_u: Array | None) -> tuple[Seen, Seat]:
+        """Where the points and their carrier are for the unknowns of both bodies."""
+        surface = self.points.observe(u)
+        return surface, self._seat(surface, carrier_u)
+
+    def _seat(self, surface: Seen, carrier_u: Array | None) -> Seat:
+        """Gaps and tangential positions; a carrier without unknowns stands still."""
+        points = self.carrier.points
+        carried = None if points is None else points.observe(carrier_u)
+        return self.carrier.seat(surface.position, carried)
+
+    def augmented(self, surface: Seen, seat: Seat) -> Array:
+        """Y = (g, s) - T/gamma_h of all points, (points, d), m."""
+        if not isinstance(surface, SurfaceState):
+            return seat.place
+        scaled: Array = self.inverse_gamma[:, None] * surface.traction
+        return seat.place - scaled @ self.carrier.frame.T
+
+    def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
+        """A memory without contact forces."""
+        surface, seat = self.observe(u, carrier_u)
+        y = self.augmented(surface, seat)
+        none = np.zeros(self.count, dtype=bool)
+        eligible = self.eligible(rotation, seat)
+        return Memory(surface, seat, np.zeros_like(y), y[:, 1:].copy(), eligible, none, none)
+
+    def eligible(self, rotation: Array, seat: Seat) -> Mask:
+        """Points that may touch.
+
+        At each corner it is the point whose face looks most against the carrier, and all other
+        points; but no point behind a face that came there round its edge.
+        """
+        mask = np.ones(self.count, dtype=bool)
+        if self._corners:
+            points: Any = self.points
+            facing = points.points.normal @ rotation.T @ self.carrier.frame[0]
+            for corner in self._corners:
+                mask[corner] = False
+                mask[corner[np.argmin(facing[corner])]] = True
+        if isinstance(self.carrier, Face):
+            mask &= seat.place[:, 0] > -DEEP * self.carrier.length
+        return mask
+
+    def turn(self, memory: Memory, rotation: Array, carrier_rotation: Array | None) -> float:
+        """Before a step: the frame of a carrier that turns, the points of corners chosen anew.
+
+        Anchors and point forces turn with the carrier; a force moves with its place to the other
+        face of a corner.
+
+        Returns:
+            Interface energy lost by the exchange (weights differ), J; added to what contact
+            dissipates.
+        """
+        if isinstance(self.carrier, Face) and carrier_rotation is not None:
+            self.carrier.turn(carrier_rotation)
+            memory.seat = self.carrier.seat(memory.surface.position, memory.seat.carrier)
+        eligible = self.eligible(rotation, memory.seat)
+        if np.array_equal(eligible, memory.eligible):
+            return 0.0
+        before = self.energy(memory)
+        y = self.augmented(memory.surface, memory.seat)
+        for corner in self._corners:
+            new = corner[eligible[corner]]
+            old = corner[memory.eligible[corner]]
+            if len(new) and len(old) and new[0] != old[0]:
+                self._move(memory, y, int(old[0]), int(new[0]))
+        lost = np.flatnonzero(~eligible)
+        memory.force[lost], memory.anchor[lost] = 0.0, y[lost, 1:]
+        memory.eligible = eligible
+        return before - self.energy(memory)
+
+    def _move(self, memory: Memory, y: Array, old: int, new: int) -> None:
+        """The force at a corner to the point of its other face."""
+        memory.force[new], memory.force[old] = memory.force[old], 0.0
+        memory.anchor[new] = y[new, 1:] + memory.force[new, 1:] * self.softness[new]
+        memory.anchor[old] = y[old, 1:]
+
+    def bounds(self, memory: Memory, slipped: Mask, speed: Array | None) -> Bounds:
+        """Bounds of friction at all points.
+
+        Args:
+            memory: Of t_n.
+            slipped: Points that slipped in the last step or broke loose in this one.
+            speed: Slip increment over the step's length, m/s; None counts as zero.
+        """
+        law = self.law
+        if law.constant:
+            return Bounds.uniform(law.dynamic, self.count)
+        mu = law.coefficient(np.zeros(self.count) if speed is None else speed, slipped)
+        return Bounds(mu, law.adhesion(self.area, memory.broken))
+
+    def at_bound(self, force: Array, bounds: Bounds) -> Mask:
+        """Closed points whose friction is at its bound."""
+        size = np.sqrt(np.sum(force[:, 1:] ** 2, axis=1))
+        limit = bounds.cohesion + bounds.mu * force[:, 0]
+        return (force[:, 0] > 0) & (size >= limit * (1 - 1e-9))
+
+    def push(self, old: Seat, new: Seat, force: Array) -> tuple[Array, Array | None]:
+        """Point forces as vectors in space on the points, and on the carrier's own points."""
+        vectors = self.carrier.vectors(old, new, force)
+        return vectors, self.carrier.react(old, new, vectors)
+
+    def traction_pull(
+        self,
+        old: Seen,
+        new: Seen,
+        force: Array,
+        traction_weight: float,
+        contact_weight: float,
+    ) -> Array:
+        """Vectors that the discrete gradient of the traction is multiplied by, (points, d).
+
+        Args:
+            old: Surface at t_n.
+            new: Surface at t_{n+1}.
+            force: Point forces f at t_{n+1}.
+            traction_weight: 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], else 0 to
+                leave it out.
+            contact_weight: w_c.
+        """
+        assert isinstance(old, SurfaceState) and isinstance(new, SurfaceState)
+        pull = -contact_weight * (force @ self.carrier.frame)
+        if traction_weight:
+            averaged = traction_weight * new.traction + (1 - traction_weight) * old.traction
+            pull += self.weight[:, None] * averaged
+        return pull * (self.theta * self.inverse_gamma)[:, None]
+
+    def energy(self, memory: Memory) -> float:
+        """Energy of the interface, sum of w (l^2 - theta T^2)/(2 gamma_h), J."""
+        stored = 0.5 * float(np.sum(memory.force**2 * self.softness[:, None]))
+        if self.theta and isinstance(memory.surface, SurfaceState):
+            tractions = np.sum(memory.surface.traction**2, axis=1)
+            stored -= 0.5 * self.theta * float(tractions @ (self.weight * self.inverse_gamma))
+        return stored
+
+    def theta_increment(self, old: Memory, new: Memory) -> float:
+        """Theta sum of w |T_{n+1} - T_n|^2/gamma_h, J: its part in the numerical dissipation."""
+        if not self.theta:
+            return 0.0
+        assert isinstance(old.surface, SurfaceState) and isinstance(new.surface, SurfaceState)
+        change = np.sum((new.surface.traction - old.surface.traction) ** 2, axis=1)
+        return self.theta * float(change @ (self.weight * self.inverse_gamma))
+
+    def remember(
+        self, old: Memory, surface: Seen, seat: Seat, force: Array, bounds: Bounds
+    ) -> tuple[Memory, Dissipation]:
+        """The memory after a step, and what friction, closing and opening of points dissipated.
+
+        Friction is minus the work of the tangential forces on the anchors. What contact takes is
+        the work of the point forces against y that is neither stored in the interface nor lost in
+        friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never negative.
+
+        Args:
+            old: Memory at t_n.
+            surface: At t_{n+1}.
+            seat: At t_{n+1}.
+            force: Point forces at t_{n+1}.
+            bounds: Of friction at all points in this step.
+        """
+        y_old, y = self.augmented(old.surface, old.seat), self.augmented(surface, seat)
+        closed = force[:, 0] > 0
+        anchor = y[:, 1:] + np.where(closed[:, None], force[:, 1:] * self.softness[:, None], 0.0)
+        friction = -float(np.sum(force[:, 1:] * (anchor - old.anchor)))
+        stored = 0.5 * float(np.sum((force**2 - old.force**2) * self.softness[:, None]))
+        contact = -float(np.sum(force * (y - y_old))) - stored - friction
+        if self.theta != 1 and isinstance(surface, SurfaceState):
+            assert isinstance(old.surface, SurfaceState)
+            change = (surface.traction - old.surface.traction) @ self.carrier.frame.T
+            contact -= (1 - self.theta) * float(
+                np.sum(force * change * self.inverse_gamma[:, None])
+            )
+        slipped, broken = old.slipped, old.broken
+        if not self.law.constant:
+            slipped = self.at_bound(force, bounds)
+            broken = old.broken | slipped
+        memory = Memory(surface, seat, force, anchor, old.eligible, slipped, broken)
+        return memory, Dissipation(friction, contact)
+
+
+def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) -> Memory:
+    """The memory of `old`'s points in a fresh one of `new`, which holds those points and more."""
+    place = {key: k for k, key in enumerate(old.keys())}
+    for k, key in enumerate(new.keys()):
+        if key in place:
+            before = place[key]
+            for name in ("force", "anchor", "eligible", "slipped", "broken"):
+                getattr(fresh, name)[k] = getattr(memory, name)[before]
+    return fresh

@@ -1,0 +1,223 @@
+"""How bodies answer to forces at contact points: their compliance, and the motion they take.
+
+A body takes part in interfaces with its points (it is carried) or with what it carries them on (it
+carries). For all of them together it offers its free motion and its compliance, and takes forces:
+an elastic body with its factorized tangent in the frame that turns with it, a rigid block or a
+platform with its mass. The contact problem sees only rows and a small dense matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.carriers import Seat
+from solver.contact.compliance import Compliance
+from solver.contact.surfaces import SurfacePoints
+from solver.mechanics.dense_body import DenseBody
+from solver.mechanics.elastic_body import ElasticBody
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One body's part in an interface.
+
+    Attributes:
+        interface: Number of the interface.
+        first: Number of its first point among the points of all interfaces.
+        count: Number of its points.
+        carries: Whether the body carries the points, or has them.
+        points: The body's own surface points.
+        port: Number of the first of them among all ports of the body.
+    """
+
+    interface: int
+    first: int
+    count: int
+    carries: bool
+    points: SurfacePoints
+    port: int
+
+
+@dataclass(slots=True)
+class Near:
+    """Points that are in contact or near it, of all interfaces.
+
+    Attributes:
+        number: Their numbers among all points, rising.
+        frames: Rows normal and tangents at each of them, (m, d, d).
+        seats: Of every interface, for where carried points stand.
+    """
+
+    number: Indices
+    frames: Array
+    seats: Sequence[Seat]
+
+
+class Response(Protocol):
+    """What a body offers to the contact problem."""
+
+    def begin(self, u: Array) -> None:
+        """The configuration about which motions are small."""
+
+    def free(self, residual: Array) -> Array:
+        """The free correction -K^-1 r of the owned unknowns."""
+
+    def read(self, moved: Array, frames: Sequence[Array], seats: Sequence[Seat]) -> None:
+        """Add what the last free correction does to the augmented positions of all points."""
+
+    def couple(self, near: Near, weight: float, W: Array) -> None:
+        """Add `weight` times the compliance among near points to W (m, d, m, d)."""
+
+    def respond(self, near: Near, force: Array, weight: float) -> Array | None:
+        """Correction for forces (m, d) at the near points of the last `couple`, owned unknowns."""
+
+
+def _members(sides: Sequence[Side], near: Near) -> list[tuple[Side, Indices, Indices]]:
+    """For each side its near points: places in `near`, numbers within the interface."""
+    result = []
+    for side in sides:
+        inside = (near.number >= side.first) & (near.number < side.first + side.count)
+        places = np.flatnonzero(inside)
+        if len(places):
+            result.append((side, places, near.number[places] - side.first))
+    return result
+
+
+class ElasticResponse:
+    """Of a meshed body: one factorization in its rotating frame."""
+
+    def __init__(self, body: ElasticBody, compliance: Compliance, sides: Sequence[Side]):
+        """Take the body, the compliance of its ports, and its parts in interfaces, port by port."""
+        self.body, self.compliance, self.sides = body, compliance, sides
+        self._simple = len(sides) == 1 and not sides[0].carries
+        self._rotation = np.eye(body.dimension)
+
+    def begin(self, u: Array) -> None:
+        """The rotation of the body."""
+        self._rotation = self.body.rotation(u)
+
+    def free(self, residual: Array) -> Array:
+        """R K_0^-1 R^T of the residual, turned round."""
+        turned = residual.reshape(-1, self.body.dimension) @ self._rotation
+        self._free = -self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
+        return (self._free @ self._rotation.T).ravel()
+
+    def read(self, moved: Array, frames: Sequence[Array], seats: Sequence[Seat]) -> None:
+        """Add what the last free correction does to the augmented positions of all points."""
+        d = self.body.dimension
+        for side, port in zip(self.sides, self.compliance.ports, strict=True):
+            layer = port.layer.gather(self._free)
+            own = slice(side.first, side.first + side.count)
+            turned = frames[side.interface] @ self._rotation
+            if side.carries:
+                foot = seats[side.interface].foot
+                assert foot is not None
+                moved[own] -= foot.carried(layer) @ turned.T
+            else:
+                moved[own] += (port.read_rows @ layer.ravel()).reshape(-1, d) @ turned.T
+
+    def couple(self, near: Near, weight: float, W: Array) -> None:
+        """Add the compliance among near points."""
+        self._near = near
+        G = near.frames @ self._rotation
+        if self._simple and len(near.number) == len(W):
+            side = self.sides[0]
+            if side.first == 0 and near.number[-1] < side.count:
+                self._ports, self._load = near.number, None
+                blocks = self.compliance.blocks(near.number)
+                turned = G[:, None] @ blocks @ G.swapaxes(1, 2)[None]
+                W += weight * turned.transpose(0, 2, 1, 3)
+                return
+        self._ports, self._load = self._loads(near)
+        if not len(self._ports):
+            return
+        C = np.tensordot(self._load, self.compliance.blocks(self._ports), 1)
+        C = np.tensordot(C, self._load, ([1], [1])).transpose(0, 3, 1, 2)
+        W += weight * (G[:, None] @ C @ G.swapaxes(1, 2)[None]).transpose(0, 2, 1, 3)
+
+    def _loads(self, near: Near) -> tuple[Indices, Array]:
+        """Ports that near points act on, and how much of each point's force each of them gets."""
+        entries: list[tuple[Indices, Indices, Array]] = []
+        for side, places, own in _members(self.sides, near):
+            if side.carries:
+                foot = near.seats[side.interface].foot
+                assert foot is not None
+                nodes, weights = foot.nodes[own], -foot.weights[own]
+                rows = np.repeat(places, nodes.shape[1])
+                entries.append((rows, side.port + nodes.ravel(), weights.ravel()))
+            else:
+                entries.append((places, side.port + own, np.ones(len(own))))
+        if not entries:
+            return np.empty(0, dtype=np.int64), np.empty((len(near.number), 0))
+        rows, ports, weights = (np.concatenate(part) for part in zip(*entries, strict=True))
+        used, column = np.unique(ports, return_inverse=True)
+        load = np.zeros((len(near.number), len(used)))
+        np.add.at(load, (rows, column), weights)
+        return used, load
+
+    def respond(self, near: Near, force: Array, weight: float) -> Array | None:
+        """Correction for forces at the near points of the last `couple`."""
+        if not len(self._ports):
+            return None
+        vectors = (force[:, None, :] @ near.frames)[:, 0] @ self._rotation
+        if self._load is not None:
+            vectors = self._load.T @ vectors
+        change = weight * (self.compliance.of(self._ports)[1] @ vectors.ravel())
+        return (change.reshape(-1, self.body.dimension) @ self._rotation.T).ravel()
+
+
+class DenseResponse:
+    """Of a rigid block or a platform: rows on few unknowns."""
+
+    def __init__(self, body: DenseBody, tangent: Array, sides: Sequence[Side]):
+        """Take the body, the diagonal of its tangent or mass, and its parts in interfaces."""
+        self.body, self.tangent, self.sides = body, tangent, sides
+
+    def begin(self, u: Array) -> None:
+        """Rows of all surface points at this configuration, (points, d, unknowns)."""
+        pose = self.body.replicate(u)
+        self._rows = [self.body.rows(side.points.reference, pose) for side in self.sides]
+
+    def free(self, residual: Array) -> Array:
+        """-K^-1 r."""
+        own = -residual / self.tangent[self.body.own]
+        self._free = self.body.replicate(own)
+        return own
+
+    def _at(self, side: Side, rows: Array, seat: Seat, own: slice | Indices = slice(None)) -> Array:
+        """Rows of an interface's points in what this body does to them."""
+        if not side.carries:
+            return rows[own]
+        if seat.foot is None:
+            return -np.broadcast_to(rows[0], (side.count, *rows.shape[1:]))[own]
+        weights, nodes = seat.foot.weights[own], seat.foot.nodes[own]
+        return -np.einsum("mk,mkdu->mdu", weights, rows[nodes])
+
+    def read(self, moved: Array, frames: Sequence[Array], seats: Sequence[Seat]) -> None:
+        """Add what the last free correction does to the positions of all points."""
+        for side, rows in zip(self.sides, self._rows, strict=True):
+            k = side.interface
+            own = slice(side.first, side.first + side.count)
+            moved[own] += (self._at(side, rows, seats[k]) @ self._free) @ frames[k].T
+
+    def couple(self, near: Near, weight: float, W: Array) -> None:
+        """Add the compliance among near points."""
+        J = np.zeros((*W.shape[:2], self.body.unknowns))
+        for side, places, own in _members(self.sides, near):
+            rows = self._rows[self.sides.index(side)]
+            J[places] += self._at(side, rows, near.seats[side.interface], own)
+        self._J = near.frames @ J
+        W += weight * np.tensordot(self._J / self.tangent, self._J, ([2], [2]))
+
+    def respond(self, near: Near, force: Array, weight: float) -> Array | None:
+        """Correction for forces at the near points of the last `couple`."""
+        change = weight * np.einsum("md,mdu->u", force, self._J) / self.tangent
+        return change[self.body.own]

@@ -1,0 +1,110 @@
+"""Contact at velocity level after each step, for all bodies at once (the paper's section 3.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.friction import Bounds
+from solver.contact.local_problem import LocalProblem
+from solver.contact.response import DenseResponse, Near
+from solver.contact.velocity import VelocityContact
+from solver.dynamics.contact_solve import Contact
+from solver.dynamics.state import State
+from solver.dynamics.system import Link, System, response_of
+from solver.mechanics.dense_body import DenseBody
+from solver.mechanics.factorization import Factorization
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityCorrection:
+    """Change of the velocity (owned unknowns) and the energy it takes (J)."""
+
+    change: Array
+    contact: float
+    friction: float
+
+
+class VelocityImpulses:
+    """Impulses at closed points that keep them closed, and what they do to all bodies."""
+
+    def __init__(self, system: System, links: Sequence[Link], local: LocalProblem):
+        """Factorize the masses."""
+        self.system, self.links = system, tuple(links)
+        self._contact = VelocityContact(local)
+        self._responses = []
+        for number, body in enumerate(system.bodies):
+            factor: Factorization | Array
+            if isinstance(body, DenseBody):
+                factor = body.diagonal
+            else:
+                factor = Factorization(body.hold(body.mass_matrix.copy()))
+            self._responses.append(response_of(system, number, links, factor, tractions=False))
+        counts = [link.interface.count for link in links]
+        self._first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
+        # One mass, one unturned plane: G M^-1 G^T does not change while the same points are closed.
+        self._constant = len(system.bodies) == 1 and not any(
+            link.interface.carrier.turns for link in links
+        )
+        self._closed: NDArray[np.int64] = np.empty(0, dtype=np.int64)
+        self._near = Near(self._closed, np.empty((0, 0, 0)), ())
+        self._W: Array = np.empty((0, 0, 0, 0))
+
+    def correct(
+        self, state: State, contacts: Sequence[Contact], dt: float
+    ) -> VelocityCorrection | None:
+        """The correction after a step, or None where no solution was found."""
+        force = np.concatenate([contact.force for contact in contacts])
+        closed = np.flatnonzero(force[:, 0] > 0)
+        W = self._delassus(closed, state, contacts)
+        mu = np.concatenate([contact.bounds.mu for contact in contacts])
+        cohesion = np.concatenate([contact.bounds.cohesion for contact in contacts])
+        bounds = Bounds(mu[closed], dt * cohesion[closed])
+        velocity = self._velocity(state, contacts)[closed]
+        found = self._contact.correct(velocity, W, dt * force[closed], bounds)
+        if found is None:
+            return None
+        parts = []
+        for response, own in zip(self._responses, self.system.slices, strict=True):
+            change = response.respond(self._near, found.q, 1.0)
+            parts.append(np.zeros(own.stop - own.start) if change is None else change)
+        change = parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return VelocityCorrection(change, found.contact, found.friction)
+
+    def _delassus(
+        self, closed: NDArray[np.int64], state: State, contacts: Sequence[Contact]
+    ) -> Array:
+        """G M^-1 G^T of the closed points, (m, d, m, d)."""
+        if self._constant and np.array_equal(closed, self._closed):
+            return self._W
+        m, d = len(closed), self.system.dimension
+        frames = np.empty((m, d, d))
+        for link, first, last in zip(self.links, self._first[:-1], self._first[1:], strict=True):
+            frames[(closed >= first) & (closed < last)] = link.interface.carrier.frame
+        self._near = Near(closed, frames, [contact.seat for contact in contacts])
+        self._W = np.zeros((m, d, m, d))
+        for response, own in zip(self._responses, self.system.slices, strict=True):
+            if isinstance(response, DenseResponse):
+                response.begin(state.u[own])  # the mass of a meshed body commutes with rotations
+            response.couple(self._near, 1.0, self._W)
+        self._closed = closed
+        return self._W
+
+    def _velocity(self, state: State, contacts: Sequence[Contact]) -> Array:
+        """Velocities of all points relative to their carriers, in their frames, (points, d)."""
+        system, parts = self.system, []
+        for link, contact in zip(self.links, contacts, strict=True):
+            interface = link.interface
+            own = system.part(state.u, link.body), system.part(state.v, link.body)
+            velocity = interface.points.velocity(*own)
+            if link.carrier is not None and interface.carrier.points is not None:
+                its = system.part(state.u, link.carrier), system.part(state.v, link.carrier)
+                nodes = interface.carrier.points.velocity(*its)
+                velocity = velocity - interface.carrier.carried(contact.seat, nodes)
+            parts.append(velocity @ interface.carrier.frame.T)
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)

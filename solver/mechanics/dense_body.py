@@ -1,0 +1,203 @@
+"""Bodies of a few unknowns beside meshed ones: the rigid block and the platform on a spring.
+
+Rank 0 owns their unknowns; `replicate` tells the others. Scenes in which nothing is meshed have an
+engine of their own, `solver.rigid`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mpi4py import MPI
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.block import Block
+from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
+
+Array = NDArray[np.float64]
+
+
+class DenseBody:
+    """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground."""
+
+    clamped = False
+    factorizations = 0
+
+    def __init__(
+        self,
+        name: str,
+        mass: Array,
+        translations: Array,
+        *,
+        stiffness: float = 0.0,
+        dashpot: float = 0.0,
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+    ):
+        """Keep the constants.
+
+        Args:
+            name: What messages and files call it.
+            mass: Diagonal of M, (unknowns,).
+            translations: Unknowns of a unit translation along each direction, (d, unknowns).
+            stiffness: k of the spring that each unknown has, N/m.
+            dashpot: c, N s/m.
+            comm: Communicator of the run.
+        """
+        self.name, self.comm = name, comm
+        self.dimension, self.unknowns = translations.shape
+        self.own = slice(0, self.unknowns if comm.rank == 0 else 0)
+        self.size = self.own.stop
+        self.diagonal, self.stiffness, self.dashpot = mass, stiffness, dashpot
+        self.directional_mass = (translations * mass)[:, self.own]
+        self.mass = float(mass[0])
+        self.fixed = np.empty(0, dtype=np.int32)
+
+    def replicate(self, owned: Array) -> Array:
+        """All unknowns, on every rank; a copy, since SNES goes on to change what it handed out."""
+        if self.comm.size == 1:
+            return owned.copy()
+        values = np.empty(self.unknowns)
+        values[self.own] = owned
+        self.comm.Bcast(values, root=0)
+        return values
+
+    def inertia(self, vector: Array) -> Array:
+        """M x."""
+        return self.diagonal[self.own] * vector
+
+    def begin_step(self, u_old: Array, v_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
+        """Nothing to prepare."""
+
+    def begin_static(self, u: Array, v: Array) -> None:
+        """Nothing to prepare."""
+
+    def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
+        """None: nothing deforms."""
+        return None
+
+    def spring(self, vector: Array) -> Array | None:
+        """Force of the spring to the ground for a displacement; None without one."""
+        return self.stiffness * vector if self.stiffness else None
+
+    def drag(self, velocity: Array) -> Array | None:
+        """C v of the dashpot; None without one."""
+        return self.dashpot * velocity if self.dashpot else None
+
+    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
+        """Weights of the tangent in a step."""
+        ratio = self.dashpot / self.stiffness if self.stiffness else 0.0
+        return scheme.weights(dt, spring_damping=ratio)
+
+    def tangent(self, weights: TangentWeights) -> Array:
+        """Diagonal of the tangent."""
+        return weights.mass * self.diagonal + weights.spring * self.stiffness
+
+    def round_off(self, u: Array, weights: TangentWeights) -> float:
+        """Square of the residual that round-off leaves at u; this rank's part."""
+        scale = np.finfo(float).eps * weights.mass * self.diagonal[self.own]
+        return float(np.sum((scale * u) ** 2))
+
+    def material_positions(self, points: Array, values: Array) -> Array:
+        """Where material points (n, d) of the body are for all unknowns `values`, (n, d)."""
+        raise NotImplementedError
+
+    def rows(self, points: Array, values: Array) -> Array:
+        """Derivatives of those positions, (n, d, unknowns)."""
+        raise NotImplementedError
+
+    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
+        """Rows whose product with new - old is exactly the change of position."""
+        raise NotImplementedError
+
+    def turn(self, values: Array) -> Array:
+        """The rotation of the body, (d, d)."""
+        return np.eye(self.dimension)
+
+
+class Oscillator(DenseBody):
+    """A rigid platform on a horizontal spring and dashpot: one unknown, in space two."""
+
+    def __init__(
+        self,
+        *,
+        mass: float,
+        stiffness: float,
+        dashpot: float,
+        dimension: int = 2,
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+    ):
+        """Set up.
+
+        Args:
+            mass: m_P, kg.
+            stiffness: k, N/m.
+            dashpot: c, N s/m.
+            dimension: Of space.
+            comm: Communicator of the run.
+        """
+        translations = np.eye(dimension, dimension - 1)
+        diagonal = np.full(dimension - 1, mass)
+        super().__init__(
+            "platform", diagonal, translations, stiffness=stiffness, dashpot=dashpot, comm=comm
+        )
+
+    def material_positions(self, points: Array, values: Array) -> Array:
+        """Points of the platform, moved."""
+        return points + np.append(values, 0.0)
+
+    def rows(self, points: Array, values: Array) -> Array:
+        """Every point moves with the platform."""
+        return np.tile(np.eye(self.dimension, self.dimension - 1), (len(points), 1, 1))
+
+    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
+        """The same at any time."""
+        return self.rows(points, new)
+
+
+class RigidBlock(DenseBody):
+    """A rigid block in the plane: displacement of its centre and angle, clockwise."""
+
+    def __init__(
+        self, name: str, shape: Block, centre: Array, *, comm: MPI.Intracomm = MPI.COMM_WORLD
+    ):
+        """Set up; points are given in the block's own frame, moved to its initial place.
+
+        Args:
+            name: Of the block.
+            shape: Its size and density.
+            centre: Of the unrotated block, in its own frame, m.
+            comm: Communicator of the run.
+        """
+        diagonal = np.array([shape.mass, shape.mass, shape.rotary_inertia])
+        super().__init__(name, diagonal, np.eye(2, 3), comm=comm)
+        self.shape, self.centre = shape, centre
+        self.polar_inertia = shape.rotary_inertia
+
+    def turn(self, values: Array) -> Array:
+        """The rotation of the body, clockwise by the third unknown."""
+        c, s = math.cos(values[2]), math.sin(values[2])
+        return np.array([[c, s], [-s, c]])
+
+    def material_positions(self, points: Array, values: Array) -> Array:
+        """Points of the block where it stands."""
+        return self.centre + values[:2] + (points - self.centre) @ self.turn(values).T
+
+    def rows(self, points: Array, values: Array) -> Array:
+        """Translation, and the derivative of the rotation."""
+        return self._rows((points - self.centre) @ self.turn(values).T)
+
+    @staticmethod
+    def _rows(arms: Array, factor: float = 1.0) -> Array:
+        """Rows for arms in space; a clockwise turn moves (x, y) along (y, -x)."""
+        rows = np.zeros((len(arms), 2, 3))
+        rows[:, 0, 0] = rows[:, 1, 1] = 1.0
+        rows[:, 0, 2], rows[:, 1, 2] = factor * arms[:, 1], -factor * arms[:, 0]
+        return rows
+
+    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
+        """Rows at the mean angle; the chord of the turn is sin(d/2)/(d/2) of its arc."""
+        mean, half = 0.5 * (old + new), 0.5 * (new[2] - old[2])
+        chord = math.sin(half) / half if half else 1.0
+        return self._rows((points - self.centre) @ self.turn(mean).T, chord)

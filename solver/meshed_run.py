@@ -1,0 +1,133 @@
+"""Scenes with meshed bodies: the time loop over SNES."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from solver.build import Assembly, build, initial_state
+from solver.dynamics.state import Exchange, State
+from solver.dynamics.step_control import Ladder
+from solver.dynamics.stepper import StepFailed
+from solver.mechanics.elastic_body import ElasticBody
+from solver.post.observer import Observer
+from solver.run_files import Fields
+from solver.scene import Scene
+from solver.simulate import Desk
+
+
+class MeshedRun:
+    """The engine of scenes with meshed bodies."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        log: Callable[[str], None],
+        *,
+        petsc_options: Sequence[str] = (),
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+    ):
+        """Mesh, set up, and find the start.
+
+        Args:
+            scene: What to run.
+            log: Is told what happens.
+            petsc_options: Options for SNES.
+            comm: Communicator.
+        """
+        self._scene, self._log = scene, log
+        self.assembly: Assembly = build(scene, petsc_options=petsc_options, comm=comm)
+        self._stepper = self.assembly.stepper
+        self.state, remark = initial_state(scene, self.assembly)
+        if remark:
+            log(remark)
+        motion = scene.motion
+        ground = [0]
+        if motion is not None and motion.vertical is not None:
+            ground.append(scene.dimension - 1)
+        if motion is not None and motion.second is not None:
+            ground.append(1)
+        self._observer = Observer(self.assembly, self.state, ground=ground)
+        self._steps = self._rejected = self._iterations = 0
+        self._row: list[float] = []
+        points = sum(link.interface.count for link in self._stepper.links)
+        self.description = (
+            f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
+        )
+
+    def first_row(self) -> list[float]:
+        """The row of the history at t = 0."""
+        return self._observer.row(self.state, Exchange(), self._scene.time.step)
+
+    def open_fields(self, folder: Path) -> Fields:
+        """What writes the fields."""
+        from solver.post.snapshots import Snapshots
+
+        return Snapshots(self, folder, self._scene)
+
+    def loop(self, desk: Desk) -> tuple[str, str]:
+        """Step to the end; returns status and reason."""
+        span = self._scene.time
+        ladder = Ladder(span.step, span.end, span.smallest)
+        status, reason = "completed", ""
+        due = desk.files.next_snapshot(0.0)
+        while not ladder.done:
+            stopped = desk.stopped(self.state.time)
+            if stopped:
+                status, reason = "interrupted", stopped
+                break
+            step = ladder.step
+            try:
+                self.state, exchange = self._stepper.advance(self.state, step)
+            except StepFailed as trouble:
+                where = f"at t = {self.state.time:.6g} s with a step of {step:.3g} s"
+                self._log(f"step rejected {where}: {trouble}")
+                if ladder.reject():
+                    continue
+                status, reason = "not converged", f"{where}: {trouble}"
+                break
+            ladder.accept()
+            self.state.time = ladder.time
+            self._record(desk, exchange, step)
+            if ladder.time >= due * (1 - 1e-12):
+                desk.files.snapshot(self.state.time)
+                due = desk.files.next_snapshot(self.state.time)
+        self._rejected = ladder.rejected
+        self._last_row(desk)
+        desk.files.snapshot(self.state.time)
+        return status, reason
+
+    def _record(self, desk: Desk, exchange: Exchange, step: float) -> None:
+        """Write down a step that succeeded."""
+        self._steps += 1
+        self._iterations += exchange.iterations
+        self._row = self._observer.row(self.state, exchange, step)
+        if self._steps % self._scene.output.history_every == 0:
+            self._last_row(desk)
+        desk.show(self.state.time, step, exchange.iterations)
+
+    def _last_row(self, desk: Desk) -> None:
+        """Append the row of the last step, once."""
+        if self._row:
+            desk.history.append(self._row)
+            self._row = []
+
+    def cost(self) -> dict[str, Any]:
+        """What the run took."""
+        stepper = self._stepper
+        system = stepper.system
+        rescues = Counter(stepper.local.rescues) + stepper.velocity_local.rescues
+        bodies = [body for body in system.bodies if isinstance(body, ElasticBody)]
+        return {
+            "steps": self._steps,
+            "rejected_steps": self._rejected,
+            "newton_iterations": self._iterations,
+            "factorizations": sum(body.factorizations for body in bodies),
+            "unknowns": system.unknowns,
+            "ranks": system.comm.size,
+            "local_problems_rescued": dict(rescues),
+        }
