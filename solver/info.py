@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import platform
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -44,12 +45,15 @@ BLAS_LIBRARIES = ("libopenblas", "libblas", "libmkl_rt", "libmkl_core", "libblis
 
 
 def versions() -> dict[str, str]:
-    """Versions of what a run depends on; for summary.json."""
+    """Versions of what a run has used, and of nothing else; for summary.json."""
     found = {"rockslip": VERSION, "python": platform.python_version()}
-    for package in ("dolfinx", "gmsh", "numpy", "scipy"):
-        found[package] = _version(package)
-    found["petsc"] = petsc_version()
-    found["mpi"] = mpi_version()
+    for package in ("dolfinx", "gmsh", "numpy", "scipy", "numba"):
+        if package in sys.modules:
+            found[package] = _version(package)
+    if "petsc4py.PETSc" in sys.modules:
+        found["petsc"] = petsc_version()
+    if "mpi4py.MPI" in sys.modules:
+        found["mpi"] = mpi_version()
     return found
 
 

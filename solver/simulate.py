@@ -111,7 +111,7 @@ def engine_for(
     if is_rigid(scene):
         from solver.rigid.simulation import RigidRun
 
-        return RigidRun(scene, files.log)
+        return RigidRun(scene, files.log, writes=comm.rank == 0, ranks=comm.size)
     from solver.meshed_run import MeshedRun
 
     return MeshedRun(scene, files.log, petsc_options=petsc_options, comm=comm)

@@ -35,3 +35,11 @@ def floor_level(scene: Scene) -> float:
     if isinstance(foundation, FrameSpec):
         return -foundation.deck.height - foundation.storey
     return 0.0
+
+
+def half_floor(scene: Scene) -> float:
+    """Half the length of the floor that is drawn, m."""
+    return float(
+        sum(np.hypot(block.width, block.height) for block in scene.blocks)
+        + max(abs(block.offset) for block in scene.blocks)
+    )

@@ -15,7 +15,7 @@ from solver.dynamics.state import State
 from solver.mechanics.dense_body import DenseBody, RigidBlock
 from solver.mechanics.elastic_body import ElasticBody
 from solver.post.fields import FieldWriter
-from solver.post.ground import floor_level, platform_corners
+from solver.post.ground import floor_level, half_floor, platform_corners
 from solver.post.paraview import paraview_script
 from solver.post.pvd import PvdIndex
 from solver.post.rigid_fields import RigidFieldWriter
@@ -51,7 +51,7 @@ class Snapshots:
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         if writes:
             script = paraview_script(
-                _extent(scene),
+                half_floor(scene),
                 dimension=scene.dimension,
                 level=floor_level(scene),
                 stress=any(isinstance(body, ElasticBody) for body in system.bodies),
@@ -67,14 +67,6 @@ class Snapshots:
         """Finish the files."""
         for body in self._bodies:
             body.close()
-
-
-def _extent(scene: Scene) -> float:
-    """Half the length of the floor that is drawn, m."""
-    return float(
-        sum(np.hypot(block.width, block.height) for block in scene.blocks)
-        + max(abs(block.offset) for block in scene.blocks)
-    )
 
 
 def _corners(body: DenseBody, scene: Scene) -> Array:

@@ -1,0 +1,130 @@
+"""`@compiled`: functions of plain numbers and arrays, as machine code where numba is installed.
+
+Without numba, or with ROCKSLIP_NO_NUMBA=1 in the environment, they stay what they are and the same
+code is interpreted. Machine code is kept between runs, in a folder per version of the sources:
+numba itself looks at the file of a function only, not at those of the functions that it calls, and
+would run old code after an update. Nothing is ever written into the checkout.
+
+NUMBA_CACHE_DIR says where to keep it; else it is the user's cache folder, and where that cannot be
+written, nowhere: each run then compiles anew.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
+
+#: Set to anything but "" or "0": interpret.
+SWITCH = "ROCKSLIP_NO_NUMBA"
+
+
+def _numba() -> ModuleType | None:
+    """The compiler, if it is there and wanted."""
+    if os.environ.get(SWITCH, "0") not in ("", "0"):
+        return None
+    try:
+        import numba
+    except ImportError:
+        return None
+    # numba calls the LAPACK and BLAS that scipy brings.
+    try:
+        import scipy.linalg.cython_blas  # noqa: F401
+    except ImportError:
+        return None
+    return numba
+
+
+NUMBA = _numba()
+
+#: Digest of the sources behind each module with compiled functions.
+_digests: dict[str, str] = {}
+
+
+def _sources(function: FunctionType) -> str:
+    """Digest of the function's file and of those of the compiled functions that it may call."""
+    module = function.__module__
+    if module not in _digests:
+        digest = hashlib.sha256(Path(function.__code__.co_filename).read_bytes())
+        used = {getattr(value, "__module__", None) for value in function.__globals__.values()}
+        for other in sorted(name for name in used if name in _digests):
+            digest.update(_digests[other].encode())
+        _digests[module] = digest.hexdigest()[:16]
+    return _digests[module]
+
+
+def _cache_folder() -> Path | None:
+    """Where machine code may be kept, or None."""
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    base = Path(given or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = base / "rockslip" / "compiled"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def is_kept(module: str) -> bool:
+    """Whether machine code of a module, by its name, is there from an earlier run."""
+    folder = _cache_folder()
+    return folder is not None and module in _digests and (folder / _digests[module]).is_dir()
+
+
+def compiled(function: Function) -> Function:
+    """The function, compiled at its first call where numba is installed."""
+    if NUMBA is None or not isinstance(function, FunctionType):
+        return function
+    folder = _cache_folder()
+    if folder is None:
+        machine: Function = NUMBA.njit(error_model="numpy")(function)
+        return machine
+    before = NUMBA.config.CACHE_DIR
+    NUMBA.config.CACHE_DIR = str(folder / _sources(function))
+    try:
+        kept: Function = NUMBA.njit(cache=True, error_model="numpy")(function)
+    finally:
+        NUMBA.config.CACHE_DIR = before
+    return kept
+
+
+def _borrowing() -> Callable[[Any], Any]:
+    """`borrowed` as an intrinsic of numba, or as the identity."""
+    if NUMBA is None:
+        return lambda arrays: arrays
+    from numba.core import cgutils, types
+    from numba.extending import intrinsic
+
+    def borrow(context: Any, arrays: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            items = []
+            for item, kind in zip(cgutils.unpack_tuple(builder, values[0]), arrays, strict=True):
+                if isinstance(kind, types.Array):
+                    array = context.make_array(kind)(context, builder, item)
+                    array.meminfo = cgutils.get_null_value(array.meminfo.type)
+                    item = array._getvalue()
+                items.append(item)
+            return context.make_tuple(builder, arrays, items)
+
+        return arrays(arrays), generate
+
+    return intrinsic(borrow)
+
+
+_borrowed = _borrowing()
+
+
+@compiled
+def borrowed(arrays: Arrays) -> Arrays:
+    """The same named tuple of arrays, whose uses are not counted; for compiled code.
+
+    numba counts the uses of every array of a tuple at every call, atomically: two thirds of the
+    time of a step. Python holds the arrays while compiled code runs, so nobody has to count.
+    """
+    return _borrowed(arrays)

@@ -1,0 +1,179 @@
+"""Scenes whose bodies are all rigid: the time loop, in the plane and in space.
+
+Many steps at a time run in compiled code, up to the next snapshot. Nothing here needs dolfinx,
+PETSc or Gmsh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.excitation.motion import ground_motion
+from solver.post.history import scene_columns
+from solver.rigid.compiled import NUMBA, is_kept
+from solver.rigid.outcome import Advance
+from solver.rigid.plane import PlaneSystem
+from solver.rigid.snapshots import RigidSnapshots
+from solver.scene import Scene
+
+if TYPE_CHECKING:
+    from solver.rigid.space import SpaceSystem
+    from solver.simulate import Desk
+
+Array = NDArray[np.float64]
+
+#: Steps after which someone may interrupt the run, compiled and interpreted.
+STEPS_AT_ONCE = 5000 if NUMBA is not None else 200
+
+
+class RigidRun:
+    """The engine of scenes with rigid bodies alone."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        log: Callable[[str], None],
+        *,
+        writes: bool = True,
+        ranks: int = 1,
+    ):
+        """Set up at t = 0.
+
+        Args:
+            scene: What to run.
+            log: Is told what happens.
+            writes: False on all ranks but one: all compute the same.
+            ranks: Number of ranks.
+        """
+        self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
+        motion = ground_motion(scene)
+        self._motion = motion or (lambda time: np.zeros(scene.dimension))
+        self._moves = motion is not None
+        rows = "solver.rigid.plane_rows" if scene.dimension == 2 else "solver.rigid.space_rows"
+        self._system = self._start()
+        if NUMBA is not None and not is_kept(rows):
+            log("compiling the steps of rigid blocks: less than a minute, kept for later runs")
+        # What the scene does not have gets no columns in its history.
+        self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
+        self._steps = self._rejected = self._iterations = 0
+        how = "compiled" if NUMBA is not None else "interpreted: numba is not installed"
+        self.description = (
+            f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks, {how}"
+        )
+
+    def _start(self) -> PlaneSystem | SpaceSystem:
+        """The bodies of the scene."""
+        ground = self._motion(0.0)
+        if self._scene.dimension == 2:
+            return PlaneSystem.from_scene(self._scene, tuple(ground))
+        from solver.rigid.space import SpaceSystem
+
+        return SpaceSystem.from_scene(self._scene, tuple(ground))
+
+    def first_row(self) -> Array:
+        """The row of the history at t = 0."""
+        row = self._system.row(self._scene.time.step, tuple(self._motion(0.0)))
+        return row[self._columns]
+
+    def open_fields(self, folder: Path) -> RigidSnapshots:
+        """What writes the fields."""
+        return RigidSnapshots(self._system, folder, self._scene, writes=self._writes)
+
+    def loop(self, desk: Desk) -> tuple[str, str]:
+        """Step to the end; returns status and reason."""
+        span = self._scene.time
+        total = math.floor(span.end / span.step + 1e-9)
+        status, reason = "completed", ""
+        while self._steps < total and not reason:
+            reason = desk.stopped(self._steps * span.step)
+            if reason:
+                status = "interrupted"
+                break
+            reason = self._piece(desk, self._next_stop(desk, total))
+            status = "not converged" if reason else status
+        if not reason:
+            reason = self._rest(desk)
+            status = "not converged" if reason else status
+        desk.files.snapshot(self._now(desk))
+        return status, reason
+
+    def _now(self, desk: Desk) -> float:
+        """Time of the last row, s."""
+        return float(desk.history["time_s"][-1])
+
+    def _next_stop(self, desk: Desk, total: int) -> int:
+        """Number of steps at which the next snapshot is due, or someone may interrupt."""
+        step = self._scene.time.step
+        due = math.ceil(desk.files.next_snapshot(self._steps * step) / step * (1 - 1e-12))
+        return min(max(due, self._steps + 1), self._steps + STEPS_AT_ONCE, total)
+
+    def _piece(self, desk: Desk, stop: int) -> str:
+        """Run up to step number `stop`; returns why not, if it failed."""
+        step, first = self._scene.time.step, self._steps
+        outcome = self._advance(step * np.arange(first, stop + 1, dtype=np.float64), step)
+        rows = outcome.rows
+        rows[:, 0] = np.arange(first + 1, first + 1 + len(rows)) * step
+        self._steps += len(rows)
+        every = self._scene.output.history_every
+        ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or outcome.failure
+        kept = (np.arange(first + 1, self._steps + 1) % every == 0) | (
+            np.arange(first + 1, self._steps + 1) == (self._steps if ends else -1)
+        )
+        desk.history.extend(rows[kept][:, self._columns])
+        self._report(desk, outcome)
+        due = desk.files.next_snapshot(first * step)
+        if self._steps * step >= due * (1 - 1e-12):
+            desk.files.snapshot(self._steps * step)
+        return outcome.failure or ""
+
+    def _rest(self, desk: Desk) -> str:
+        """A last, shorter step where the end is no multiple of the step."""
+        span = self._scene.time
+        reached = self._steps * span.step
+        rest = span.end - reached
+        if rest <= span.smallest * (1 - 1e-9):
+            return ""
+        outcome = self._advance(np.array([reached, span.end]), rest)
+        outcome.rows[:, 0] = span.end
+        self._steps += len(outcome.rows)
+        desk.history.extend(outcome.rows[:, self._columns])
+        self._report(desk, outcome)
+        return outcome.failure or ""
+
+    def _advance(self, times: Array, step: float) -> Advance:
+        """Run from the first to the last of these times in steps of length `step`."""
+        ground: Array = np.zeros((len(times), self._scene.dimension))
+        if self._moves:
+            for k, time in enumerate(times):
+                ground[k] = self._motion(float(time))
+        smallest = min(self._scene.time.smallest, step)
+        return self._system.advance(len(times) - 1, step, ground, smallest)
+
+    def _report(self, desk: Desk, outcome: Advance) -> None:
+        """Count, and tell of what went wrong."""
+        self._rejected += outcome.rejected
+        self._iterations += int(outcome.rows[:, 2].sum())
+        if outcome.rejected:
+            self._log(f"{outcome.rejected} steps halved before t = {self._system.time:.6g} s")
+        if len(outcome.rows):
+            last = outcome.rows[-1]
+            desk.show(float(last[0]), float(last[1]), int(last[2]))
+
+    def cost(self) -> dict[str, Any]:
+        """What the run took."""
+        rescued = self._system.rescued if isinstance(self._system, PlaneSystem) else {}
+        return {
+            "steps": self._steps,
+            "rejected_steps": self._rejected,
+            "newton_iterations": self._iterations,
+            "factorizations": 0,
+            "unknowns": self._system.unknowns,
+            "ranks": self._ranks,
+            "local_problems_rescued": rescued,
+        }

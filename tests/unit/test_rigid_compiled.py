@@ -1,0 +1,110 @@
+"""Compiled code: the same interpreted, kept by the version of its sources, never needed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.rigid import compiled as module
+from solver.rigid.compiled import borrowed, compiled
+from solver.rigid.plane_model import new_memory
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+RUN = """
+import sys
+from solver.rigid.compiled import NUMBA
+from solver.rigid.plane import PlaneSystem
+from solver.scene import parse_scene
+block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "tilt_deg": 3.0}
+scene = parse_scene({"block": [block], "time": {"end": 1.0, "step": 1e-3}})
+system = PlaneSystem.from_scene(scene)
+rows = system.advance(250, 1e-3).rows
+forbidden = {"dolfinx", "mpi4py", "petsc4py", "gmsh", "ufl"} & set(sys.modules)
+print(NUMBA is not None, sorted(forbidden), *map(repr, rows[-1].tolist()))
+"""
+
+
+def in_a_process(**environment: str) -> tuple[bool, str, np.ndarray]:
+    """Whether numba was used, forbidden imports, and the last row of a run over an impact."""
+    done = subprocess.run(
+        [sys.executable, "-c", RUN],
+        env=os.environ | environment,
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    used, forbidden, *row = done.stdout.split()
+    return used == "True", forbidden, np.array(row, dtype=np.float64)
+
+
+def test_interpreted_it_gives_the_same_and_needs_no_finite_elements() -> None:
+    """Both over an impact, up to round-off; neither imports what meshed bodies need."""
+    used, forbidden, row = in_a_process(ROCKSLIP_NO_NUMBA="1")
+    assert not used and forbidden == "[]"
+    again, forbidden, machine = in_a_process()
+    assert again == (module.NUMBA is not None) and forbidden == "[]"
+    assert machine == pytest.approx(row, rel=1e-9, abs=1e-9)
+
+
+def test_functions_stay_what_they_are_without_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The decorator gives the function back."""
+    monkeypatch.setattr(module, "NUMBA", None)
+
+    def double(x: float) -> float:
+        """Twice x."""
+        return 2 * x
+
+    assert compiled(double) is double
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_nothing_is_kept_where_nothing_can_be_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A cache folder that is a file: the function is compiled all the same."""
+    (tmp_path / "rockslip").write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+
+    def triple(x: float) -> float:
+        """Three times x."""
+        return 3 * x
+
+    assert compiled(triple)(2.0) == 6.0
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_code_is_kept_by_the_version_of_its_sources(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A change of a file that a function calls into gives it another folder."""
+    from solver.rigid import plane_rows, plane_step
+
+    digest = module._digests
+    monkeypatch.setattr(module, "_digests", dict(digest))
+    before = digest["solver.rigid.plane_rows"]
+    for changed in ("solver.rigid.plane_step", "solver.rigid.plane_advance"):
+        monkeypatch.setitem(module._digests, changed, "another version")
+    del module._digests["solver.rigid.plane_rows"]
+    function = getattr(plane_rows.advance, "py_func", plane_rows.advance)
+    assert module._sources(function) != before
+    assert plane_step.__name__ in digest
+
+
+def test_borrowed_arrays_are_the_same_arrays() -> None:
+    """What is written through them is seen outside."""
+
+    @compiled
+    def write(memory: module.Arrays) -> None:
+        """Write one number."""
+        borrowed(memory).gap[1] = 7.0  # type: ignore[attr-defined]
+
+    memory = new_memory(3)
+    write(memory)
+    assert memory.gap.tolist() == [0.0, 7.0, 0.0]

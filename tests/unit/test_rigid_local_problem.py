@@ -1,0 +1,134 @@
+"""The compiled contact problem of a few points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from solver.contact.friction import Bounds as Coulomb
+from solver.contact.local_problem import LocalProblem
+from solver.rigid import local_problem as local
+from solver.rigid.local_problem import BACKWARD, FORWARD, OPEN, STICK, Bounds, solve
+
+Array = NDArray[np.float64]
+
+
+def bounds(count: int, friction: float, cohesion: float = 0.0) -> Bounds:
+    """The same friction at all points; none: no tangential rows."""
+    given = np.full(count, int(friction == 0.0 and cohesion == 0.0), dtype=np.int64)
+    return Bounds(np.full(count, friction), np.full(count, cohesion), given)
+
+
+def solution(W: Array, q: Array, law: Bounds) -> tuple[Array, NDArray[np.int64]]:
+    """Forces and states from a cold start."""
+    count = len(q) // 2
+    f, states = np.zeros(2 * count), np.zeros(count, dtype=np.int64)
+    assert solve(W, q, law, states, f, np.zeros(4, dtype=np.int64))
+    return f, states
+
+
+def violation(W: Array, q: Array, law: Bounds, f: Array) -> float:
+    """How far a solution is from Signorini's and Coulomb's conditions, in units of force."""
+    r = 1.0 / np.diag(W)
+    y = q + W @ f
+    normal = np.abs(f[::2] - np.maximum(f[::2] - r[::2] * y[::2], 0.0)).max()
+    limit = np.where(f[::2] > 0, law.cohesion + law.friction * f[::2], 0.0)
+    moved = f[1::2] - r[1::2] * y[1::2]
+    return float(max(normal, np.abs(f[1::2] - np.clip(moved, -limit, limit)).max()))
+
+
+def rigid_problem(seed: int, count: int) -> tuple[Array, Array]:
+    """Points of one rigid block, more of them than it has unknowns, driven into the floor."""
+    random = np.random.default_rng(seed)
+    G = np.zeros((2 * count, 3))
+    x, y = random.uniform(-1, 1, count), random.uniform(-2, 0, count)
+    G[::2, 1], G[1::2, 0], G[::2, 2], G[1::2, 2] = 1.0, 1.0, -x, y
+    W = G @ np.diag([1.0, 1.0, random.uniform(0.5, 3.0)]) @ G.T
+    W[np.diag_indices(2 * count)] *= 1 + 1e-9
+    return W, G @ (random.normal(size=3) - np.array([0.0, 1.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("q", "state", "force"),
+    [
+        ((0.1, 0.3), OPEN, (0.0, 0.0)),
+        ((-1.0, 0.2), STICK, (0.5, -0.05)),
+        ((-1.0, -4.0), FORWARD, (0.5, 0.25)),
+        ((-1.0, 4.0), BACKWARD, (0.5, -0.25)),
+    ],
+)
+def test_one_point(q: tuple[float, float], state: int, force: tuple[float, float]) -> None:
+    """W = diag(2, 4), mu = .5: each state with its force."""
+    f, states = solution(np.diag([2.0, 4.0]), np.array(q), bounds(1, 0.5))
+    assert states[0] == state
+    assert f == pytest.approx(force)
+
+
+def test_cohesion_holds_with_the_pressure() -> None:
+    """|f_t| <= c + mu f_n, and nothing where the point is open."""
+    law = bounds(1, 0.5, cohesion=0.3)
+    f, _ = solution(np.diag([2.0, 4.0]), np.array([-1.0, -4.0]), law)
+    assert f == pytest.approx((0.5, 0.3 + 0.25))
+    f, _ = solution(np.diag([2.0, 4.0]), np.array([0.1, -4.0]), law)
+    assert not f.any()
+
+
+def test_a_given_tangential_force_has_no_row() -> None:
+    """It stays what it is, and pushes on the normal direction."""
+    W = np.array([[2.0, 1.0], [1.0, 4.0]])
+    law = Bounds(np.zeros(1), np.full(1, 0.3), np.array([-1]))
+    f, _ = solution(W, np.array([-1.0, 7.0]), law)
+    assert f == pytest.approx(((1.0 + 0.3) / 2, -0.3))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 2.0, 50.0])
+@pytest.mark.parametrize("count", [1, 2, 4, 6])
+def test_conditions_hold(friction: float, count: int) -> None:
+    """Points that share the motions of one rigid block, 50 problems each."""
+    law = bounds(count, friction)
+    for seed in range(50):
+        W, q = rigid_problem(seed, count)
+        f, _ = solution(W, q, law)
+        assert violation(W, q, law, f) < 1e-6 * max(1.0, np.abs(f).max())
+
+
+def test_it_agrees_with_the_solver_of_elastic_bodies() -> None:
+    """On well-conditioned problems with one solution."""
+    random = np.random.default_rng(1)
+    for _ in range(30):
+        A = random.normal(size=(8, 8))
+        W, q = A @ A.T + 4 * np.eye(8), random.normal(size=8) - 1.0
+        f, _ = solution(W, q, bounds(4, 0.4))
+        other = LocalProblem().solve(
+            W.reshape(4, 2, 4, 2), q.reshape(4, 2), np.zeros((4, 2)), Coulomb.uniform(0.4, 4)
+        )
+        assert f == pytest.approx(other.ravel(), abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["tresca", "gauss_seidel", "enumeration"])
+def test_fall_backs_find_the_same(method: str) -> None:
+    """Each of them alone, where Newton's method finds a solution, too."""
+    rescue, solved = getattr(local, method), 0
+    for seed in range(20):
+        W, q = rigid_problem(seed, 2)
+        law = bounds(2, 0.4)
+        expected, _ = solution(W, q, law)
+        f, states = np.zeros(4), np.zeros(2, dtype=np.int64)
+        if rescue(W, q, local.row_sum_scaling(W), law, states, f):
+            solved += 1
+            assert W @ f == pytest.approx(W @ expected, abs=1e-7)
+    assert solved >= 18
+
+
+def test_the_remembered_states_are_tried_first() -> None:
+    """One linear solve where they hold, whatever the guess."""
+    W, q = rigid_problem(3, 2)
+    law = bounds(2, 0.4)
+    expected, states = solution(W, q, law)
+    f, remembered = np.full(4, 1e6), states.copy()
+    rescued = np.zeros(4, dtype=np.int64)
+    assert solve(W, q, law, remembered, f, rescued)
+    assert rescued.tolist() == [1, 0, 0, 0]
+    assert (remembered == states).all()
+    assert f == pytest.approx(expected, rel=1e-12)

@@ -1,0 +1,169 @@
+"""Contact points of rigid blocks in the plane: gaps, rows, which points are near."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geometry.arrangement import initial_position
+from geometry.block import Block
+from solver.dynamics.generalized_alpha import GeneralizedAlpha
+from solver.rigid.plane_contact import (
+    compliance,
+    distance,
+    find_points,
+    local_place,
+    nearest_face,
+    tangential_velocity,
+    write_rows,
+)
+from solver.rigid.plane_model import Memory, State, System, Work, new_memory, new_work
+from solver.rigid.plane_start import PlaneBlock, PlanePlatform, state_of, system_of
+from solver.specs import FrictionSpec
+
+Array = NDArray[np.float64]
+
+
+def parts(*, platform: bool = True) -> tuple[System, State, Memory, Work]:
+    """A block of 0.4 x 0.6 m with another one, 0.3 x 0.5 m, near its top."""
+    law = FrictionSpec(static=0.5)
+    lower = Block(width=0.4, height=0.6, thickness=1.0, density=1000.0)
+    upper = Block(width=0.3, height=0.5, thickness=1.0, density=1000.0)
+    blocks = [
+        PlaneBlock(name="lower", shape=lower, friction=law, pose=initial_position(lower, 0.0, 0.0)),
+        PlaneBlock(
+            name="upper",
+            on="lower",
+            shape=upper,
+            friction=law,
+            pose=initial_position(upper, 0.05, 0.0),
+        ),
+    ]
+    base = PlanePlatform(mass=100.0, stiffness=1e4) if platform else None
+    scheme = GeneralizedAlpha(0.8)
+    system, state = system_of(blocks, base, (0.0, -9.81), scheme, True), state_of(blocks, base)
+    state.q[4] += 0.6
+    points = len(system.corner_of)
+    return system, state, new_memory(points), new_work(points, len(state.q), 2)
+
+
+def listed(system: System, state: State, memory: Memory, work: Work) -> list[tuple[int, int]]:
+    """Corner and face of the near points, as (block, block or -1)."""
+    find_points(system, state, memory, work, 1e-3, 9.81)
+    near = work.points[: work.counts[0]]
+    return [(int(system.corner_of[k]), int(system.face_of[k])) for k in near]
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.3])
+@pytest.mark.parametrize("face", range(4))
+def test_rows_give_the_change_of_gap_and_place_exactly(face: int, size: float) -> None:
+    """For large increments of both blocks and the platform, to round-off."""
+    system, state, _, work = parts()
+    random = np.random.default_rng(face)
+    state.q[:] += 0.2 * random.normal(size=len(state.q))
+    increment = size * random.normal(size=len(state.q))
+    count = len(system.corner_of)
+    work.counts[0], work.points[:], work.face[:] = count, np.arange(count), face
+    work.face[system.face_of < 0] = 2
+    write_rows(system, state.q, increment, work)
+    moved = (work.rows @ increment).reshape(count, 2)
+    for k in range(count):
+        before, after = (
+            places(system, state.q, k, face),
+            places(system, state.q + increment, k, face),
+        )
+        assert moved[k] == pytest.approx(after - before, abs=1e-14)
+
+
+def places(system: System, q: Array, k: int, face: int) -> Array:
+    """Gap and tangential place of a point, the tangent being the normal turned clockwise."""
+    x, y = local_place(system, q, k)
+    c = int(system.face_of[k])
+    gap = distance(system, c, face, x, y)[0]
+    if c < 0:
+        return np.array([y, x - q[-1]])
+    return np.array([gap, (-x, -y, x, y)[face]])
+
+
+def test_forces_between_two_blocks_are_equal_and_opposite() -> None:
+    """Rows push both alike, and the moments about any point cancel for small turns."""
+    system, state, memory, work = parts()
+    listed(system, state, memory, work)
+    write_rows(system, state.q, np.zeros(len(state.q)), work)
+    for i in range(work.counts[0]):
+        if system.face_of[work.points[i]] < 0:
+            continue
+        for row in work.rows[2 * i : 2 * i + 2]:
+            assert row[0] == -row[3] and row[1] == -row[4] and row[6] == 0.0
+            # Clockwise moment about the origin: of the forces and of the couples.
+            moments = [
+                row[3 * b + 2] + state.q[3 * b + 1] * row[3 * b] - state.q[3 * b] * row[3 * b + 1]
+                for b in (0, 1)
+            ]
+            assert sum(moments) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_velocity_along_a_face_is_that_of_the_rows() -> None:
+    """Both come from their own formulas."""
+    system, state, memory, work = parts()
+    state.q[5] = 0.1
+    state.q[4] += 0.02
+    state.v[:] = np.random.default_rng(2).normal(size=len(state.v))
+    listed(system, state, memory, work)
+    write_rows(system, state.q, np.zeros(len(state.q)), work)
+    for i in range(work.counts[0]):
+        exact = work.rows[2 * i + 1] @ state.v
+        assert tangential_velocity(system, state, work, i) == pytest.approx(exact, abs=1e-14)
+
+
+def test_a_standing_stack_touches_with_its_corners() -> None:
+    """The lower block's bottom corners on the floor, the upper one's on the top below."""
+    assert listed(*parts()) == [(0, -1), (0, -1), (1, 0), (1, 0)]
+
+
+def test_beyond_the_edge_the_corner_of_the_carrier_counts() -> None:
+    """Moved out by 0.1 m: a corner of the upper block on the carrier, one of the carrier on it."""
+    system, state, memory, work = parts()
+    state.q[3] += 0.1
+    assert listed(system, state, memory, work)[2:] == [(1, 0), (0, 1)]
+
+
+def test_on_equal_outlines_a_corner_counts_once() -> None:
+    """Not the carrier's corner in the same place besides."""
+    system, state, memory, work = parts()
+    state.q[3] = 0.05  # its right corner stands on the corner of the carrier
+    assert listed(system, state, memory, work)[2:] == [(1, 0), (1, 0)]
+
+
+def test_what_flies_away_is_not_near() -> None:
+    """What comes near within the step is."""
+    system, state, memory, work = parts(platform=False)
+    state.q[4] += 0.05
+    assert listed(system, state, memory, work) == [(0, -1), (0, -1)]
+    state.v[4] = -30.0
+    assert len(listed(system, state, memory, work)) == 4
+
+
+@pytest.mark.parametrize(
+    ("place", "face"),
+    [((0.0, 0.31), 2), ((0.21, 0.0), 1), ((-0.21, 0.0), 3), ((0.0, -0.31), 0), ((0.2, 0.3), 2)],
+)
+def test_nearest_face(place: tuple[float, float], face: int) -> None:
+    """Bottom 0, right 1, top 2, left 3; at a corner the top."""
+    system, *_ = parts()
+    assert nearest_face(system, 0, *place) == face
+
+
+def test_compliance_of_two_sticking_corners_is_definite() -> None:
+    """Four rows on three unknowns, made definite by a relative diagonal of 1e-9."""
+    rows = np.array([[0, 1, 0.2], [1, 0, -0.3], [0, 1, -0.2], [1, 0, -0.3]], dtype=np.float64)
+    W = compliance(rows, np.array([1.0, 1.0, 12.0]))
+    assert np.allclose(W, W.T, rtol=0, atol=1e-15)
+    assert np.linalg.eigvalsh(W)[0] > 1e-10
+    exact: Any = rows @ np.diag([1.0, 1.0, 12.0]) @ rows.T
+    assert np.abs(W - exact).max() < 2e-9 * np.abs(exact).max()
+    assert math.isclose(W[0, 2], exact[0, 2])

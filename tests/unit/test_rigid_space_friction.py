@@ -1,0 +1,120 @@
+"""The local problem with discs of friction: Signorini and Coulomb hold at every point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from solver.rigid.space_friction import eliminate, image, settle
+from solver.rigid.space_sweeps import one_point
+
+Array = NDArray[np.float64]
+
+CORNERS = np.array([(-1.0, -1.0, -1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, -1.0)])
+MASS, GRAVITY, DT = 300.0, 9.81, 1e-3
+
+
+def compliance(points: Array, half: Array) -> tuple[Array, Array]:
+    """Rows of points of a box, (3 m, 6), and its compliance (6, 6) in a step."""
+    inertia = MASS / 3 * ((half**2).sum() - half**2)
+    rows = [np.hstack([np.eye(3), np.cross(arm, np.eye(3))])[[2, 0, 1]] for arm in points]
+    return np.vstack(rows), DT**2 / 2 * np.diag([*np.full(3, 1 / MASS), *1 / inertia])
+
+
+def problem(load: Array, half: Array, points: Array | None = None) -> tuple[Array, Array]:
+    """W and q of a box under a force and a moment."""
+    rows, soft = compliance(CORNERS * half if points is None else points, half)
+    W = rows @ soft @ rows.T
+    W[np.diag_indices_from(W)] *= 1 + 1e-7
+    return W, rows @ soft @ load
+
+
+def violation(W: Array, q: Array, f: Array, mu: float) -> float:
+    """Largest breach of the laws, as a force relative to the largest."""
+    y = image(W, q, f).reshape(-1, 3)
+    forces, size = f.reshape(-1, 3), max(np.abs(f).max(), 1e-300)
+    soft = np.diag(W).reshape(-1, 3).max(axis=1)
+    normal, bound = forces[:, 0], mu * forces[:, 0]
+    tangential, slip = np.linalg.norm(forces[:, 1:], axis=1), np.linalg.norm(y[:, 1:], axis=1)
+    power = (forces[:, 1:] * y[:, 1:]).sum(axis=1)
+    breaches = [
+        np.maximum(-normal, 0),
+        np.maximum(-y[:, 0] / soft, 0),
+        np.minimum(np.abs(normal), np.abs(y[:, 0]) / soft),
+        np.maximum(tangential - bound, 0),
+        np.where(normal > 0, np.minimum(bound - tangential, slip / soft), 0),
+        # Where a point slips, force and slip are opposite.
+        np.where(normal > 0, (power + tangential * slip) / (soft * size), 0),
+    ]
+    return float(np.max(np.abs(breaches)) / size)
+
+
+def loads() -> Iterator[tuple[Array, Array, float]]:
+    """Forces and moments, sizes and friction; near the limits of friction, tipping, impacts."""
+    random = np.random.default_rng(7)
+    for k in range(400):
+        half, mu = random.uniform(0.1, 0.6, 3), float(random.choice([0.0, 0.1, 0.3, 0.7, 1.0]))
+        load = MASS * GRAVITY * np.array([0, 0, -1.0, 0, 0, 0])
+        azimuth = random.uniform(0, 2 * np.pi)
+        if k % 3 == 0:
+            pull = mu * random.choice([0.5, 0.98, 1.02, 1.5])
+            load[:2] = MASS * GRAVITY * pull * np.array([np.cos(azimuth), np.sin(azimuth)])
+        elif k % 3 == 1:
+            load += MASS * GRAVITY * np.r_[random.normal(0, 0.3, 3), random.normal(0, 0.1, 3)]
+        else:
+            load += MASS * GRAVITY * np.r_[random.normal(0, 30, 3), random.normal(0, 10, 3)]
+        yield load, half, mu
+
+
+def test_four_corners_under_all_kinds_of_loads() -> None:
+    """From nothing; in a run the forces of the last step are there to start from."""
+    unsettled = 0
+    for load, half, mu in loads():
+        W, q = problem(load, half)
+        f = np.zeros(12)
+        if settle(W, q, f, np.full(4, mu), np.zeros(4)):
+            assert violation(W, q, f, mu) < 1e-6
+        else:
+            unsettled += 1
+    assert unsettled <= 4
+
+
+def test_sliding_force_is_opposite_to_the_pull_for_every_azimuth() -> None:
+    half, mu = np.array([0.5, 0.5, 0.1]), 0.3
+    for azimuth in np.linspace(0, 2 * np.pi, 13):
+        way = np.array([np.cos(azimuth), np.sin(azimuth)])
+        W, q = problem(MASS * GRAVITY * np.array([*(0.5 * way), -1, 0, 0, 0]), half)
+        f = np.zeros(12)
+        assert settle(W, q, f, np.full(4, mu), np.zeros(4))
+        total = f.reshape(4, 3).sum(axis=0)
+        # A step's forces move the body by half dt^2/m each: the weight is met by its double.
+        np.testing.assert_allclose(total[0], MASS * GRAVITY, rtol=1e-6)
+        np.testing.assert_allclose(total[1:], -mu * MASS * GRAVITY * way, atol=1e-5 * total[0])
+
+
+def test_cohesion_adds_to_the_limit() -> None:
+    half = np.array([0.5, 0.5, 0.1])
+    W, q = problem(MASS * GRAVITY * np.array([2.0, 0, -1, 0, 0, 0]), half)
+    f = np.zeros(12)
+    assert settle(W, q, f, np.full(4, 0.2), np.full(4, 100.0))
+    assert f.reshape(4, 3)[:, 1].sum() == pytest.approx(-0.2 * MASS * GRAVITY - 400, rel=1e-6)
+
+
+def test_one_point_sticks_slips_or_is_open() -> None:
+    W = np.array([[2.0, 0.3, -0.2], [0.3, 1.5, 0.1], [-0.2, 0.1, 1.0]])
+    np.testing.assert_array_equal(one_point(W, np.array([0.1, 5.0, 0.0]), 0.5, 0.0), 0)
+    for q, mu in ((np.array([-1.0, 0.1, 0.1]), 0.9), (np.array([-1.0, 2.0, -1.0]), 0.4)):
+        f = one_point(W, q, mu, 0.0)
+        assert violation(W, q, f, mu) < 1e-12
+
+
+def test_elimination() -> None:
+    random = np.random.default_rng(1)
+    matrix, right = random.normal(size=(7, 7)), random.normal(size=7)
+    solution = right.copy()
+    assert eliminate(matrix.copy(), solution)
+    np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
+    assert not eliminate(np.zeros((2, 2)), np.ones(2))
