@@ -12,7 +12,7 @@ from solver.contact.friction import Bounds
 from solver.contact.local_problem import LocalProblem
 from solver.contact.response import DenseResponse, Near
 from solver.contact.velocity import VelocityContact
-from solver.dynamics.contact_solve import Contact
+from solver.dynamics.all_points import Contact
 from solver.dynamics.state import State
 from solver.dynamics.system import Link, System, response_of
 from solver.mechanics.dense_body import DenseBody

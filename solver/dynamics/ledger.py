@@ -41,8 +41,8 @@ def _present(force: Array | None) -> Array:
 class StepLedger:
     """Energies of the new state before the velocity solve; what damping and averaging took.
 
-    With r = M a + F + C v - f a step loses skew du.dr to the averaging of forces, and du.C v_alpha to
-    damping, with C v_alpha = C du/dt + skew C dv.
+    With r = M a + F + C v - f a step loses skew du.dr to the averaging of forces, and du.C v_alpha
+    to damping, with C v_alpha = C du/dt + skew C dv.
     """
 
     def __init__(self, stepper: Stepper, old: State, new: State, dt: float):

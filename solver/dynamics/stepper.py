@@ -137,6 +137,7 @@ class Stepper:
         load: Array | None = None,
         start: State | None = None,
         glued: bool = False,
+        steady: float = 1e-9,
     ) -> State:
         """Gravity and loads in equilibrium with contact, at rest; the ground begins to move after.
 
@@ -147,6 +148,9 @@ class Stepper:
             start: A state whose contact memory is gone on from (loads that come one after another).
             glued: Whether friction holds whatever it takes: where a block is about to slide, this
                 is what holds it until it is let go.
+            steady: Stiffness of the tangent against rigid motions of a body, over that against
+                strain. Small ones cost the contact forces as many digits, of large ones each
+                correction leaves a part in the error.
 
         Raises:
             StepFailed: Where there is no equilibrium.
@@ -159,7 +163,7 @@ class Stepper:
         total = gravity if load is None else gravity + load
         balance = Balance(
             contact=state.contacts,
-            weights=self._static_weights(),
+            weights=self._static_weights(steady),
             constant=-total,
             load=total,
             drift=None,
@@ -172,18 +176,15 @@ class Stepper:
         ]
         return self._consistent(State(time, solution.u, np.zeros_like(u), state.p, contacts))
 
-    def _static_weights(self) -> list[TangentWeights]:
-        """Weights of equilibrium.
-
-        A mass term holds the rigid motions of the tangent, far below any elastic stiffness.
-        """
+    def _static_weights(self, steady: float) -> list[TangentWeights]:
+        """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
         stiffness = max(
             (body.rigidity for body in self.system.bodies if isinstance(body, ElasticBody)),
             default=1.0,
         )
         return [
             TangentWeights(
-                mass=1e-9 * stiffness / body.mass,
+                mass=steady * stiffness / body.mass,
                 stiffness=1.0,
                 interface=1.0,
                 contact=1.0,

@@ -1,0 +1,193 @@
+"""The contact points of all interfaces put together, as one step sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.carriers import Seat
+from solver.contact.friction import Bounds
+from solver.contact.interface import Memory
+from solver.contact.surfaces import Seen
+from solver.dynamics.system import Link, System
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+GLUE = 1e6
+"""Coefficient of friction that holds anything."""
+
+MARGIN = 0.002
+"""Points farther from their carrier than this part of their body's size after the free step are not
+pressed into it by the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """One interface at the end of a step: its points, their seats, forces and bounds."""
+
+    surface: Seen
+    seat: Seat
+    force: Array
+    bounds: Bounds
+
+
+class AllPoints:
+    """Forces, anchors and bounds of all points; who sleeps, who breaks loose.
+
+    Attributes:
+        force: Point forces f of the present iterate, (points, d), N.
+        anchor: Stick memory, (points, d-1), m.
+        softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
+        seen: Surface and seat of each interface at the present iterate.
+    """
+
+    def __init__(self, system: System, links: Sequence[Link]):
+        """Number the points: interface after interface."""
+        self._system, self.links = system, tuple(links)
+        ends = np.cumsum([link.interface.count for link in links]).tolist()
+        self.own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
+        self.softness = np.concatenate([link.interface.softness for link in links])
+        self.turning = any(link.interface.carrier.turns for link in links)
+        # Whether friction depends on neither speed nor the past.
+        self._steady = all(link.interface.law.constant for link in links)
+        self._margin = np.concatenate(
+            [np.full(link.interface.count, MARGIN * link.interface.size) for link in links]
+        )
+
+    def begin(
+        self, memories: Sequence[Memory], guess: Array, *, step: float, static: bool, glued: bool
+    ) -> None:
+        """Start a step from what contact remembers.
+
+        Args:
+            memories: Of each interface.
+            guess: Predicted displacement of all owned unknowns.
+            step: dt, s, for the speed of slip; infinite in equilibrium.
+            static: Whether it is an equilibrium.
+            glued: Whether closed points hold any friction.
+        """
+        self.memories, self._step, self._glued = memories, step, glued
+        self.force = np.concatenate([memory.force for memory in memories])
+        self.anchor = np.concatenate([memory.anchor for memory in memories])
+        self._eligible = np.concatenate([memory.eligible for memory in memories])
+        self.frames = [link.interface.carrier.frame for link in self.links]
+        self.seen: list[tuple[Seen, Seat]] = []
+        self._slipped = [memory.slipped for memory in memories]
+        self._bind(None)
+        self.asleep = [not static and self._far(k, guess) for k in range(len(self.links))]
+
+    def look(self, number: int, u: Array) -> tuple[Seen, Seat]:
+        """An interface at a displacement of all owned unknowns."""
+        link, part = self.links[number], self._system.part
+        return link.interface.observe(part(u, link.body), part(u, link.carrier))
+
+    def augmented(self) -> Array:
+        """Augmented positions of all points; those beyond an edge are far from their carrier."""
+        parts = []
+        for link, (surface, seat), asleep in zip(self.links, self.seen, self.asleep, strict=True):
+            y = link.interface.augmented(surface, seat)
+            if asleep:
+                y = np.full_like(y, link.interface.size)
+            off = link.interface.carrier.off(seat)
+            if off is not None and off.any():
+                y = y.copy()
+                y[off, 0] = link.interface.size
+            parts.append(y)
+        return parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+
+    def near(self, y: Array) -> Indices:
+        """Numbers of the points that may be in contact at augmented positions y."""
+        return np.flatnonzero((y[:, 0] < self._margin) & self._eligible | (self.force[:, 0] > 0))
+
+    def frames_at(self, near: Indices) -> Array:
+        """Frames of the carriers of points, (m, d, d)."""
+        d = self._system.dimension
+        frames = np.empty((len(near), d, d))
+        for frame, own in zip(self.frames, self.own, strict=True):
+            frames[(near >= own.start) & (near < own.stop)] = frame
+        return frames
+
+    def bounds_at(self, near: Indices, y: Array) -> Bounds:
+        """Bounds of friction at near points, by the slip of the last iterate."""
+        if not self._steady:
+            slip = y[:, 1:] - self.anchor
+            slip += self.softness[:, None] * self.force[:, 1:]
+            self._bind(np.sqrt(np.sum(slip**2, axis=1)) / self._step)
+        if self._near is None or not np.array_equal(near, self._near[0]):
+            self._near = near, Bounds(self._mu[near], self._cohesion[near])
+        return self._near[1]
+
+    def _bind(self, speed: Array | None) -> None:
+        """Bounds of friction of all points, by their speed of slip (m/s)."""
+        self.bounds = [
+            Bounds.uniform(GLUE, link.interface.count)
+            if self._glued
+            else link.interface.bounds(memory, slipped, None if speed is None else speed[own])
+            for link, memory, slipped, own in zip(
+                self.links, self.memories, self._slipped, self.own, strict=True
+            )
+        ]
+        self._near: tuple[Indices, Bounds] | None = None
+        self._mu = np.concatenate([bounds.mu for bounds in self.bounds])
+        self._cohesion = np.concatenate([bounds.cohesion for bounds in self.bounds])
+
+    def break_loose(self) -> bool:
+        """Points that held on static friction and reached it slip from now on: mu_s to mu_d only.
+
+        True where there are any: their forces are those of the wrong friction then.
+        """
+        any_loose = False
+        for k, (link, own) in enumerate(zip(self.links, self.own, strict=True)):
+            if link.interface.jumps and not self._glued:
+                loose = link.interface.at_bound(self.force[own], self.bounds[k])
+                loose &= ~self._slipped[k]
+                if loose.any():
+                    self._slipped[k] = self._slipped[k] | loose
+                    any_loose = True
+        if any_loose:
+            self._bind(None)
+        return any_loose
+
+    def _far(self, number: int, guess: Array) -> bool:
+        """Whether an interface need not be looked at in this step, far from contact as it is.
+
+        Only those without tractions can sleep: the theta term acts on open points, too.
+        """
+        interface = self.links[number].interface
+        if interface.theta or self.memories[number].force.any():
+            return False
+        return self._clearance(number, guess) > 5 * MARGIN * interface.size
+
+    def _clearance(self, number: int, u: Array) -> float:
+        """Smallest gap of an interface's points that may touch, m."""
+        _, seat = self.look(number, u)
+        off = self.links[number].interface.carrier.off(seat)
+        eligible = self.memories[number].eligible
+        may = eligible if off is None else eligible & ~off
+        return float(np.min(seat.place[may, 0], initial=np.inf))
+
+    def wake(self, u: Array) -> bool:
+        """Whether interfaces that were left out have come into contact after all."""
+        woken = [
+            number
+            for number, asleep in enumerate(self.asleep)
+            if asleep and self._clearance(number, u) < 0
+        ]
+        for number in woken:
+            self.asleep[number] = False
+        return bool(woken)
+
+    def contacts(self, u: Array) -> list[Contact]:
+        """Every interface at the end of the step."""
+        seen = [
+            self.look(number, u) if asleep else self.seen[number]
+            for number, asleep in enumerate(self.asleep)
+        ]
+        return [
+            Contact(*pair, self.force[own], bounds)
+            for pair, own, bounds in zip(seen, self.own, self.bounds, strict=True)
+        ]

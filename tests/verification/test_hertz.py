@@ -1,0 +1,107 @@
+"""Hertz's line contact: half an elastic disc pressed on rigid ground; benchmarks/hertz.py has more.
+
+The flat side is moved down as a whole: held so, the disc cannot roll, and the load is what contact
+answers with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from geometry.disc_mesh import disc_mesh
+from geometry.tags import FacetTag
+from solver.contact.carriers import Plane
+from solver.contact.faces import ContactFaces
+from solver.contact.friction import FrictionLaw
+from solver.dynamics.generalized_alpha import GeneralizedAlpha
+from solver.dynamics.stepper import Stepper
+from solver.dynamics.system import System
+from solver.mechanics.elastic_body import ElasticBody, Support
+from solver.mechanics.material import Material
+from solver.reference.hertz import HertzLine, contact_modulus
+from solver.statics import Tractions, contact_tractions, shifted, support_load
+
+pytestmark = pytest.mark.serial
+
+RADIUS, YOUNG, POISSON = 1.0, 1.0, 0.3
+MODULUS = contact_modulus((YOUNG, POISSON))
+
+
+def pressed(
+    facets: float, ratio: float, points: str = "nodes", *, more: Sequence[float] = (1.0,)
+) -> Iterator[tuple[Tractions, HertzLine]]:
+    """Contact of a half disc, and Hertz's for the load that it takes, under rising loads.
+
+    Args:
+        facets: About how many there are on the half-width of the contact.
+        ratio: About a/R.
+        points: Rule.
+        more: Half-widths over that of `ratio`, about.
+    """
+    half = ratio * RADIUS
+    made = disc_mesh(RADIUS, size=half / facets, core=1.5 * half, growth=1.2, comm=MPI.COMM_SELF)
+    top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(0, 1))
+    material = Material(young=YOUNG, poisson=POISSON, density=1.0)
+    body = ElasticBody(made.mesh, material, supports=[top])
+    contact = ContactFaces(
+        *(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0)), points=points
+    )
+    stepper = Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
+    u, state, reached = np.zeros(body.size), None, 0.0
+    for factor in more:
+        load = np.pi * MODULUS * (factor * half) ** 2 / (4 * RADIUS)
+        sinking = load / (np.pi * MODULUS) * (2 * np.log(4 * RADIUS / (factor * half)) - 1)
+        expected = support_load(stepper, body=0, force=(0.0, -load))
+        guess = shifted(stepper, u, body=0, by=(0.0, reached - sinking))
+        state = stepper.static_start(guess, load=expected, start=state)
+        u, reached = state.u, sinking
+        found = contact_tractions(stepper.links[0], state.contacts[0])
+        taken = HertzLine(load=found.resultant[0], radius=RADIUS, modulus=MODULUS)
+        assert taken.half_width == pytest.approx(factor * half, rel=0.05)
+        yield found, taken
+
+
+def half_width(found: Tractions) -> float:
+    """Of the ellipse with the same second moment of pressure: sum f x^2 = P a^2/4."""
+    force = found.force[:, 0]
+    return float(2 * np.sqrt(force @ found.position[:, 0] ** 2 / force.sum()))
+
+
+def error(found: Tractions, hertz: HertzLine) -> float:
+    """L2 norm of the error of the pressure, linear between points, over that of Hertz's."""
+    x = np.linspace(-1.5, 1.5, 20001) * hertz.half_width
+    exact = hertz.pressure(x)
+    off = np.interp(x, found.position[:, 0], found.pressure) - exact
+    return float(np.linalg.norm(off) / np.linalg.norm(exact))
+
+
+@pytest.mark.parametrize("points", ["nodes", "gauss"])
+def test_peak_pressure_and_half_width(points):
+    """At 20 facets on the half-width; what is left is the strain of a/R = 0.01."""
+    found, hertz = next(pressed(20, 0.01, points))
+    assert found.pressure.max() == pytest.approx(hertz.peak_pressure, rel=0.008)
+    assert half_width(found) == pytest.approx(hertz.half_width, rel=0.005)
+    closed = found.position[found.force[:, 0] > 0, 0]
+    assert np.abs(closed).max() == pytest.approx(hertz.half_width, rel=0.06)  # +- one facet
+    assert error(found, hertz) < 0.03
+    np.testing.assert_allclose(found.pressure, found.pressure[::-1], atol=1e-6 * MODULUS)
+
+
+def test_pressure_converges_in_first_order():
+    """L2 error at small strain.
+
+    It depends on where in its facet the contact ends: hence the mean over loads that move the end
+    through one facet.
+    """
+    errors = []
+    for facets in (10, 20):
+        ends = 1 + np.arange(8) / (8 * facets)
+        squares = [error(*each) ** 2 for each in pressed(facets, 0.001, more=ends)]
+        errors.append(np.sqrt(np.mean(squares)))
+    assert np.log2(errors[0] / errors[1]) > 0.95
+    assert errors[1] < 0.015
