@@ -177,6 +177,12 @@ class Scene(Checked):
         return sum(block.shape.mass for block in self.blocks)
 
     @property
+    def is_rigid(self) -> bool:
+        """Whether nothing in the scene is meshed."""
+        rigid = all(block.model == "rigid" for block in self.blocks)
+        return rigid and isinstance(self.foundation, RigidSpec | OscillatorSpec)
+
+    @property
     def has_platform(self) -> bool:
         """Whether the blocks stand on a spring: an oscillator, or a plate on rollers."""
         on_rollers = isinstance(self.foundation, PlateSpec) and self.foundation.support == "rollers"

@@ -98,17 +98,11 @@ class Engine(Protocol):
         """What the run took, seconds apart."""
 
 
-def is_rigid(scene: Scene) -> bool:
-    """Whether nothing in a scene is meshed: then dolfinx, PETSc and Gmsh stay out of it."""
-    rigid = all(block.model == "rigid" for block in scene.blocks)
-    return rigid and scene.foundation.kind in ("rigid", "oscillator")
-
-
 def engine_for(
     scene: Scene, files: RunFiles, petsc_options: Sequence[str], comm: MPI.Intracomm
 ) -> Engine:
     """The engine that a scene needs, set up and at its start."""
-    if is_rigid(scene):
+    if scene.is_rigid:  # then dolfinx, PETSc and Gmsh stay out of it
         from solver.rigid.simulation import RigidRun
 
         return RigidRun(scene, files.log, writes=comm.rank == 0, ranks=comm.size)

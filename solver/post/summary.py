@@ -28,7 +28,7 @@ def summarise(
     cost: Mapping[str, Any],
     versions: Mapping[str, str],
     reason: str = "",
-    model: str = "finite elements",
+    model: str = "",
 ) -> dict[str, Any]:
     """The content of summary.json.
 
@@ -39,14 +39,14 @@ def summarise(
         cost: Seconds, steps, iterations, unknowns and ranks, by name.
         versions: Versions of the programs that were used, by name.
         reason: Why the run stopped early, in words.
-        model: What the history comes from, as pictures name it.
+        model: What the history comes from, as pictures name it; empty: what the scene says.
     """
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
     platform = _platform(history) if len(history) else {}
     return {
         "schema": SCHEMA,
         "title": scene.title,
-        "model": model,
+        "model": model or _model(scene),
         "status": status,
         "reason": reason,
         "end_s": float(history["time_s"][-1]) if len(history) else 0.0,
@@ -56,6 +56,11 @@ def summarise(
         "energy": _energy(scene, history) if len(history) else {},
         "cost": dict(cost),
     }
+
+
+def _model(scene: Scene) -> str:
+    """What makes the history of a scene: finite elements, unless nothing in it is meshed."""
+    return "rigid blocks" if scene.is_rigid else "finite elements"
 
 
 def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
