@@ -43,19 +43,17 @@ def _numba() -> ModuleType | None:
 
 NUMBA = _numba()
 
-#: Digest of the sources behind each module with compiled functions.
+#: Digest of all sources beside a module with compiled functions, by the module's name.
 _digests: dict[str, str] = {}
 
 
 def _sources(function: FunctionType) -> str:
-    """Digest of the function's file and of those of the compiled functions that it may call."""
+    """Digest of all files beside the function's: machine code holds the constants of any of them."""
     module = function.__module__
     if module not in _digests:
-        digest = hashlib.sha256(Path(function.__code__.co_filename).read_bytes())
-        used = {getattr(value, "__module__", None) for value in function.__globals__.values()}
-        for other in sorted(name for name in used if name in _digests):
-            digest.update(_digests[other].encode())
-        _digests[module] = digest.hexdigest()[:16]
+        folder = Path(function.__code__.co_filename).parent
+        sources = b"".join(file.read_bytes() for file in sorted(folder.glob("*.py")))
+        _digests[module] = hashlib.sha256(sources).hexdigest()[:16]
     return _digests[module]
 
 

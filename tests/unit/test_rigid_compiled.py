@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -83,18 +84,19 @@ def test_nothing_is_kept_where_nothing_can_be_written(
 def test_code_is_kept_by_the_version_of_its_sources(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """A change of a file that a function calls into gives it another folder."""
-    from solver.rigid import plane_rows, plane_step
-
-    digest = module._digests
-    monkeypatch.setattr(module, "_digests", dict(digest))
-    before = digest["solver.rigid.plane_rows"]
-    for changed in ("solver.rigid.plane_step", "solver.rigid.plane_advance"):
-        monkeypatch.setitem(module._digests, changed, "another version")
-    del module._digests["solver.rigid.plane_rows"]
-    function = getattr(plane_rows.advance, "py_func", plane_rows.advance)
-    assert module._sources(function) != before
-    assert plane_step.__name__ in digest
+    """A change of any file beside it gives a function another folder: also of one of constants."""
+    monkeypatch.setattr(module, "_digests", {})
+    (tmp_path / "steps.py").write_text("def step(x):\n    return x\n")
+    constants = tmp_path / "constants.py"
+    constants.write_text("LIMIT = 1.0\n")
+    names: dict[str, Any] = {"__name__": "steps"}
+    source = tmp_path / "steps.py"
+    exec(compile(source.read_text(), str(source), "exec"), names)
+    before = module._sources(names["step"])
+    assert module._sources(names["step"]) == before
+    constants.write_text("LIMIT = 2.0\n")
+    module._digests.clear()
+    assert module._sources(names["step"]) != before
 
 
 def test_borrowed_arrays_are_the_same_arrays() -> None:

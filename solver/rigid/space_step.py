@@ -1,0 +1,78 @@
+"""Taking a step of rigid blocks in space: state, stick memory, energy ledger; compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solver.rigid.compiled import compiled
+from solver.rigid.space_contact import rotations
+from solver.rigid.space_law import recalled, slips
+from solver.rigid.space_model import Array, Solution, SpaceModel, SpaceState
+from solver.rigid.space_motion import loads
+from solver.rigid.space_rotation import advanced, to_body
+
+
+@compiled
+def _take_centres(
+    model: SpaceModel, state: SpaceState, s: Solution, before: Array, after: Array
+) -> None:
+    """Centres, velocities and inertia forces; work of the ground, damping, loss of the average."""
+    am, af, dt = model.scheme[0], model.scheme[1], s.dt
+    old, new = loads(model, before), loads(model, after)
+    for b in range(len(old)):
+        for k in range(3):
+            du, v, p = s.moved[b, k], state.velocity[b, k], state.inertia_force[b, k]
+            stiffness, dashpot = 0.0, 0.0
+            if b == len(old) - 1 and k < 2:
+                stiffness, dashpot = model.spring[0], model.spring[1]
+            dv = 2 * du / dt - 2 * v
+            resisting = stiffness * (state.place[b, k] + (1 - af) * du)
+            resisting += dashpot * (v + (1 - af) * dv)
+            load = (1 - af) * new[b, k] + af * old[b, k]
+            following = (load - resisting - am * p) / (1 - am)
+            rest = following - p - (new[b, k] - old[b, k]) + stiffness * du + dashpot * dv
+            state.exchanged[0] -= model.mass[b] * du * 0.5 * (before[k] + after[k])
+            state.exchanged[2] += dashpot * du * du / dt
+            state.exchanged[4] += (0.5 - af) * du * rest
+            state.place[b, k] += du
+            state.velocity[b, k] += dv
+            state.inertia_force[b, k] = following
+
+
+@compiled
+def _remember(model: SpaceModel, state: SpaceState, s: Solution) -> None:
+    """Stick memory of all points, and what contact and friction took."""
+    _, anchor = recalled(state, s.contacts)
+    state.memory[:, :, 2:] = 0.0
+    for q in range(len(s.mu)):
+        force, change = s.force[q], s.change[q]
+        kept = state.memory[s.contacts.pair[q], s.contacts.slot[q]]
+        place = s.contacts.start[q, 1:] + change[1:]
+        moved = place + s.yielded[q, 1:] - anchor[q]
+        slipping = slips(force, s.mu[q], s.cohesion[q])
+        if force[0] > 0 and not slipping:
+            moved = np.zeros(2)
+        kept[:2] = anchor[q] + moved if force[0] > 0 else place
+        kept[2:5] = force
+        kept[6] = s.contacts.face[q] + 1.0
+        if s.sliding[q] == 1:
+            kept[5] = math.hypot(moved[0], moved[1]) / s.dt
+            state.broken[s.contacts.pair[q], s.contacts.slot[q]] = 1.0
+        rubbed = -(force[1] * moved[0] + force[2] * moved[1])
+        work = force[0] * change[0] + force[1] * change[1] + force[2] * change[2]
+        state.exchanged[1] += rubbed
+        state.exchanged[3] -= work + rubbed
+
+
+@compiled
+def take(model: SpaceModel, state: SpaceState, s: Solution, before: Array, after: Array) -> None:
+    """Go to the end of a step, `state` being changed in place; velocities are corrected after."""
+    frames = rotations(state.quaternion)
+    for b in range(len(frames) - 1):
+        psi = to_body(frames[b], s.turned[b])
+        state.spin[b] = 2 * psi / s.dt - state.spin[b]
+        state.quaternion[b] = advanced(state.quaternion[b], s.turned[b])
+    _remember(model, state, s)
+    _take_centres(model, state, s, before, after)
