@@ -21,6 +21,9 @@ from solver.parallel import global_sum
 
 Array = NDArray[np.float64]
 
+LEVEL = 1e-9
+"""Points are equally low within this part of a block's size: which of them counts is not chance."""
+
 
 class Observer:
     """Motion of all blocks and of the platform, and the energy ledger.
@@ -190,20 +193,27 @@ class BlockObserver:
     def _first_home(self, state: State) -> dict[Key, Array]:
         """Where the points of the face that stands on the carrier belong along it, m.
 
-        As far from the lowest one as in the block: a tilted block has its base foreshortened.
+        As far from those that touch as in the block: a tilted block has its base foreshortened.
         """
         interface = self._interface
         memory = state.contacts[self._member.contacts[0]]
-        place, reference = memory.seat.place, interface.points.reference
-        lowest = int(np.argmin(np.where(memory.eligible, place[:, 0], np.inf)))
-        carrier = interface.carrier
+        carrier, points = interface.carrier, interface.points
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
-        along = (reference - reference[lowest]) @ level[1:].T
+        along = points.reference @ level[1:].T
+        touching = self._touching(memory)
+        home = along + (memory.seat.place[touching, 1:] - along[touching]).mean(axis=0)
         keys = interface.keys()
-        points = interface.points
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
-        same = np.flatnonzero(tag == tag[lowest])
-        return {keys[q]: place[lowest, 1:] + along[q] for q in same}
+        same = np.flatnonzero(tag == tag[touching[0]])
+        return {keys[q]: home[q] for q in same}
+
+    def _touching(self, memory: Memory) -> NDArray[np.int64]:
+        """The closed points; where there are none the lowest, and all as low as it is."""
+        closed = np.flatnonzero(memory.force[:, 0] > 0)
+        if len(closed):
+            return closed
+        height = np.where(memory.eligible, memory.seat.place[:, 0], np.inf)
+        return np.flatnonzero(height <= height.min() + LEVEL * self._interface.size)
 
     def _slipped(self, memory: Memory) -> Array:
         """Mean displacement of the touching points along the carrier since they were at home.
@@ -212,9 +222,7 @@ class BlockObserver:
         to be for the slip not to jump when they first touch.
         """
         keys, place = self._interface.keys(), memory.seat.place
-        closed = np.flatnonzero(memory.force[:, 0] > 0)
-        lowest = np.argmin(np.where(memory.eligible, place[:, 0], np.inf))
-        touching = closed if len(closed) else np.array([lowest])
+        touching = self._touching(memory)
         known = [place[q, 1:] - self._home[keys[q]] for q in touching if keys[q] in self._home]
         slip = sum(known) / len(known) if known else self._slip
         for q in touching:
