@@ -238,8 +238,12 @@ def _face(member: Member, tag: FacetTag, up: float, margin: float) -> Face:
 
 
 def _top(member: Member) -> tuple[Face, int]:
-    """The top of a block as a carrier."""
-    return _face(member, FacetTag.TOP, 1.0, 1e-9), member.number
+    """The top of a block as a carrier.
+
+    It carries a little beyond its edge: so a block of the same width, whose own edge is there, has
+    its corner carried by one of the two at any time (`_bottom` leaves less than that out).
+    """
+    return _face(member, FacetTag.TOP, 1.0, 1e-5), member.number
 
 
 def _bottom(member: Member) -> Face:

@@ -21,7 +21,11 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 STILL = 1e-6
-"""A foot that moves by less than this part of its facet is taken to have the local slope."""
+"""A foot that moves by less than this part of its facet is taken to have the local slope, one that
+moves by twice as much or more that of its way; between them it goes over from one to the other."""
+
+SEAM = 0.02
+"""As near to the edge of its facet as this part of it, a foot goes over to the averaged slope."""
 
 
 @dataclass(slots=True)
@@ -32,8 +36,9 @@ class Foot:
         nodes: Nodes of each point's facet, (m, k).
         weights: Shape functions N there, (m, k).
         along: Tangential position s in the undeformed face, (m, d-1), m.
-        slope: Rise of the face along the tangents of the frame, (m, d-1).
-        metric: Current over undeformed tangential lengths, (m, d-1, d-1).
+        slope: Rise of the face along the tangents of the frame, (m, d-1); where facets meet that
+            of both, so that it is continuous.
+        metric: Current over undeformed tangential lengths, likewise, (m, d-1, d-1).
         off: Beyond the edge of the face, (m,).
     """
 
@@ -150,6 +155,10 @@ class Face:
         self._along = points.reference @ frame[1:].T
         self._reference = self._along[self._chain, 0]
         chains = self._along[facets[:, : len(self._corners)]]
+        table = self._element.tabulate(1, self._element.points)[1:, :, :, 0]
+        self._gradient = np.ascontiguousarray(table)
+        self._undeformed = np.linalg.inv(self._nodal_gradient(self._along))
+        self._meeting = np.bincount(self.facets.ravel(), minlength=points.count)
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
 
@@ -175,14 +184,42 @@ class Face:
             if len(lost):
                 facet[lost], where[lost] = self._best_around(along[lost], nodes[:, 1:])
         at = self.facets[facet]
-        tangential = nodes[at][:, :, 1:]
         shape, derivative = self._shapes(where)
         own = np.einsum("mk,mkd->md", shape, self._along[at])
-        current = np.einsum("jmk,mkd->mdj", derivative, tangential)
+        gradient = np.einsum("jmk,mkd->mdj", derivative, nodes[at])
         before = np.linalg.inv(np.einsum("jmk,mkd->mdj", derivative, self._along[at]))
-        rise = np.einsum("jmk,mk->mj", derivative, nodes[at][:, :, 0])
-        slope = np.einsum("mj,mjd->md", rise, np.linalg.inv(current))
-        return Foot(at, shape, own, slope, current @ before, self._outside(where))
+        slope = (gradient[:, :1] @ np.linalg.inv(gradient[:, 1:]))[:, 0]
+        metric = gradient[:, 1:] @ before
+        seam = np.clip(1 + self._miss(where) / SEAM, 0.0, 1.0)
+        near = np.flatnonzero(seam)
+        if len(near):
+            share, at_near, shape_near = seam[near], at[near], shape[near]
+            for local, nodal in zip((slope, metric), self._averages(nodes), strict=True):
+                common = np.einsum("mk,mk...->m...", shape_near, nodal[at_near])
+                local[near] += (share * (common - local[near]).T).T
+        return Foot(at, shape, own, slope, metric, self._outside(where))
+
+    def _nodal_gradient(self, values: Array) -> Array:
+        """Derivatives along the facets' coordinates at their nodes, (facets, k, components, d-1).
+
+        Args:
+            values: At the nodes, (n, components).
+        """
+        gradient: Array = np.einsum("jpk,fkd->fpdj", self._gradient, values[self.facets])
+        return gradient
+
+    def _averages(self, nodes: Array) -> tuple[Array, Array]:
+        """Slope and metric at the nodes, averaged over the facets that meet there."""
+        gradient = self._nodal_gradient(nodes)
+        current = gradient[:, :, 1:]
+        slopes = (gradient[:, :, :1] @ np.linalg.inv(current))[:, :, 0]
+        metrics = current @ self._undeformed
+        averages = []
+        for values in (slopes, metrics):
+            total = np.zeros((self.points.count, *values.shape[2:]))
+            np.add.at(total, self.facets, values)
+            averages.append((total.T / np.maximum(self._meeting, 1)).T)
+        return averages[0], averages[1]
 
     def _inverted(self, facet: Indices, where: Array, along: Array, nodes: Array) -> Array:
         """Coordinates of points on given facets, from a first guess (Newton's method)."""
@@ -217,14 +254,20 @@ class Face:
         where = (along - chain[facet, 1]) / length
         weights = np.empty((len(where), 2))
         weights[:, 0], weights[:, 1] = 1 - where, where
-        own = np.diff(reference)[facet]
+        own = np.diff(reference)
         outside = (where < -self._margin) | (where > 1 + self._margin)
+        start, end = np.maximum(0.0, 1 - np.abs(np.stack([where, 1 - where])) / SEAM)
+        slope, metric = (
+            (1 - start - end) * of[facet] + start * ends[facet] + end * ends[facet + 1]
+            for of in (steps[:, 0] / steps[:, 1], steps[:, 1] / own)
+            for ends in (_at_ends(of),)
+        )
         return Foot(
             self.facets[facet],
             weights,
-            (reference[facet] + where * own)[:, None],
-            (steps[facet, 0] / length)[:, None],
-            (length / own)[:, None, None],
+            (reference[facet] + where * own[facet])[:, None],
+            slope[:, None],
+            metric[:, None, None],
             outside,
         )
 
@@ -278,14 +321,15 @@ class Face:
         slope = 0.5 * (first.slope + last.slope)
         metric = 0.5 * (first.metric + last.metric)
         squares = np.sum(travel**2, axis=1)
-        moves = squares > (STILL * self.facet) ** 2
-        if moves.any():
-            over = np.where(moves, np.sum(shift**2, axis=1), 1.0)
-            correction = np.where(moves, rise - np.sum(slope * shift, axis=1), 0.0)
-            slope = slope + (correction / over)[:, None] * shift
-            bend = np.where(moves[:, None], shift - (metric @ travel[:, :, None])[:, :, 0], 0.0)
-            over = np.where(moves, squares, 1.0)
-            metric = metric + bend[:, :, None] * (travel / over[:, None])[:, None, :]
+        share = np.minimum(np.sqrt(squares) / (STILL * self.facet) - 1.0, 1.0)
+        moves = np.flatnonzero(share > 0)
+        if len(moves):
+            share, shift, travel = share[moves], shift[moves], travel[moves]
+            rest = share * (rise[moves] - np.sum(slope[moves] * shift, axis=1))
+            slope[moves] += (rest / np.sum(shift**2, axis=1))[:, None] * shift
+            bend = shift - (metric[moves] @ travel[:, :, None])[:, :, 0]
+            along = (share / squares[moves])[:, None] * travel
+            metric[moves] += bend[:, :, None] * along[:, None, :]
         vectors = np.empty_like(force)
         vectors[:, 0] = force[:, 0]
         if self._interval:
@@ -316,6 +360,11 @@ class Face:
         """Points beyond the edge of the face."""
         assert seat.foot is not None
         return seat.foot.off
+
+
+def _at_ends(values: Array) -> Array:
+    """Averages where intervals meet, from the values in intervals of a chain."""
+    return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
 
 
 Carrier = Plane | Face

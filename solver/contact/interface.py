@@ -88,8 +88,9 @@ class Interface:
             theta: 1 symmetric, 0 fewest terms, -1 skew Nitsche method.
         """
         self.points, self.carrier, self.law = points, carrier, law
-        self.jumps = law.static != law.dynamic and law.decay == 0
-        """Whether points that break loose fall to the dynamic coefficient at once."""
+        falls = law.static != law.dynamic and law.decay == 0
+        self.jumps = falls or (law.cohesion > 0 and law.cohesion_lost)
+        """Whether points that break loose fall to less friction at once."""
         self.count, self.dimension = points.count, points.dimension
         self.size = points.size
         """Of the whole body that is carried, m."""
@@ -240,7 +241,7 @@ class Interface:
         if law.constant:
             return Bounds.uniform(law.dynamic, self.count)
         mu = law.coefficient(np.zeros(self.count) if speed is None else speed, slipped)
-        return Bounds(mu, law.adhesion(self.area, memory.broken))
+        return Bounds(mu, law.adhesion(self.area, memory.broken | slipped))
 
     def at_bound(self, force: Array, bounds: Bounds) -> Mask:
         """Closed points whose friction is at its bound."""

@@ -62,9 +62,9 @@ class VelocityContact:
         regular = _regularised(W)
         size = np.sqrt((impulse[:, 1:] ** 2).sum(axis=1))
         slipping = size >= (bounds.mu * impulse[:, 0] + bounds.cohesion) * (1 - 1e-9)
-        # Where the bound shrinks with P_n, giving back friction could accelerate: then the normal
-        # rows alone.
-        for held in (slipping, np.ones_like(slipping)):
+        # Where the bound shrinks with P_n, giving back friction could accelerate: then points that
+        # slip keep their friction, then all do.
+        for held in (np.zeros_like(slipping), slipping, np.ones_like(slipping)):
             try:
                 q = self._total(regular, velocity, impulse, held, bounds) - impulse
             except NoContactSolution:

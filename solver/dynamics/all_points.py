@@ -51,7 +51,6 @@ class AllPoints:
         ends = np.cumsum([link.interface.count for link in links]).tolist()
         self.own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
         self.softness = np.concatenate([link.interface.softness for link in links])
-        self.turning = any(link.interface.carrier.turns for link in links)
         # Whether friction depends on neither speed nor the past.
         self._steady = all(link.interface.law.constant for link in links)
         self._margin = np.concatenate(

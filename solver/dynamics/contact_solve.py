@@ -219,7 +219,7 @@ class ContactSolve:
     def _delassus(self, near: Indices, seats: Sequence[Seat]) -> tuple[Array, Array]:
         """W (m, d, m, d) with the interface's softness, and its scaling."""
         points = self._points
-        if points.turning or not np.array_equal(near, self._near):
+        if not np.array_equal(near, self._near):
             m, d = len(near), self.system.dimension
             self._place = Near(near, points.frames_at(near), seats)
             W = np.zeros((m, d, m, d))

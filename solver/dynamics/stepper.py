@@ -137,7 +137,7 @@ class Stepper:
         load: Array | None = None,
         start: State | None = None,
         glued: bool = False,
-        steady: float = 1e-9,
+        steady: float = 1e-7,
     ) -> State:
         """Gravity and loads in equilibrium with contact, at rest; the ground begins to move after.
 

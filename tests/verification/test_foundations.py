@@ -1,0 +1,240 @@
+"""Foundations: edges of plates, many facets, equilibrium, flight, frames and their periods."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from solver.check import describe
+from solver.mechanics.modes import natural_period
+from solver.reference.newmark import sliding_stop
+from solver.scene import Scene, parse_scene
+from solver.simulate import Result, simulate
+
+G = 9.81
+
+SQUAT = {
+    "width": 0.6,
+    "height": 0.4,
+    "thickness": 1.0,
+    "mass": 600.0,
+    "young": 3e10,
+    "poisson": 0.2,
+    "cells": [4, 2],
+}
+
+PLATE = {
+    "kind": "elastic",
+    "width": 2.0,
+    "height": 0.2,
+    "young": 3e10,
+    "poisson": 0.2,
+    "density": 2500.0,
+    "support": "bottom",
+    "cells": [20, 2],
+}
+
+FRAME = {
+    "kind": "frame",
+    "deck": {"width": 4.0, "height": 0.6},
+    "column": {"width": 0.1},
+    "storey": 3.0,
+    "young": 3e10,
+    "poisson": 0.2,
+    "density": 2500.0,
+    "cells": {"bay": 8, "column": 1, "deck": 1, "storey": 8},
+}
+
+
+def scene(foundation: dict[str, Any], end: float, step: float, **more: Any) -> Scene:
+    """The squat block, or another one, on a foundation."""
+    tables = {
+        "block": [SQUAT | more.pop("block", {})],
+        "foundation": foundation,
+        "contact": {"friction": more.pop("friction", 0.2)},
+        "time": {"end": end, "step": step},
+    }
+    return parse_scene(tables | more)
+
+
+def run(scene: Scene) -> Result:
+    """A run that completes and keeps its ledger."""
+    result = simulate(scene)
+    energy = result.summary["energy"]
+    assert result.status == "completed"
+    assert energy["largest_gain_fraction"] < 1e-5
+    assert energy["ledger_error_fraction"] < 1e-8
+    return result
+
+
+@pytest.mark.parametrize("support", ["fixed", "bottom"])
+@pytest.mark.parametrize("model", ["elastic", "rigid"])
+def test_a_block_slides_off_the_edge_and_falls(support: str, model: str) -> None:
+    """It tips over the edge, turning towards +x, and ends in free fall."""
+    block: dict[str, Any] = {"offset": 0.5, "velocity": [2.0, 0.0]}
+    result_scene = scene(PLATE | {"support": support}, 0.9, 2e-3, friction=0.1, block=block)
+    if model == "rigid":
+        tables = result_scene.to_dict()
+        for key in ("young", "poisson", "cells", "cell", "degree", "refinement"):
+            tables["block"][0].pop(key)
+        tables["block"][0]["model"] = "rigid"
+        result_scene = parse_scene(tables)
+    result = run(result_scene)
+    history = result.history
+    assert result.summary["blocks"]["block"]["mode"] == "fell"
+    assert history["block.angle_rad"][-1] > 0.3
+    assert history["block.centre_y_m"][-1] < -0.2
+    assert history["block.normal_force_N"][-20:] == pytest.approx(0.0, abs=1e-9)
+    fall = np.diff(history["block.centre_y_m"][-20:], 2) / 2e-3**2
+    assert fall == pytest.approx(-G, rel=1e-3)
+    stored = history["energy.total_J"][-20:]
+    assert np.ptp(stored) < 5e-6 * abs(result.summary["energy"]["scale_J"])
+
+
+def test_it_slides_over_many_facets() -> None:
+    """Thrown over ten facets of the plate: the distance of the closed form."""
+    block = {"offset": -0.6, "velocity": [2.0, 0.0]}
+    result = run(scene(PLATE, 0.75, 1e-3, friction=0.3, block=block))
+    exact, time = sliding_stop(speed=2.0, friction=0.3, gravity=G)
+    assert time < 0.7
+    assert exact > 6 * 0.1
+    slip = result.history["block.slip_m"]
+    assert slip[-1] == pytest.approx(exact, rel=3e-3)
+    forces = result.history["block.friction_force_N"][50:600]
+    assert np.mean(forces) == pytest.approx(-0.3 * 600 * G, rel=1e-2)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_a_plate_under_a_block_rests(degree: int) -> None:
+    """The static start is in equilibrium: nothing moves for 0.2 s."""
+    result = run(scene(PLATE | {"degree": degree}, 0.2, 2e-3))
+    history = result.history
+    for column in ("slip_m", "angle_rad", "centre_x_m", "centre_y_m"):
+        assert np.ptp(history[f"block.{column}"]) < 1e-9
+    assert history["block.normal_force_N"] == pytest.approx(600 * G, rel=1e-6)
+    sag = history["block.centre_y_m"][0] - 0.2
+    # Of a column as wide as the block, between plane stress and plane strain, bulging or not.
+    bulk = 600 * G / 0.6 * (0.2 + 0.4 / 2) / 3e10
+    assert -1.1 * bulk < sag < -0.5 * bulk
+
+
+def test_rocking_on_an_elastic_plate() -> None:
+    """The first impact of the paper's block, plate and block of one stiffness."""
+    block = {
+        "width": 0.25,
+        "height": 1.0,
+        "thickness": 0.75,
+        "mass": 503.0,
+        "young": 5e10,
+        "poisson": 0.2,
+        "tilt_deg": 3.0,
+        "cells": [4, 10],
+    }
+    plate = PLATE | {"width": 1.0, "young": 5e10, "cells": [16, 3]}
+    result = run(scene(plate, 0.6, 1e-3, friction=0.7, block=block))
+    times = [impact["time_s"] for impact in result.summary["blocks"]["block"]["impacts"]]
+    assert times[0] == pytest.approx(0.1916, rel=3e-3)
+    assert times[1] == pytest.approx(0.5305, rel=3e-2)
+
+
+@pytest.mark.parametrize("foundation", [{"kind": "rigid"}, PLATE], ids=["ground", "plate"])
+def test_it_flies_and_lands(foundation: dict[str, Any]) -> None:
+    """The ground falls away with up to 1.5 g: free flight against its equation, then rest.
+
+    The nodes of the block stand on those of the plate, where facets meet.
+    """
+    vertical = {"kind": "half_sine", "amplitude_g": -1.5, "duration": 0.3}
+    result = run(scene(foundation, 0.6, 1e-3, motion={"kind": "none", "vertical": vertical}))
+    assert result.summary["cost"]["rejected_steps"] == 0
+    history = result.history
+    time, height = history["time_s"], history["block.centre_y_m"] - 0.2
+    pulse = math.pi / 0.3
+    begin = math.asin(1 / 1.5) / pulse
+
+    def rate(when: float, y: Any) -> tuple[float, float]:
+        pull = 1.5 * G * math.sin(pulse * when) if when < 0.3 else 0.0
+        return y[1], pull - G
+
+    def ground(when: float, y: Any) -> float:
+        return float(y[0]) if when > begin + 0.05 else 1.0
+
+    ground.terminal = True  # type: ignore[attr-defined]
+    options = {"events": ground, "max_step": 1e-3, "rtol": 1e-9, "atol": 1e-12}
+    flight = solve_ivp(rate, (begin, 0.6), (0.0, 0.0), dense_output=True, **options)
+    landing = float(flight.t_events[0][0])
+    flying = (time > begin + 5e-3) & (time < landing - 5e-3)
+    assert flying.sum() > 200
+    exact = flight.sol(time[flying])[0]
+    np.testing.assert_allclose(height[flying], exact, atol=1e-2 * exact.max())
+    assert np.all(history["block.normal_force_N"][flying] == 0.0)
+    assert np.all(history["contact_points_closed"][flying] == 0)
+    # It is elastic, and bounces, lower than it fell.
+    assert height[time > landing + 5e-3].max() < 0.8 * exact.max()
+    assert height.min() > -1e-3
+
+
+def portal_period(spec: dict[str, Any]) -> float:
+    """Of a portal with rigid joints: its columns bend, its deck moves along x; rho of Chopra.
+
+    The beam theory's columns end at the underside of the deck. A third of their mass moves along
+    (13/35, no rotation at the top).
+    """
+    E, width, height = spec["young"], spec["column"]["width"], spec["storey"]
+    deck, bay = spec["deck"], spec["deck"]["width"] - width
+    column, beam = width**3 / 12, deck["height"] ** 3 / 12
+    rho = (beam / bay) / (2 * column / height)
+    stiffness = 24 * E * column / height**3 * (12 * rho + 1) / (12 * rho + 4)
+    mass = deck["width"] * deck["height"] + 2 * 13 / 35 * width * height
+    return 2 * math.pi * math.sqrt(spec["density"] * mass / stiffness)
+
+
+def test_natural_period_of_a_portal() -> None:
+    """Slender columns against beam theory; `rockslip check` prints it."""
+    run = scene(FRAME, 1.0, 1e-3, plane="stress")
+    period = natural_period(run)
+    assert period == pytest.approx(portal_period(FRAME), rel=0.02)
+    assert f"{period:.4g} s (empty, of the mesh)" in describe(run)
+
+
+def test_natural_period_of_a_plate_on_rollers() -> None:
+    """That of its spring, as stiff as it is."""
+    rollers = PLATE | {"support": "rollers", "period": 0.5}
+    assert natural_period(scene(rollers, 1.0, 1e-3)) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_no_mesh_no_mode() -> None:
+    with pytest.raises(ValueError, match="no mesh"):
+        natural_period(scene({"kind": "rigid"}, 1.0, 1e-3))
+
+
+def test_a_deck_drifts_with_its_block() -> None:
+    """A block that holds on a shaken frame: an oscillator as stiff, with the mass of both."""
+    motion = {"kind": "half_sine", "amplitude_g": 0.05, "duration": 0.6}
+    case = scene(FRAME, 1.2, 4e-3, motion=motion, friction=0.8, plane="stress")
+    result = run(case)
+    drift, time = result.history["platform.drift_m"], result.history["time_s"]
+    column = 2 * 13 / 35 * 0.1 * 3.0
+    empty = 2500.0 * (4.0 * 0.6 + column)
+    stiffness = empty * (2 * math.pi / natural_period(case)) ** 2
+    mass = empty + 600.0
+    omega = math.sqrt(stiffness / mass)
+    pulse = math.pi / 0.6
+    peak = 0.05 * G
+    # u'' + omega^2 u = -a sin(pulse t), then free
+    within = np.minimum(time, 0.6)
+
+    def forced(t: Any) -> Any:
+        return (
+            -peak / (omega**2 - pulse**2) * (np.sin(pulse * t) - pulse / omega * np.sin(omega * t))
+        )
+
+    end = forced(0.6)
+    rate = -peak / (omega**2 - pulse**2) * pulse * (math.cos(pulse * 0.6) - math.cos(omega * 0.6))
+    later = end * np.cos(omega * (time - 0.6)) + rate / omega * np.sin(omega * (time - 0.6))
+    exact = np.where(time <= 0.6, forced(within), later)
+    assert np.abs(result.history["block.slip_m"]).max() < 1e-5
+    np.testing.assert_allclose(drift, exact, atol=0.05 * np.abs(exact).max())

@@ -1,0 +1,186 @@
+"""Stacks of elastic and rigid blocks: energy, momentum of every block in every step, friction."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from solver.build import Assembly, build, initial_state
+from solver.dynamics.state import State
+from solver.mechanics.dense_body import DenseBody
+from solver.reference.sliding import sliding
+from solver.scene import Scene, parse_scene
+from solver.simulate import simulate
+
+Array = NDArray[np.float64]
+
+G = 9.81
+DENSITY = 2400.0
+
+
+def block(name: str, model: str, on: str, width: float, height: float) -> dict[str, Any]:
+    """A block of a stack."""
+    made = {
+        "name": name,
+        "on": on,
+        "width": width,
+        "height": height,
+        "thickness": 1.0,
+        "density": DENSITY,
+        "model": model,
+    }
+    return made if model == "rigid" else made | {"young": 3e10, "poisson": 0.2, "cells": [4, 3]}
+
+
+NAMES = ("lower", "middle", "upper")
+
+
+def stack(models: tuple[str, ...], *overrides: str, slender: bool = False, **more: Any) -> Scene:
+    """Blocks on one another, each a little narrower, under a harmonic motion of the ground."""
+    names = NAMES[: len(models)] if len(models) == 3 else ("lower", "upper")
+    blocks = []
+    for k, (name, model) in enumerate(zip(names, models, strict=True)):
+        width = 1.0 - 0.17 * k
+        height = (2.2 if slender else 0.7) * width
+        on = "foundation" if k == 0 else names[k - 1]
+        blocks.append(block(name, model, on, width, height))
+    tables = {
+        "block": blocks,
+        "contact": {"friction": 0.25},
+        "motion": {"kind": "sine", "amplitude_g": 0.6, "period": 0.5},
+        "time": {"end": 0.4, "step": 2e-3},
+    }
+    return parse_scene(tables | more, overrides=overrides)
+
+
+PAIRS = [("elastic", "elastic"), ("rigid", "elastic"), ("elastic", "rigid")]
+TRIPLES = [("elastic", "elastic", "elastic"), ("elastic", "rigid", "elastic")]
+
+
+@pytest.mark.parametrize("models", [*PAIRS, *TRIPLES], ids="-".join)
+@pytest.mark.parametrize("slender", [False, True], ids=["sliding", "rocking"])
+def test_stacks_make_no_energy(models: tuple[str, ...], slender: bool) -> None:
+    """Under harmonic motion; slender ones rock on one another."""
+    run = stack(models, "contact.friction=0.7", slender=True) if slender else stack(models)
+    result = simulate(run)
+    energy = result.summary["energy"]
+    assert result.status == "completed"
+    assert energy["largest_gain_fraction"] < 1e-5
+    assert energy["ledger_error_fraction"] < 1e-8
+    if slender:
+        assert np.abs(result.history["lower.angle_rad"]).max() > 2e-3
+    else:
+        assert np.abs(result.history["lower.slip_m"]).max() > 0.01
+
+
+class Balance:
+    """Momentum of each block against the forces that contact puts on it, from the scheme alone.
+
+    With P the sum of the scheme's inertia force over a block, (1 - alpha_m) P_{n+1} + alpha_m P_n
+    is its averaged weight in the accelerated ground, and its displacement in a step obeys
+    m (du - dt v_n) = dt^2 [beta P_{n+1} + (1/2 - beta) P_n + c_{n+1}/2].
+    """
+
+    def __init__(self, assembly: Assembly, state: State):
+        self.stepper, self.scheme = assembly.stepper, assembly.stepper.scheme
+        self.system = self.stepper.system
+        self.p = [self.total(state.p, k) for k in range(len(self.system.bodies))]
+
+    def total(self, vector: Array, body: int) -> Array:
+        """Sum of a force over a body."""
+        part, member = vector[self.system.slices[body]], self.system.bodies[body]
+        if isinstance(member, DenseBody):
+            return part[:2].copy()
+        return part.reshape(-1, 2).sum(axis=0)
+
+    def momentum(self, vector: Array, body: int) -> Array:
+        """Of a displacement or velocity, times mass."""
+        own = self.system.slices[body]
+        return self.system.directional_mass[:, own] @ vector[own]
+
+    def needed(self, old: State, new: State, dt: float) -> list[Array]:
+        """Contact force that each block needs to have moved as it did."""
+        am, af, beta = self.scheme.alpha_m, self.scheme.alpha_f, self.scheme.beta
+        base = (1 - af) * self.stepper.base(new.time) + af * self.stepper.base(old.time)
+        forces = []
+        for k, body in enumerate(self.system.bodies):
+            weight = body.mass * (self.stepper.gravity - base)
+            before, after = self.p[k], (weight - am * self.p[k]) / (1 - am)
+            self.p[k] = after
+            moved = self.momentum(new.u - old.u - dt * old.v, k)
+            forces.append(2 * (moved / dt**2 - beta * after - (0.5 - beta) * before))
+        return forces
+
+    def given(self, old: State, new: State) -> list[Array]:
+        """What the interfaces put on each block."""
+        forces = [np.zeros(2) for _ in self.system.bodies]
+        for link, before, after in zip(self.stepper.links, old.contacts, new.contacts, strict=True):
+            vectors, _ = link.interface.push(before.seat, after.seat, after.force)
+            total = vectors.sum(axis=0)
+            if link.body is not None:
+                forces[link.body] += total
+            if link.carrier is not None:
+                forces[link.carrier] -= total
+        return forces
+
+
+def imbalance(run: Scene) -> float:
+    """Largest difference between the forces that blocks get and need, over their weight."""
+    assembly = build(run)
+    state, _ = initial_state(run, assembly)
+    balance, dt, largest = Balance(assembly, state), run.time.step, 0.0
+    for _ in range(100):
+        new, _ = assembly.stepper.advance(state, dt)
+        given, needed = balance.given(state, new), balance.needed(state, new, dt)
+        for body, has, needs in zip(balance.system.bodies, given, needed, strict=True):
+            largest = max(largest, float(np.abs(has - needs).max()) / (body.mass * G))
+        state = new
+    return largest
+
+
+@pytest.mark.parametrize("models", [*PAIRS, TRIPLES[0]], ids="-".join)
+@pytest.mark.parametrize("friction", [0.25, 0.7])
+def test_contact_forces_balance_momentum(models: tuple[str, ...], friction: float) -> None:
+    """Block by block and step by step, velocity solves between them, to 1e-10 of its weight.
+
+    The difference is the residual that SNES leaves (tolerance: 1e-9 of the weight); the upright
+    direction is balanced to round-off. Three blocks that slide leave 1e-10 to 4e-10.
+    """
+    run = stack(models, f"contact.friction={friction}", slender=friction > 0.5)
+    assert imbalance(run) < (1e-10 if len(models) == 2 else 1e-9)
+
+
+def test_each_pair_has_its_own_friction() -> None:
+    """The lower block holds on; the upper slides on it as on the ground: mu 0.1 on 0.8."""
+    run = stack(("elastic", "elastic"), "lower.friction=0.8", "upper.friction=0.1")
+    result = simulate(run)
+    history = result.history
+
+    def ground(time: float) -> float:
+        return 0.6 * G * math.sin(2 * math.pi * time / 0.5)
+
+    exact = sliding(acceleration=ground, friction=0.1, gravity=G, end=0.4, step=2e-3)
+    assert np.abs(history["lower.slip_m"]).max() < 1e-4
+    np.testing.assert_allclose(
+        history["upper.slip_m"], exact.slip, atol=1e-2 * np.abs(exact.slip).max()
+    )
+    weight = DENSITY * 0.83 * 0.83 * 0.7 * G
+    assert np.abs(history["upper.friction_force_N"]).max() == pytest.approx(0.1 * weight, rel=0.05)
+
+
+def test_a_glued_elastic_stack_stands_as_one() -> None:
+    """mu 100 and a motion too weak to rock: the ground carries both, and accelerates both."""
+    run = stack(("elastic", "elastic"), "contact.friction=100.0", "motion.amplitude_g=0.1")
+    history = simulate(run).history
+    for name in ("lower", "upper"):
+        assert np.abs(history[f"{name}.slip_m"]).max() < 1e-6
+        assert np.abs(history[f"{name}.angle_rad"]).max() < 1e-5
+    mass = DENSITY * 0.7 * (1.0 + 0.83**2)
+    acceleration = history["base.acceleration_m_s2"]
+    push = history["lower.friction_force_N"][50:]
+    assert np.abs(push - mass * acceleration[50:]).max() < 0.05 * mass * 0.1 * G
+    assert history["lower.normal_force_N"][50:] == pytest.approx(mass * G, rel=1e-2)

@@ -1,0 +1,210 @@
+"""Forces between two bodies: their work is that on gap and slip, exactly, and they are opposite.
+
+Both bodies turn, deform and slide over one another far more than in a step of a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geometry.block import Block
+from geometry.mesh import block_mesh
+from geometry.tags import FacetTag
+from solver.build import level_frame
+from solver.contact.carriers import Face
+from solver.contact.friction import FrictionLaw
+from solver.contact.interface import Interface
+from solver.contact.points import contact_points
+from solver.contact.surface import carrier_surface
+from solver.contact.surfaces import NitschePoints, NodePoints, RigidPoints
+from solver.dynamics.contact_solve import add_contact_forces
+from solver.dynamics.system import Link, System
+from solver.mechanics.dense_body import RigidBlock
+from solver.mechanics.elastic_body import ElasticBody
+from solver.mechanics.material import Material
+
+Array = NDArray[np.float64]
+
+UPPER = Block(width=0.3, height=0.4, thickness=0.3, density=2000.0)
+LOWER = Block(width=1.0, height=0.4, thickness=1.0, density=2000.0)
+LAW = FrictionLaw(static=0.5, dynamic=0.5, decay=0.0, cohesion=0.0, cohesion_lost=False)
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Turned by `angle` about the origin after moving by `along` and `up`; then deformed."""
+
+    angle: float
+    along: float
+    up: float = 0.0
+    noise: float = 2e-3
+
+    def rotation(self, dimension: int) -> Array:
+        """Clockwise; in space about +y, and half as much about +x."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        if dimension == 2:
+            return np.array([[c, s], [-s, c]])
+        a, b = np.cos(self.angle / 2), np.sin(self.angle / 2)
+        about_x = np.array([[1, 0, 0], [0, a, -b], [0, b, a]])
+        return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]) @ about_x
+
+    def of(self, nodes: Array, seed: int) -> Array:
+        """Displacements of nodes, flat."""
+        dimension = nodes.shape[1]
+        shift = np.zeros(dimension)
+        shift[0], shift[-1] = self.along, self.up
+        if dimension == 3:
+            shift[1] = 0.4 * self.along
+        noise = self.noise * np.random.default_rng(seed).standard_normal(nodes.shape)
+        bent = 0.05 * np.sin(3 * nodes[:, ::-1] + seed)
+        return np.asarray(
+            ((nodes + shift + noise + bent) @ self.rotation(dimension).T - nodes).ravel()
+        )
+
+
+BEFORE = {"upper": Pose(0.32, -0.22, 0.38), "lower": Pose(0.30, 0.0)}
+AFTER = {"upper": Pose(0.37, 0.24, 0.41), "lower": Pose(0.35, 0.03, 0.01)}
+
+
+class Pair:
+    """An upper body on a lower one, and their interface."""
+
+    def __init__(self, upper: str, lower: str, dimension: int, cell: str, degree: int):
+        self.dimension = dimension
+        bodies = [
+            self._body("upper", UPPER, upper, cell, degree),
+            self._body("lower", LOWER, lower, cell, degree),
+        ]
+        self.system = System([body for body, _ in bodies])
+        self.interface = Interface(self._points(*bodies[0]), self._face(*bodies[1]), LAW)
+        self.link = Link(self.interface, 0, 1)
+
+    def _body(self, name: str, shape: Block, model: str, cell: str, degree: int):
+        if model == "rigid":
+            return RigidBlock(name, shape, np.array([0.0, shape.height / 2])), None
+        count = {"upper": (4, 3, 2), "lower": (7, 5, 2)}[name]
+        cells = (count[0], count[2]) if self.dimension == 2 else count
+        made = block_mesh(shape, dimension=self.dimension, cells=cells, cell=cell)
+        plane = "strain" if self.dimension == 2 else "solid"
+        material = Material(young=1e6, poisson=0.2, density=shape.density, plane=plane)
+        return ElasticBody(made.mesh, material, degree=degree, name=name), made.facet_tags
+
+    def _points(self, body, tags):
+        if isinstance(body, RigidBlock):
+            along = np.linspace(-0.5, 0.5, 5) * UPPER.width
+            return RigidPoints(body, np.column_stack([along, np.zeros(5)]))
+        bottom = tags.indices[tags.values == FacetTag.BOTTOM]
+        from dolfinx.mesh import meshtags
+
+        tags = meshtags(
+            body.space.mesh,
+            tags.dim,
+            bottom,
+            np.full(len(bottom), FacetTag.BOTTOM, dtype=np.int32),
+        )
+        return NitschePoints(
+            body, contact_points(body.space, tags, body.law, points="gauss", gamma=100.0)
+        )
+
+    def _face(self, body, tags):
+        frame = level_frame(self.dimension)
+        if isinstance(body, RigidBlock):
+            half = LOWER.width / 2
+            ends = np.array([[-half, LOWER.height], [half, LOWER.height]])
+            return Face(RigidPoints(body, ends), np.array([[0, 1]]), frame, "interval")
+        top = carrier_surface(body.space, tags, int(FacetTag.TOP))
+        nodes = NodePoints(body, top.layer, top.positions)
+        return Face(nodes, top.nodes, frame, top.cell, top.degree)
+
+    def unknowns(self, poses: dict[str, Pose]) -> Array:
+        """Of both bodies."""
+        parts = []
+        for seed, (body, name) in enumerate(
+            zip(self.system.bodies, ("upper", "lower"), strict=True)
+        ):
+            pose = poses[name]
+            if isinstance(body, RigidBlock):
+                moved = body.centre + np.array([pose.along, pose.up])
+                parts.append(np.append(moved @ pose.rotation(2).T - body.centre, pose.angle))
+            else:
+                parts.append(pose.of(body.nodes, seed))
+        return np.concatenate(parts)
+
+    def observed(self, u: Array):
+        return self.interface.observe(self.system.part(u, 0), self.system.part(u, 1))
+
+    def total(self, forces: Array, body: int) -> Array:
+        """Force on a body in all."""
+        part = forces[self.system.slices[body]]
+        if isinstance(self.system.bodies[body], RigidBlock):
+            return part[:2]
+        return part.reshape(-1, self.dimension).sum(axis=0)
+
+
+CASES = [
+    ("elastic", "elastic", 2, "quadrilateral", 1),
+    ("elastic", "elastic", 2, "triangle", 2),
+    ("elastic", "elastic", 2, "quadrilateral", 2),
+    ("rigid", "elastic", 2, "quadrilateral", 1),
+    ("elastic", "rigid", 2, "quadrilateral", 1),
+    ("rigid", "rigid", 2, "quadrilateral", 1),
+    ("elastic", "elastic", 3, "hexahedron", 1),
+    ("elastic", "elastic", 3, "hexahedron", 2),
+    ("elastic", "elastic", 3, "tetrahedron", 1),
+]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case)))
+@pytest.mark.parametrize("travel", [1.0, 1e-3])
+def test_work_is_exact_and_forces_are_opposite(
+    case: tuple[str, str, int, str, int], travel: float
+) -> None:
+    """f.(y1 - y0), whether points slide over several facets or stay on one."""
+    pair = Pair(*case)
+    system, interface, d = pair.system, pair.interface, pair.dimension
+    u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
+    u1 = u0 + travel * (far - u0)
+    middle = 0.5 * (BEFORE["lower"].angle + AFTER["lower"].angle)
+    interface.carrier.turn(Pose(middle, 0.0).rotation(d))
+    memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))
+    surface, seat = pair.observed(u1)
+    moved = seat.place - memory.seat.place
+    assert not seat.foot.off.any() and not memory.seat.foot.off.any()
+    if travel == 1.0 and case[1] == "elastic":
+        assert np.abs(moved[:, 1]).min() > 2 / 7  # two facets at least
+    force = np.random.default_rng(5).uniform(0.5, 1.5, (*interface.weight.shape, d))
+    target = np.zeros(system.size)
+    add_contact_forces(
+        *(system, pair.link, memory, (surface, seat), force, target),
+        traction_weight=0.0,
+        contact_weight=1.0,
+        sign=1.0,
+    )
+    y = [interface.augmented(*seen) for seen in ((memory.surface, memory.seat), (surface, seat))]
+    work = force * (y[1] - y[0])
+    assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())
+    on_points, on_carrier = pair.total(target, 0), pair.total(target, 1)
+    np.testing.assert_allclose(on_points, -on_carrier, atol=1e-11 * np.abs(force).sum())
+    assert np.linalg.norm(on_points) > 0.1 * np.abs(force).sum()
+
+
+def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:
+    """Below STILL of a facet: the error is of the size of the rest of a Taylor series."""
+    pair = Pair("elastic", "elastic", 2, "quadrilateral", 1)
+    u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
+    u1 = u0 + 1e-8 * (far - u0)
+    interface = pair.interface
+    interface.carrier.turn(Pose(0.3, 0.0).rotation(2))
+    memory = interface.start(pair.system.part(u0, 0), pair.system.part(u0, 1), np.eye(2))
+    _, seat = pair.observed(u1)
+    force = np.ones((interface.count, 2))
+    vectors, reaction = interface.push(memory.seat, seat, force)
+    assert reaction is not None and seat.carrier is not None and memory.seat.carrier is not None
+    done = np.sum(vectors * (pair.observed(u1)[0].position - memory.surface.position))
+    done += np.sum(reaction * (seat.carrier.position - memory.seat.carrier.position))
+    work = force * (seat.place - memory.seat.place)
+    assert done == pytest.approx(work.sum(), abs=1e-7 * np.abs(work).sum())
