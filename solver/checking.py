@@ -238,7 +238,8 @@ def _checked(hint: Any, value: Any, name: str) -> Any:
     if value is None and NoneType in choices:
         return None
     choices = tuple(choice for choice in choices if choice is not NoneType)
-    if isinstance(value, tuple(c for c in choices if dataclasses.is_dataclass(c))):
+    tables: tuple[Any, ...] = tuple(c for c in choices if dataclasses.is_dataclass(c))
+    if isinstance(value, tables):
         return value
     if isinstance(value, list | tuple):
         return _checked_tuple(choices, value, _words(hint, name), name)

@@ -10,7 +10,7 @@ from typing import Any
 from mpi4py import MPI
 
 from solver.build import Assembly, build, initial_state
-from solver.dynamics.state import Exchange, State
+from solver.dynamics.state import Exchange
 from solver.dynamics.step_control import Ladder
 from solver.dynamics.stepper import StepFailed
 from solver.mechanics.elastic_body import ElasticBody

@@ -1,9 +1,9 @@
 """What carries contact points: an endless plane, or the facets of a body's face.
 
-For points in space a carrier gives the gap g along the normal of the step's frame and the tangential
-position s, in the coordinates of its own material, so that the stick memory travels with it. The
-increments of both between two instants are products of its rows with increments of position,
-exactly: that is what makes the work of contact forces a difference of states.
+For points in space a carrier gives the gap g along the normal of the step's frame and the
+tangential position s, in the coordinates of its own material, so that the stick memory travels with
+it. The increments of both between two instants are products of its rows with increments of
+position, exactly: that is what makes the work of contact forces a difference of states.
 """
 
 from __future__ import annotations

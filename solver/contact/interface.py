@@ -6,9 +6,9 @@ augmented position
 
     y = (g, s) - T/gamma_h:   l_n = [-gamma_h y_n]_+,   l_t = projection of -gamma_h (y_t - anchor)
 
-on |l_t| <= c + mu l_n. The anchor is the stick memory: it stays while a point sticks, follows (y_t +
-l_t/gamma_h) while it slips, and is y_t while it is open. Point forces are f = w l (Chouly, Hild and
-Renard; the memory and the merging of points are this program's). Points of rigid bodies have no
+on |l_t| <= c + mu l_n. The anchor is the stick memory: it stays while a point sticks, follows (y_t
++ l_t/gamma_h) while it slips, and is y_t while it is open. Point forces are f = w l (Chouly, Hild
+and Renard; the memory and the merging of points are this program's). Points of rigid bodies have no
 traction and no gamma_h: y is (g, s) there.
 """
 
@@ -95,15 +95,16 @@ class Interface:
         self.size = points.size
         """Of the whole body that is carried, m."""
         self._corners: list[NDArray[np.int64]] = []
+        self.weight: Array
         self.area: Array
         self.inverse_gamma: Array
         self.softness: Array
         if isinstance(points, NitschePoints):
             self.theta, self.weight = theta, points.points.weight
-            self.inverse_gamma = 1.0 / points.points.gamma_h
-            self.softness = self.inverse_gamma / self.weight
+            self.inverse_gamma = np.asarray(1.0 / points.points.gamma_h, dtype=np.float64)
+            self.softness = np.asarray(self.inverse_gamma / self.weight, dtype=np.float64)
             self.area = self.weight * points.body.thickness
-            places: Array = points.reference / points.size
+            places = np.asarray(points.reference / points.size, dtype=np.float64)
             self._corners = self._coinciding(places)
         else:
             none = np.zeros(self.count)

@@ -91,7 +91,7 @@ class PlaneSolver:
         normal, tangential = trial[:, 0], trial[:, 1]
         rule = line(normal)
         if system.bounds.frictionless:
-            return SMOOTH * (normal > 0), rule
+            return np.asarray(SMOOTH * (normal > 0), dtype=np.float64), rule
         stick = np.abs(tangential) <= rule[0] * normal + rule[1]
         closed = np.where(stick, STICK, np.copysign(SLIP, tangential))
         return np.where(normal > 0, closed, 0.0), rule

@@ -89,7 +89,7 @@ class ContactPoints:
             first = point = np.arange(count)
         point = point.ravel()
         self.count, self.dimension = len(first), dimension
-        self.weight: Array = np.bincount(point, table.weight)
+        self.weight: Array = np.asarray(np.bincount(point, table.weight), dtype=np.float64)
         share = table.weight / self.weight[point]
         average = sp.csr_matrix((share, (point, np.arange(count))), shape=(self.count, count))
         self.reference: Array = table.position[first]

@@ -7,6 +7,7 @@ meshed body, material points of a rigid one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -51,6 +51,9 @@ class AllPoints:
         ends = np.cumsum([link.interface.count for link in links]).tolist()
         self.own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
         self.softness = np.concatenate([link.interface.softness for link in links])
+        self._near: tuple[Indices, Bounds] | None = None
+        self._mu: Array = np.empty((0,))
+        self._cohesion: Array = np.empty((0,))
         # Whether friction depends on neither speed nor the past.
         self._steady = all(link.interface.law.constant for link in links)
         self._margin = np.concatenate(
@@ -130,7 +133,7 @@ class AllPoints:
                 self.links, self.memories, self._slipped, self.own, strict=True
             )
         ]
-        self._near: tuple[Indices, Bounds] | None = None
+        self._near = None
         self._mu = np.concatenate([bounds.mu for bounds in self.bounds])
         self._cohesion = np.concatenate([bounds.cohesion for bounds in self.bounds])
 

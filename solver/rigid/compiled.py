@@ -48,7 +48,7 @@ _digests: dict[str, str] = {}
 
 
 def _sources(function: FunctionType) -> str:
-    """Digest of all files beside the function's: machine code holds the constants of any of them."""
+    """Digest of all files beside the function's: machine code may hold the constants of any."""
     module = function.__module__
     if module not in _digests:
         folder = Path(function.__code__.co_filename).parent

@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry.tags import FacetTag
+from solver.build import build, initial_state
 from solver.contact.interface import carry_over
 from solver.reference.housner import housner
 from solver.scene import Scene, parse_scene
-from solver.build import build, initial_state
 from solver.simulate import Result, simulate
 
 BLOCK = {
