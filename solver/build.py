@@ -274,7 +274,8 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
         own = stepper.system.slices[member.number]
         u[own], v[own] = _placed(member)
     closed = all(block.tilt == 0.0 for block in scene.blocks)
-    if scene.time.initial == "static" and closed and scene.gravity > 0:
+    meshed = any(isinstance(body, ElasticBody) for body in stepper.system.bodies)
+    if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
         for glued in (False, True):
             try:
                 state = stepper.static_start(u, glued=glued)

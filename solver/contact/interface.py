@@ -110,6 +110,9 @@ class Interface:
             none = np.zeros(self.count)
             self.theta, self.weight, self.inverse_gamma, self.softness = 0, none, none, none
             self.area = np.full((self.count,), points.area / self.count)
+        self._weight_column, self._gamma_column = self.weight[:, None], self.inverse_gamma[:, None]
+        self._pull_column = self.theta * self._gamma_column
+        self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
         self._keys = self._named()
 
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
@@ -168,7 +171,7 @@ class Interface:
         """Y = (g, s) - T/gamma_h of all points, (points, d), m."""
         if not isinstance(surface, SurfaceState):
             return seat.place
-        scaled: Array = self.inverse_gamma[:, None] * surface.traction
+        scaled: Array = self._gamma_column * surface.traction
         return seat.place - scaled @ self.carrier.frame.T
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
@@ -240,7 +243,7 @@ class Interface:
         """
         law = self.law
         if law.constant:
-            return Bounds.uniform(law.dynamic, self.count)
+            return self._constant_bounds
         mu = law.coefficient(np.zeros(self.count) if speed is None else speed, slipped)
         return Bounds(mu, law.adhesion(self.area, memory.broken | slipped))
 
@@ -277,8 +280,9 @@ class Interface:
         pull = -contact_weight * (force @ self.carrier.frame)
         if traction_weight:
             averaged = traction_weight * new.traction + (1 - traction_weight) * old.traction
-            pull += self.weight[:, None] * averaged
-        return pull * (self.theta * self.inverse_gamma)[:, None]
+            pull += self._weight_column * averaged
+        pull *= self._pull_column
+        return pull
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l^2 - theta T^2)/(2 gamma_h), J."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,11 @@ GLUE = 1e6
 MARGIN = 0.002
 """Points farther from their carrier than this part of their body's size after the free step are not
 pressed into it by the others."""
+
+
+def joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Arrays of several interfaces one after another; a single one as it is."""
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +58,7 @@ class AllPoints:
         self.own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
         self.softness = np.concatenate([link.interface.softness for link in links])
         self._near: tuple[Indices, Bounds] | None = None
+        self._bound_glued = False
         self._mu: Array = np.empty((0,))
         self._cohesion: Array = np.empty((0,))
         # Whether friction depends on neither speed nor the past.
@@ -74,8 +81,8 @@ class AllPoints:
         """
         self.memories, self._step, self._glued = memories, step, glued
         self.force = np.concatenate([memory.force for memory in memories])
-        self.anchor = np.concatenate([memory.anchor for memory in memories])
-        self._eligible = np.concatenate([memory.eligible for memory in memories])
+        self.anchor = joined([memory.anchor for memory in memories])
+        self._eligible = joined([memory.eligible for memory in memories])
         self.frames = [link.interface.carrier.frame for link in self.links]
         self.seen: list[tuple[Seen, Seat]] = []
         self._slipped = [memory.slipped for memory in memories]
@@ -119,7 +126,7 @@ class AllPoints:
             slip = y[:, 1:] - self.anchor
             slip += self.softness[:, None] * self.force[:, 1:]
             self._bind(np.sqrt(np.sum(slip**2, axis=1)) / self._step)
-        if self._near is None or not np.array_equal(near, self._near[0]):
+        if self._near is None or near is not self._near[0]:
             self._near = near, Bounds(self._mu[near], self._cohesion[near])
         return self._near[1]
 
@@ -133,9 +140,10 @@ class AllPoints:
                 self.links, self.memories, self._slipped, self.own, strict=True
             )
         ]
-        self._near = None
-        self._mu = np.concatenate([bounds.mu for bounds in self.bounds])
-        self._cohesion = np.concatenate([bounds.cohesion for bounds in self.bounds])
+        if not self._steady or self._bound_glued != self._glued:
+            self._near, self._bound_glued = None, self._glued
+        self._mu = joined([bounds.mu for bounds in self.bounds])
+        self._cohesion = joined([bounds.cohesion for bounds in self.bounds])
 
     def break_loose(self) -> bool:
         """Points that held on static friction and reached it slip from now on: mu_s to mu_d only.

@@ -87,6 +87,7 @@ class ContactSolve:
         self._solver = NonlinearSolver(system.comm, system.size, *functions, options)
         self._responses: dict[tuple[TangentWeights, ...], list[Response]] = {}
         self._rigid = self._points.softness == 0
+        self._near: Indices = np.empty(0, dtype=np.int64)
 
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""
@@ -100,7 +101,7 @@ class ContactSolve:
         self._response = self._responses_for(tuple(balance.weights))
         for response, own in zip(self._response, self.system.slices, strict=True):
             response.begin(guess[own])
-        self._near: Indices = np.empty(0, dtype=np.int64)
+        self._stale = True
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
         while outcome.converged and (points.wake(u) or points.break_loose()):
             before = outcome.iterations
@@ -200,6 +201,7 @@ class ContactSolve:
         if len(near):
             force = points.force[near]
             W, scaling = self._delassus(near, seats)
+            near = self._near  # the same numbers, known by the same array
             # W holds the interface's own softness too, which is no part of y.
             q = y[near] - image(W, force) + force * points.softness[near, None]
             q[:, 1:] -= points.anchor[near]
@@ -219,7 +221,9 @@ class ContactSolve:
     def _delassus(self, near: Indices, seats: Sequence[Seat]) -> tuple[Array, Array]:
         """W (m, d, m, d) with the interface's softness, and its scaling."""
         points = self._points
-        if not np.array_equal(near, self._near):
+        same = np.array_equal(near, self._near)
+        if self._stale or not same:
+            near = self._near if same else near
             m, d = len(near), self.system.dimension
             self._place = Near(near, points.frames_at(near), seats)
             W = np.zeros((m, d, m, d))
@@ -232,7 +236,7 @@ class ContactSolve:
             number = np.arange(m)
             for k in range(d):
                 W[number, k, number, k] += soft
-            self._near, self._turned = near, (W, row_sum_scaling(W))
+            self._near, self._turned, self._stale = near, (W, row_sum_scaling(W)), False
         return self._turned
 
 

@@ -12,7 +12,7 @@ from solver.contact.friction import Bounds
 from solver.contact.local_problem import LocalProblem
 from solver.contact.response import DenseResponse, Near
 from solver.contact.velocity import VelocityContact
-from solver.dynamics.all_points import Contact
+from solver.dynamics.all_points import Contact, joined
 from solver.dynamics.state import State
 from solver.dynamics.system import Link, System, response_of
 from solver.mechanics.dense_body import DenseBody
@@ -59,11 +59,11 @@ class VelocityImpulses:
         self, state: State, contacts: Sequence[Contact], dt: float
     ) -> VelocityCorrection | None:
         """The correction after a step, or None where no solution was found."""
-        force = np.concatenate([contact.force for contact in contacts])
+        force = joined([contact.force for contact in contacts])
         closed = np.flatnonzero(force[:, 0] > 0)
         W = self._delassus(closed, state, contacts)
-        mu = np.concatenate([contact.bounds.mu for contact in contacts])
-        cohesion = np.concatenate([contact.bounds.cohesion for contact in contacts])
+        mu = joined([contact.bounds.mu for contact in contacts])
+        cohesion = joined([contact.bounds.cohesion for contact in contacts])
         bounds = Bounds(mu[closed], dt * cohesion[closed])
         velocity = self._velocity(state, contacts)[closed]
         found = self._contact.correct(velocity, W, dt * force[closed], bounds)

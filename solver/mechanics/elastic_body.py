@@ -127,6 +127,11 @@ class ElasticBody:
         self.fixed = self._held(supports)
         self._compile(domain, degree)
         self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
+        # Views that are kept: asking dolfinx for one costs as much as copying the values.
+        self._new, self._old, self._rate = (
+            (function, function.x.array) for function in (self.u, self.u_old, self.v_old)
+        )
+        self._forces = self._buffer.array
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._spring, self._dashpot = self._spread(domain, spring)
         self.factorizations = 0
@@ -285,18 +290,19 @@ class ElasticBody:
 
     def begin(self, u_old: Array, v_old: Array, weights: StrainWeights) -> None:
         """Fix what a step starts from: state at t_n and the weights of its stress."""
-        self._assign(self.u_old, u_old)
+        self._assign(self._old, u_old)
         if self.damping.stiffness:
-            self._assign(self.v_old, v_old)
+            self._assign(self._rate, v_old)
         values = (weights.new, weights.old, weights.rate)
         if values != tuple(float(c.value) for c in self._constants[:3]):
             for constant, value in zip(self._constants[:3], values, strict=True):
                 constant.value = value
             self._force.refresh()
 
-    def _assign(self, function: fem.Function, values: Array) -> None:
+    def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
         """Owned values into a function, ghosts from their owners."""
-        function.x.array[: self.size] = values
+        function, array = target
+        array[: self.size] = values
         if self.comm.size > 1:
             function.x.scatter_forward()
 
@@ -305,13 +311,13 @@ class ElasticBody:
 
         With `static` the midpoint is the configuration itself.
         """
-        self._assign(self.u, u)
+        self._assign(self._new, u)
         if static:
-            self._assign(self.u_old, u)
-        self._force.vector(self._buffer.array)
+            self._assign(self._old, u)
+        self._force.vector(self._forces)
         if self.comm.size > 1:
             self._buffer.scatter_reverse(la.InsertMode.add)
-        return self._buffer.array[: self.size].copy()
+        return self._forces[: self.size].copy()
 
     @property
     def on_spring(self) -> bool:

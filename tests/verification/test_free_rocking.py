@@ -211,6 +211,11 @@ def test_a_block_released_from_its_side_shows_its_bottom_corners() -> None:
 
 
 def test_slip_is_continuous_from_pivot_to_pivot(run: Result) -> None:
-    """The foreshortened base of a tilted block, 0.34 mm here, is no slip when it comes down."""
-    late = run.history["time_s"] > 2.5
-    assert np.abs(np.diff(run.history["block.slip_m"][late])).max() < 2e-5
+    """The foreshortened base of a tilted block, 0.34 mm here, is no slip when it comes down.
+
+    Steps in contact only: where it hops it really moves, by 0.02 mm in a step.
+    """
+    closed = run.history["contact_points_closed"] > 0
+    late = (run.history["time_s"][1:] > 2.5) & closed[1:] & closed[:-1]
+    assert late.sum() > 300
+    assert np.abs(np.diff(run.history["block.slip_m"])[late]).max() < 2e-5
