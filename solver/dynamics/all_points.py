@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from solver.dynamics.system import Link, System
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 GLUE = 1e6
 """Coefficient of friction that holds anything."""
@@ -26,7 +27,7 @@ MARGIN = 0.002
 pressed into it by the others."""
 
 
-def joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+def joined(arrays: Sequence[NDArray[Scalar]]) -> NDArray[Scalar]:
     """Arrays of several interfaces one after another; a single one as it is."""
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
