@@ -238,8 +238,8 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
     )
     history = folder / "out" / "history.csv"
     try:
-        deadline = time.monotonic() + 60
-        while not history.is_file() or history.read_text().count("\n") < 60:
+        deadline = time.monotonic() + 120
+        while not history.is_file() or history.read_text().count("\n") < 160:
             assert process.poll() is None, process.communicate()[1]
             assert time.monotonic() < deadline, "the run did not get under way"
             time.sleep(0.02)
