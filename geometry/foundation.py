@@ -33,10 +33,10 @@ class RigidFoundation:
             )
 
     @classmethod
-    def level(cls, dimension: int) -> RigidFoundation:
-        """The horizontal plane at level 0."""
-        up = (0.0,) * (dimension - 1) + (1.0,)
-        return cls(point=(0.0,) * dimension, normal=up)
+    def level(cls, dimension: int, up: float = 1.0) -> RigidFoundation:
+        """The horizontal plane at level 0, looking up, or down with `up` = -1."""
+        normal = (0.0,) * (dimension - 1) + (up,)
+        return cls(point=(0.0,) * dimension, normal=normal)
 
     @property
     def dimension(self) -> int:

@@ -35,28 +35,6 @@ class FrameCells:
     storey: int = 12
     """Along a column."""
 
-    @classmethod
-    def of_deck(cls, deck: tuple[int, ...], column: tuple[int, int], bays: int = 1) -> FrameCells:
-        """The cells that a deck and its columns have as a whole.
-
-        Args:
-            deck: Along its width and height, in space along width, thickness and height; the
-                bays share what the columns leave, and have one each at least.
-            column: Across and along a column.
-            bays: As in `Frame`.
-        """
-
-        def shared(whole: int, count: int) -> int:
-            return max(1, round((whole - (count + 1) * column[0]) / count))
-
-        return cls(
-            bay=shared(deck[0], bays),
-            bay_across=shared(deck[1], 1) if len(deck) == 3 else None,
-            column=column[0],
-            deck=deck[-1],
-            storey=column[1],
-        )
-
     def __post_init__(self) -> None:
         """Refuse numbers that leave no cells."""
         for field in fields(self):

@@ -6,6 +6,31 @@ from geometry.arrangement import Pose, initial_position, initial_position_in_spa
 from solver.scene import Scene
 from solver.specs import BlockSpec
 
+Drift = tuple[float, float]
+
+
+def poses(scene: Scene, *, upright: bool = False, drift: Drift = (0.0, 0.0)) -> dict[str, Pose]:
+    """For each block, by its name, the rigid motion from its own frame to where it stands.
+
+    Args:
+        scene: The scene.
+        upright: As if nothing were tilted.
+        drift: Of the platform along x and y, m: where it is.
+    """
+    placed: dict[str, Pose] = {}
+    for spec in scene.order:
+        carrier = scene.carrier_of(spec)
+        pose = _on_level(
+            spec,
+            scene.dimension,
+            tilt=0.0 if upright else spec.tilt,
+            drift=drift if carrier is None else (0.0, 0.0),
+        )
+        if carrier is not None:
+            pose = on_top(placed[carrier.name], carrier.height, pose)
+        placed[spec.name] = pose
+    return placed
+
 
 def stands(scene: Scene) -> dict[str, tuple[Pose, Pose]]:
     """For each block two rigid motions, by its name.
@@ -13,16 +38,7 @@ def stands(scene: Scene) -> dict[str, tuple[Pose, Pose]]:
     The first takes the block's own frame to where it would stand if nothing was tilted (a
     translation: there it is meshed), the second goes on from there to where it starts.
     """
-    upright: dict[str, Pose] = {}
-    tilted: dict[str, Pose] = {}
-    heights = {block.name: block.height for block in scene.blocks}
-    for spec in scene.order:
-        straight, leaning = (_pose(spec, scene.dimension, tilt) for tilt in (0.0, spec.tilt))
-        if spec.on in heights:
-            below = heights[spec.on]
-            straight = on_top(upright[spec.on], below, straight)
-            leaning = on_top(tilted[spec.on], below, leaning)
-        upright[spec.name], tilted[spec.name] = straight, leaning
+    upright = poses(scene, upright=True)
     return {
         name: (
             upright[name],
@@ -32,13 +48,14 @@ def stands(scene: Scene) -> dict[str, tuple[Pose, Pose]]:
                 place=pose.place,
             ),
         )
-        for name, pose in tilted.items()
+        for name, pose in poses(scene).items()
     }
 
 
-def _pose(spec: BlockSpec, dimension: int, tilt: float) -> Pose:
+def _on_level(spec: BlockSpec, dimension: int, *, tilt: float, drift: Drift) -> Pose:
     """Where a block would stand on a surface at level 0 whose origin is below its carrier."""
+    along = spec.offset + drift[0]
     if dimension == 2:
-        return initial_position(spec.shape, spec.offset, tilt)
-    offset = (spec.offset, spec.offset_second)
+        return initial_position(spec.shape, along, tilt)
+    offset = along, spec.offset_second + drift[1]
     return initial_position_in_space(spec.shape, offset, tilt, spec.tilt_direction)

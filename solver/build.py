@@ -12,6 +12,7 @@ from dolfinx.mesh import MeshTags
 from numpy.typing import NDArray
 
 from geometry.arrangement import Pose
+from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
 from solver.arrangement import stands
@@ -19,16 +20,16 @@ from solver.contact.carriers import Carrier, Face
 from solver.contact.faces import ContactFaces, Contacts, FixedContacts
 from solver.contact.friction import FrictionLaw
 from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NodePoints, RigidPoints
+from solver.contact.surfaces import NodePoints, RigidPoints, SurfacePoints
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.dynamics.state import State
 from solver.dynamics.stepper import StepFailed, Stepper
 from solver.dynamics.system import Body, System
 from solver.excitation.motion import ground_motion
-from solver.foundations import Support, foundation, rim
+from solver.foundations import Support, foundation
 from solver.mechanics.dense_body import RigidBlock
-from solver.mechanics.elastic_body import Damping, ElasticBody
-from solver.mechanics.material import Material
+from solver.mechanics.elastic_body import ElasticBody
+from solver.meshed_body import meshed_body
 from solver.scene import Scene
 from solver.specs import BlockSpec
 
@@ -124,16 +125,13 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         comm=comm,
     )
     move(made.mesh, upright)
-    young, poisson = (_stiffest(scene), 0.0) if rigid else spec.elasticity
-    plane = scene.plane if dimension == 2 else "solid"
-    material = Material(young=young, poisson=poisson, density=spec.shape.density, plane=plane)
-    body = ElasticBody(
-        made.mesh,
-        material,
+    body = meshed_body(
+        *(scene, spec.name, made),
+        elasticity=(_stiffest(scene), 0.0) if rigid else spec.elasticity,
+        density=spec.shape.density,
+        thickness=spec.thickness,
         degree=1 if rigid else spec.degree,
-        damping=None if rigid else rayleigh(scene),
-        name=spec.name,
-        thickness=spec.thickness if dimension == 2 else 1.0,
+        damped=not rigid,
     )
     return Member(spec, body, number, stand, made.facet_tags)
 
@@ -143,12 +141,6 @@ def _stiffest(scene: Scene) -> float:
     moduli = [block.young for block in scene.blocks if block.model == "elastic"]
     moduli.append(getattr(scene.foundation, "young", None))
     return RIGID * max(young for young in moduli if young)
-
-
-def rayleigh(scene: Scene) -> Damping | None:
-    """Rayleigh damping of meshed bodies."""
-    given = scene.damping
-    return None if given is None else Damping(mass=given.mass, stiffness=given.stiffness)
 
 
 def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:
@@ -183,57 +175,37 @@ def _contacts(
             on=on,
         )
     else:
-        points = RigidPoints(member.body, _outline(member, carrier), _base_area(scene, member))
+        # Cohesion acts on the bottom and on as much of the other sides, which may touch as well.
+        area = 2 * member.spec.width * member.spec.thickness
+        points = RigidPoints(member.body, _outline(member.body, carrier), area)
         own = FixedContacts(points, carrier, law, body=member.number, on=on)
     contacts = [own]
-    edge = support.edge() if below is None else _edge(below)
-    if edge is not None:
+    if isinstance(carrier, Face):
+        edge = rim(carrier.points)
         contacts.append(FixedContacts(edge, _bottom(member), law, body=on, on=member.number))
     member.contacts = list(range(first, first + len(contacts)))
     return contacts
 
 
-def _base_area(scene: Scene, member: Member) -> float:
-    """Area of the bottom and as much for each other side that may touch: cohesion acts on it."""
-    return member.spec.width * member.spec.thickness * 2
-
-
-def _outline(member: Member, carrier: Carrier) -> Array:
+def _outline(body: RigidBlock, carrier: Carrier) -> Array:
     """Points of a rigid block that may touch: its corners, on facets also points between them."""
-    corners = _corners(member)
     if not isinstance(carrier, Face):
-        return corners
-    count = int(np.ceil(member.spec.width / carrier.facet))
+        return body.corners
+    count = int(np.ceil(body.shape.width / carrier.facet))
     between = np.linspace(0, 1, count + 1)[1:-1, None]
-    bottom = corners[0] + between * (corners[1] - corners[0])
-    return np.vstack([corners, bottom])
-
-
-def _corners(member: Member) -> Array:
-    """Corners of a rigid block in its reference configuration: bottom left, bottom right, top."""
-    assert isinstance(member.body, RigidBlock)
-    half = np.array([member.spec.width, member.spec.height]) / 2
-    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    return member.body.centre + signs * half
-
-
-def level_frame(dimension: int, up: float = 1.0) -> Array:
-    """Rows normal and tangents of a level face that looks up or down."""
-    if dimension == 2:
-        return np.array([[0.0, up], [up, 0.0]])
-    return np.array([[0.0, 0.0, up], [1.0, 0.0, 0.0], [0.0, up, 0.0]])
+    left, right = body.corners[:2]
+    return np.vstack([body.corners, left + between * (right - left)])
 
 
 def _face(member: Member, tag: FacetTag, up: float, margin: float) -> Face:
     """A level face of a block as a carrier."""
-    frame = level_frame(member.body.dimension, up)
+    frame = RigidFoundation.level(member.body.dimension, up).frame
     if isinstance(member.body, ElasticBody):
         assert member.tags is not None
         surface = carrier_surface(member.body.space, member.tags, int(tag))
         points = NodePoints(member.body, surface.layer, surface.positions)
         return Face(points, surface.nodes, frame, surface.cell, surface.degree, margin)
-    corners = _corners(member)
-    ends = corners[[3, 2]] if tag == FacetTag.TOP else corners[[1, 0]]
+    ends = member.body.corners[[3, 2] if tag == FacetTag.TOP else [1, 0]]
     return Face(RigidPoints(member.body, ends), np.array([[0, 1]]), frame, "interval", 1, margin)
 
 
@@ -251,15 +223,15 @@ def _bottom(member: Member) -> Face:
     return _face(member, FacetTag.BOTTOM, -1.0, -1e-6)
 
 
-def _edge(member: Member) -> NodePoints | RigidPoints:
-    """The ends of the top of a block."""
-    if isinstance(member.body, ElasticBody):
-        assert member.tags is not None
-        surface = carrier_surface(member.body.space, member.tags, int(FacetTag.TOP))
-        return NodePoints(
-            member.body, surface.layer, surface.positions, chosen=rim(surface.positions)
-        )
-    return RigidPoints(member.body, _corners(member)[[3, 2]])
+def rim(points: SurfacePoints) -> SurfacePoints:
+    """Those points of a level face that lie on its outline: of a mesh some, of others all."""
+    if not isinstance(points, NodePoints):
+        return points
+    level = points.reference[:, :-1]
+    near = 1e-9 * np.ptp(level, axis=0)
+    low, high = level.min(axis=0) + near, level.max(axis=0) - near
+    outline = np.flatnonzero(np.any((level < low) | (level > high), axis=1))
+    return NodePoints(points.body, points.layer, points.reference, chosen=outline)
 
 
 def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
@@ -281,11 +253,9 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
                 state = stepper.static_start(u, glued=glued)
                 return stepper.launch(state, v) if v.any() else state, remark
             except StepFailed as trouble:
-                first = (
-                    f"friction does not hold the start ({trouble}): let go from where glue would"
-                )
-                last = f"no static equilibrium ({trouble}): starting unstressed"
-                remark = last if glued else first
+                remark = f"no static equilibrium ({trouble}): starting unstressed"
+                if not glued:
+                    remark = f"friction does not hold the start ({trouble}): let go from glue"
     return stepper.start(u, v), remark
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx.mesh import MeshTags
 from numpy.typing import NDArray
 
 from geometry.foundation import Frame, Plate, RigidFoundation
@@ -18,9 +17,9 @@ from solver.contact.carriers import Carrier, Face, Plane
 from solver.contact.surface import Facets, carrier_surface
 from solver.contact.surfaces import FixedPoints, NodePoints, RigidPoints
 from solver.mechanics.dense_body import Oscillator
-from solver.mechanics.elastic_body import Damping, ElasticBody, GroundSpring
+from solver.mechanics.elastic_body import ElasticBody, GroundSpring
 from solver.mechanics.elastic_body import Support as Held
-from solver.mechanics.material import Material
+from solver.meshed_body import meshed_body
 from solver.scene import Scene
 from solver.specs import FrameSpec, OscillatorSpec, PlateSpec
 
@@ -35,33 +34,25 @@ class Support:
         dimension: Of space.
         number: Of its body in the system; None for what does not move.
         body: The body; None for what does not move.
-        tags: Facet tags of a meshed one.
         width: Of a fixed plate, m; None for the endless ground.
         thickness: Of a fixed plate in space, m.
         surface: Facets of the top of a meshed one.
-        on_columns: Whether it is the deck of a frame.
     """
 
     dimension: int
     number: int | None = None
     body: Oscillator | ElasticBody | None = None
-    tags: MeshTags | None = None
     width: float | None = None
     thickness: float | None = None
     surface: Facets | None = None
-    on_columns: bool = False
-
-    @property
-    def moves(self) -> bool:
-        """Whether it moves as a whole: on a spring, or on columns."""
-        on_rollers = isinstance(self.body, ElasticBody) and self.body.on_spring
-        return isinstance(self.body, Oscillator) or on_rollers or self.on_columns
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
         frame = RigidFoundation.level(self.dimension).frame
         if self.surface is not None:
-            surface, points = self.surface, self._nodes(self.surface)
+            assert isinstance(self.body, ElasticBody)
+            surface = self.surface
+            points = NodePoints(self.body, surface.layer, surface.positions)
             return Face(points, surface.nodes, frame, surface.cell, surface.degree)
         if self.width is not None:
             corners, facets, cell = self._fixed(self.width)
@@ -71,17 +62,6 @@ class Support:
             return Plane.level(self.dimension, platform)
         return Plane.level(self.dimension)
 
-    def edge(self) -> NodePoints | FixedPoints | None:
-        """The outline of the surface, where it has one."""
-        if self.surface is not None:
-            return self._nodes(self.surface, rim(self.surface.positions))
-        return None if self.width is None else FixedPoints(self._fixed(self.width)[0])
-
-    def _nodes(self, surface: Facets, chosen: NDArray[np.int64] | None = None) -> NodePoints:
-        """Nodes of the top."""
-        assert isinstance(self.body, ElasticBody)
-        return NodePoints(self.body, surface.layer, surface.positions, chosen=chosen)
-
     def _fixed(self, width: float) -> tuple[Array, NDArray[np.int64], str]:
         """Corners and the one facet of the top of a plate that is held altogether."""
         if self.dimension == 2:
@@ -89,14 +69,6 @@ class Support:
         signs = np.array([[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
         corners = np.column_stack([signs * (width, self.thickness or width), np.zeros(4)])
         return corners, np.array([[0, 1, 2, 3]]), "quadrilateral"
-
-
-def rim(positions: Array) -> NDArray[np.int64]:
-    """Nodes on the outline of a level face."""
-    level = positions[:, :-1]
-    near = 1e-9 * np.ptp(level, axis=0)
-    low, high = level.min(axis=0) + near, level.max(axis=0) - near
-    return np.flatnonzero(np.any((level < low) | (level > high), axis=1))
 
 
 def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> Support:
@@ -144,18 +116,17 @@ def _plate(scene: Scene, spec: PlateSpec, number: int, comm: MPI.Intracomm) -> S
         platform = scene.platform()
         spring = GroundSpring(facets=bottom, stiffness=platform.stiffness, dashpot=platform.damping)
     directions = (dimension - 1,) if rollers else tuple(range(dimension))
-    body = ElasticBody(
-        made.mesh,
-        _material(scene, spec.young, spec.poisson, shape.density),
+    body = meshed_body(
+        *(scene, "plate", made),
+        elasticity=(spec.young, spec.poisson),
+        density=shape.density,
+        thickness=spec.thickness,
         degree=spec.degree,
-        damping=_rayleigh(scene),
-        name="plate",
-        thickness=spec.thickness if dimension == 2 else 1.0,
         supports=[Held(facets=bottom, directions=directions)],
         spring=spring,
     )
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return Support(dimension, number, body, made.facet_tags, surface=surface)
+    return Support(dimension, number, body, surface=surface)
 
 
 def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> Support:
@@ -177,26 +148,13 @@ def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> S
     )
     made = frame_mesh(frame, dimension=dimension, cells=cells, comm=comm)
     feet = made.facet_tags.find(FacetTag.FEET)
-    body = ElasticBody(
-        made.mesh,
-        _material(scene, spec.young, spec.poisson, spec.density),
+    body = meshed_body(
+        *(scene, "frame", made),
+        elasticity=(spec.young, spec.poisson),
+        density=spec.density,
+        thickness=spec.deck.thickness,
         degree=spec.degree,
-        damping=_rayleigh(scene),
-        name="frame",
-        thickness=spec.deck.thickness if dimension == 2 else 1.0,
         supports=[Held(facets=feet, directions=tuple(range(dimension)))],
     )
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return Support(dimension, number, body, made.facet_tags, surface=surface, on_columns=True)
-
-
-def _material(scene: Scene, young: float, poisson: float, density: float) -> Material:
-    """Of a meshed foundation."""
-    plane = scene.plane if scene.dimension == 2 else "solid"
-    return Material(young=young, poisson=poisson, density=density, plane=plane)
-
-
-def _rayleigh(scene: Scene) -> Damping | None:
-    """Rayleigh damping of meshed bodies."""
-    given = scene.damping
-    return None if given is None else Damping(mass=given.mass, stiffness=given.stiffness)
+    return Support(dimension, number, body, surface=surface)

@@ -51,7 +51,9 @@ class MeshedRun:
             ground.append(scene.dimension - 1)
         if motion is not None and motion.second is not None:
             ground.append(1)
-        self._observer = Observer(self.assembly, self.state, ground=ground)
+        self._observer = Observer(
+            self.assembly, self.state, platform=scene.carrier_moves, ground=ground
+        )
         self._steps = self._rejected = self._iterations = 0
         self._row: list[float] = []
         points = sum(link.interface.count for link in self._stepper.links)

@@ -188,6 +188,11 @@ class Scene(Checked):
         on_rollers = isinstance(self.foundation, PlateSpec) and self.foundation.support == "rollers"
         return on_rollers or isinstance(self.foundation, OscillatorSpec)
 
+    @property
+    def carrier_moves(self) -> bool:
+        """Whether what carries the blocks moves as a whole: on a spring, or on columns."""
+        return self.has_platform or isinstance(self.foundation, FrameSpec)
+
     def platform(self) -> Platform:
         """Mass, stiffness and damping of the empty platform; ValueError if there is none."""
         if self.has_platform and isinstance(self.foundation, OscillatorSpec | PlateSpec):

@@ -64,7 +64,7 @@ class AllPoints:
         self._cohesion: Array = np.empty((0,))
         # Whether friction depends on neither speed nor the past.
         self._steady = all(link.interface.law.constant for link in links)
-        self._margin = np.concatenate(
+        self._margin: Array = np.concatenate(
             [np.full(link.interface.count, MARGIN * link.interface.size) for link in links]
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -65,16 +65,12 @@ class System:
         """The unknowns of one body; None for the ground."""
         return None if body is None else vector[self.slices[body]]
 
-    def each(self, of: Callable[[Body, Array], Array], vector: Array) -> Array:
-        """Of every body for its own part of a vector, put together."""
-        if len(self.bodies) == 1:
-            return of(self.bodies[0], vector)
-        parts = zip(self.bodies, self.slices, strict=True)
-        return np.concatenate([of(body, vector[own]) for body, own in parts])
-
     def inertia(self, vector: Array) -> Array:
         """M x."""
-        return self.each(lambda body, part: body.inertia(part), vector)
+        if len(self.bodies) == 1:
+            return self.bodies[0].inertia(vector)
+        parts = zip(self.bodies, self.slices, strict=True)
+        return np.concatenate([body.inertia(vector[own]) for body, own in parts])
 
     def rotation(self, u: Array, body: int | None) -> Array:
         """The rotation of a body, (d, d); that of the ground is none."""

@@ -7,6 +7,7 @@ engine of their own, `solver.rigid`.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 
 from mpi4py import MPI
 
@@ -19,11 +20,8 @@ from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 Array = NDArray[np.float64]
 
 
-class DenseBody:
+class DenseBody(ABC):
     """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground."""
-
-    clamped = False
-    factorizations = 0
 
     def __init__(
         self,
@@ -99,17 +97,17 @@ class DenseBody:
         scale = np.finfo(float).eps * weights.mass * self.diagonal[self.own]
         return float(np.sum((scale * u) ** 2))
 
+    @abstractmethod
     def material_positions(self, points: Array, values: Array) -> Array:
         """Where material points (n, d) of the body are for all unknowns `values`, (n, d)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def rows(self, points: Array, values: Array) -> Array:
         """Derivatives of those positions, (n, d, unknowns)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
         """Rows whose product with new - old is exactly the change of position."""
-        raise NotImplementedError
 
     def turn(self, values: Array) -> Array:
         """The rotation of the body, (d, d)."""
@@ -173,7 +171,8 @@ class RigidBlock(DenseBody):
         diagonal = np.array([shape.mass, shape.mass, shape.rotary_inertia])
         super().__init__(name, diagonal, np.eye(2, 3), comm=comm)
         self.shape, self.centre = shape, centre
-        self.polar_inertia = shape.rotary_inertia
+        self.corners = np.array(shape.corners()) + centre - (0.0, shape.height / 2)
+        """In its reference configuration, counterclockwise from the bottom left one, (4, 2), m."""
 
     def turn(self, values: Array) -> Array:
         """The rotation of the body, clockwise by the third unknown."""

@@ -319,11 +319,6 @@ class ElasticBody:
             self._buffer.scatter_reverse(la.InsertMode.add)
         return self._forces[: self.size].copy()
 
-    @property
-    def on_spring(self) -> bool:
-        """Whether a spring ties it to the ground."""
-        return self._spring is not None
-
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
         return None if self._spring is None else self._times(self._spring, vector)

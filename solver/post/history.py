@@ -114,7 +114,7 @@ def scene_columns(scene: Scene) -> tuple[str, ...]:
     return columns(
         [block.name for block in scene.blocks],
         dimension=scene.dimension,
-        platform=scene.has_platform or scene.foundation.kind == "frame",
+        platform=scene.carrier_moves,
         vertical=motion is not None and motion.vertical is not None,
         second=motion is not None and motion.second is not None,
     )

@@ -31,20 +31,27 @@ class Observer:
     Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
     """
 
-    def __init__(self, assembly: Assembly, state: State, *, ground: Sequence[int] = (0,)):
+    def __init__(
+        self,
+        assembly: Assembly,
+        state: State,
+        *,
+        platform: bool = False,
+        ground: Sequence[int] = (0,),
+    ):
         """Start at a state.
 
         Args:
             assembly: Bodies, interfaces, loads.
             state: Where the run starts.
+            platform: Whether what carries the blocks is written down, too.
             ground: Directions of the ground's acceleration that are written down.
         """
         self._stepper, self._ground = assembly.stepper, list(ground)
         self._blocks = [BlockObserver(member, self._stepper, state) for member in assembly.members]
         self._platform = None
-        if assembly.support.moves:
+        if platform:
             self._platform = PlatformObserver(assembly)
-        system = self._stepper.system
         # The datum of what carries the blocks is where it stands without load.
         self._at_rest = sum(
             member.body.mass * float(self._stepper.gravity @ member.body.centre)
@@ -52,7 +59,6 @@ class Observer:
         )
         self._exchanged = np.zeros(5)
         self._start: float | None = None
-        self._sum = np.zeros(system.dimension)
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
         """The values of a history row, in the order of `solver.post.history.columns`."""

@@ -46,7 +46,7 @@ class Snapshots:
             if isinstance(body, ElasticBody):
                 self._bodies.append(MeshedFields(run, number, body, file, index))
             else:
-                corners = _corners(body, scene)
+                corners = body.corners if isinstance(body, RigidBlock) else platform_corners(scene)
                 writer = RigidFieldWriter(file, corners, index=index, part=number, writes=writes)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         if writes:
@@ -67,16 +67,6 @@ class Snapshots:
         """Finish the files."""
         for body in self._bodies:
             body.close()
-
-
-def _corners(body: DenseBody, scene: Scene) -> Array:
-    """Corners of a rigid block at its reference place, or of the platform."""
-    if not isinstance(body, RigidBlock):
-        return platform_corners(scene)
-    corners = np.array(body.shape.corners(scene.dimension))
-    middle = np.zeros(scene.dimension)
-    middle[-1] = body.shape.height / 2
-    return corners - middle + body.centre
 
 
 class MeshedFields:

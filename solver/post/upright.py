@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.arrangement import poses
 from solver.post.history import History
 from solver.post.motion import centres
 from solver.scene import BlockSpec, Scene
@@ -17,16 +18,9 @@ def upright_centre(scene: Scene, block: BlockSpec) -> Array:
 
     In the frame of the foundation: its surface is at level 0, its centre at x = 0.
     """
-    place = np.zeros(scene.dimension)
-    place[-1] = block.height / 2
-    part: BlockSpec | None = block
-    while part is not None:
-        place[0] += part.offset
-        if scene.dimension == 3:
-            place[1] += part.offset_second
-        part = scene.carrier_of(part)
-        place[-1] += 0.0 if part is None else part.height
-    return place
+    middle = np.zeros(scene.dimension)
+    middle[-1] = block.height / 2
+    return poses(scene, upright=True)[block.name](middle[None])[0]
 
 
 def gravity_above_upright(scene: Scene, history: History) -> Array:

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrangement import Pose, initial_position, on_top
+from solver.arrangement import poses
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.post.history import columns
 from solver.rigid.outcome import Advance
@@ -192,13 +192,7 @@ def blocks_of(scene: Scene, drift: float = 0.0) -> list[PlaneBlock]:
         scene: The scene.
         drift: Of the platform, m.
     """
-    poses: dict[str, Pose] = {}
-    for spec in scene.order:
-        carrier = scene.carrier_of(spec)
-        pose = initial_position(spec.shape, spec.offset + (0.0 if carrier else drift), spec.tilt)
-        if carrier is not None:
-            pose = on_top(poses[carrier.name], carrier.height, pose)
-        poses[spec.name] = pose
+    placed = poses(scene, drift=(drift, 0.0))
     blocks = []
     for spec in scene.blocks:
         assert isinstance(spec.angular_velocity, float)  # the scene saw to it in the plane
@@ -208,7 +202,7 @@ def blocks_of(scene: Scene, drift: float = 0.0) -> list[PlaneBlock]:
                 on=spec.on,
                 shape=spec.shape,
                 friction=scene.friction_of(spec),
-                pose=poses[spec.name],
+                pose=placed[spec.name],
                 velocity=spec.velocity,
                 angular_velocity=spec.angular_velocity,
             )

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrangement import Pose, initial_position_in_space, on_top
+from geometry.arrangement import Pose
 from geometry.block import Block
+from solver.arrangement import poses
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.rigid.space_boxes import SLOTS
 from solver.rigid.space_model import Array, SpaceModel, SpaceState
@@ -88,22 +89,14 @@ def blocks_of(scene: Scene, drift: tuple[float, float] = (0.0, 0.0)) -> list[Spa
         scene: The scene.
         drift: Of the platform, m.
     """
-    poses: dict[str, Pose] = {}
-    for spec in scene.order:
-        carrier = scene.carrier_of(spec)
-        start = (0.0, 0.0) if carrier else drift
-        offset = spec.offset + start[0], spec.offset_second + start[1]
-        pose = initial_position_in_space(spec.shape, offset, spec.tilt, spec.tilt_direction)
-        if carrier is not None:
-            pose = on_top(poses[carrier.name], carrier.height, pose)
-        poses[spec.name] = pose
+    placed = poses(scene, drift=drift)
     return [
         SpaceBlock(
             name=spec.name,
             on=spec.on,
             shape=spec.shape,
             friction=scene.friction_of(spec),
-            pose=poses[spec.name],
+            pose=placed[spec.name],
             velocity=spec.velocity,
             angular_velocity=np.broadcast_to(spec.angular_velocity, 3),
         )

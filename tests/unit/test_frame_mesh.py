@@ -113,16 +113,6 @@ def _prefix():
     return {"petsc_options_prefix": "sway_"} if needed else {}
 
 
-def test_cells_of_the_whole_deck():
-    assert FrameCells.of_deck((24, 2), (2, 16), bays=3) == FrameCells(
-        bay=5, column=2, deck=2, storey=16
-    )
-    assert FrameCells.of_deck((12, 10, 3), (2, 16)) == FrameCells(
-        bay=8, bay_across=6, column=2, deck=3, storey=16
-    )
-    assert FrameCells.of_deck((2, 1), (2, 8)).bay == 1
-
-
 def test_refuses_what_is_no_frame():
     with pytest.raises(ValueError, match="no bay"):
         Frame(deck=DECK, column_width=0.5, storey=1.0, bays=3)

@@ -12,9 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry.block import Block
+from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.build import level_frame
 from solver.contact.carriers import Face
 from solver.contact.friction import FrictionLaw
 from solver.contact.interface import Interface
@@ -111,7 +111,7 @@ class Pair:
         )
 
     def _face(self, body, tags):
-        frame = level_frame(self.dimension)
+        frame = RigidFoundation.level(self.dimension).frame
         if isinstance(body, RigidBlock):
             half = LOWER.width / 2
             ends = np.array([[-half, LOWER.height], [half, LOWER.height]])
