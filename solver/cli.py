@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
+from solver.study.command import add_studies
 from solver.version import VERSION
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
@@ -115,6 +116,7 @@ def build_parser() -> Parser:
     plot.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="folder for an overlay; default the first"
     )
+    add_studies(command("study", show_info, "many runs of a scene, and what they say together"))
     command("info", show_info, "versions of everything that matters, ranks, solvers found")
     return parser
 

@@ -1,0 +1,1 @@
+"""Studies: many runs of scenes, and what they say together."""

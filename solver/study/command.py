@@ -1,0 +1,25 @@
+"""The command `rockslip study NAME ...`."""
+
+from __future__ import annotations
+
+import argparse
+from types import ModuleType
+
+
+def studies() -> dict[str, ModuleType]:
+    """Name and module of every study.
+
+    A module says what it does in `TEXT`, adds its options in `add_arguments(parser)`, and runs in
+    `run(options)`, which returns the exit code; its heavy imports stand inside `run`.
+    """
+    return {}
+
+
+def add_studies(parser: argparse.ArgumentParser) -> None:
+    """Add a command for each study."""
+    names = parser.add_subparsers(dest="study", metavar="NAME", required=True)
+    for name, module in studies().items():
+        text = module.TEXT
+        added = names.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        module.add_arguments(added)
+        added.set_defaults(action=module.run)
