@@ -10,8 +10,9 @@ from typing import Any
 from mpi4py import MPI
 
 from solver.build import Assembly, build, initial_state
+from solver.dynamics.local_error import Judge, LocalError
 from solver.dynamics.state import Exchange
-from solver.dynamics.step_control import Ladder
+from solver.dynamics.step_control import Ladder, Tolerance
 from solver.dynamics.stepper import StepFailed
 from solver.mechanics.elastic_body import ElasticBody
 from solver.post.observer import Observer
@@ -55,6 +56,11 @@ class MeshedRun:
             self.assembly, self.state, platform=scene.carrier_moves, ground=ground
         )
         self._steps = self._rejected = self._iterations = 0
+        self._judge = None
+        if scene.time.tolerance is not None:  # adaptive
+            size = min(block.shape.half_diagonal for block in scene.blocks)
+            error = LocalError(self._stepper.system, self.state, size)
+            self._judge = Judge(error, Tolerance(scene.time.tolerance))
         self._row: list[float] = []
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
@@ -74,7 +80,7 @@ class MeshedRun:
     def loop(self, desk: Desk) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
         span = self._scene.time
-        ladder = Ladder(span.step, span.end, span.smallest)
+        ladder = Ladder(span.step, span.end, span.smallest, span.largest)
         status, reason = "completed", ""
         due = desk.files.next_snapshot(0.0)
         while not ladder.done:
@@ -84,7 +90,7 @@ class MeshedRun:
                 break
             step = ladder.step
             try:
-                self.state, exchange = self._stepper.advance(self.state, step)
+                new, exchange = self._stepper.advance(self.state, step)
             except StepFailed as trouble:
                 where = f"at t = {self.state.time:.6g} s with a step of {step:.3g} s"
                 self._log(f"step rejected {where}: {trouble}")
@@ -92,7 +98,11 @@ class MeshedRun:
                     continue
                 status, reason = "not converged", f"{where}: {trouble}"
                 break
-            ladder.accept()
+            judge = self._judge
+            if judge is not None and not judge.accepts(new, step) and ladder.reject():
+                continue
+            self.state = new
+            ladder.accept(climb=judge is None or judge.climbs())
             self.state.time = ladder.time
             self._record(desk, exchange, step)
             if ladder.time >= due * (1 - 1e-12):

@@ -115,6 +115,10 @@ class Scene(Checked):
         object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise SceneError("motion.second", "a table", "nothing where dimension = 2")
+        if self.time.adaptive and self.is_rigid:
+            # Their steps are cut where bodies touch and where slips end, whatever `step` is.
+            allowed = "false where nothing is meshed"
+            raise SceneError("time.adaptive", "true", allowed)
 
     def _check_names(self) -> None:
         """Every block has a name of its own and stands on something that is there."""

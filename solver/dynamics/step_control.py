@@ -1,4 +1,4 @@
-"""The ladder of time steps dt, dt/2, dt/4, ...: down where one fails, up where the grid allows."""
+"""The ladder of time steps, a factor of two from rung to rung, and who goes up and down on it."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ class Ladder:
     Each step size keeps its own factorization; halving reaches the same few sizes again and again.
     """
 
-    def __init__(self, step: float, end: float, smallest: float):
-        """Start at time 0 with the full step.
+    def __init__(self, step: float, end: float, smallest: float, largest: float | None = None):
+        """Start at time 0 with a step of `step`.
 
         Args:
-            step: dt, s.
+            step: dt, s; all steps are dt times a power of two.
             end: Time at which the run ends, s; no step goes beyond it.
             smallest: No step is shorter than this, s.
+            largest: Nor longer than this, s; None: than `step`.
         """
-        self.depth = max(0, math.floor(math.log2(step / smallest) + 1e-9))
-        self._tick = step / 2**self.depth
+        self._level = 0 if largest is None else max(0, math.floor(math.log2(largest / step) + 1e-9))
+        self.depth = self._level + max(0, math.floor(math.log2(step / smallest) + 1e-9))
+        self._tick = step / 2 ** (self.depth - self._level)
         self._end = math.floor(end / self._tick + 1e-9)
         self._now = 0
-        self._level = 0
         self.rejected = 0
 
     @property
@@ -48,10 +49,10 @@ class Ladder:
         """Ticks in the present step."""
         return 1 << (self.depth - self._level)
 
-    def accept(self) -> None:
+    def accept(self, *, climb: bool = True) -> None:
         """The step succeeded: go on, and climb one rung where the coarser grid has a point."""
         self._now += self._ticks
-        if self._level and self._now % (2 * self._ticks) == 0:
+        if climb and self._level and self._now % (2 * self._ticks) == 0:
             self._level -= 1
 
     def reject(self) -> bool:
@@ -61,3 +62,36 @@ class Ladder:
             return False
         self._level += 1
         return True
+
+
+class Tolerance:
+    """Judges steps by the error they make, and more strictly around events.
+
+    A step that is refused has met something sudden: an impact, the end of a slip. The error that
+    such a step makes is of first order and stays, while smooth motion and vibration leave next to
+    nothing. So the tolerance is `CALM` times as large until a step is refused; then it counts as it
+    is until `WATCH` steps have passed, of which none is longer than the one before.
+    """
+
+    CALM = 10.0
+    WATCH = 32
+
+    def __init__(self, tolerance: float):
+        """Judge by a tolerance, in the unit of the errors."""
+        self._tolerance, self._watch = tolerance, 0
+
+    @property
+    def _bound(self) -> float:
+        return self._tolerance if self._watch else self.CALM * self._tolerance
+
+    def accepts(self, error: float) -> bool:
+        """Whether a step with this error is good enough; if not, something has happened."""
+        if error <= self._bound:
+            return True
+        self._watch = self.WATCH
+        return False
+
+    def climbs(self, error: float) -> bool:
+        """After an accepted step: whether twice the step may be tried, its error being 8 times."""
+        self._watch = max(self._watch - 1, 0)
+        return not self._watch and 8 * error <= self._bound / 2

@@ -98,6 +98,10 @@ class DenseBody(ABC):
         return float(np.sum((scale * u) ** 2))
 
     @abstractmethod
+    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Displacement and velocity of the centre and the angular velocity, on every rank."""
+
+    @abstractmethod
     def material_positions(self, points: Array, values: Array) -> Array:
         """Where material points (n, d) of the body are for all unknowns `values`, (n, d)."""
 
@@ -141,6 +145,11 @@ class Oscillator(DenseBody):
             "platform", diagonal, translations, stiffness=stiffness, dashpot=dashpot, comm=comm
         )
 
+    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """It does not move vertically, and does not turn."""
+        moved, velocity = self.replicate(u), self.replicate(v)
+        return np.append(moved, 0.0), np.append(velocity, 0.0), np.empty(0)
+
     def material_positions(self, points: Array, values: Array) -> Array:
         """Points of the platform, moved."""
         return points + np.append(values, 0.0)
@@ -173,6 +182,11 @@ class RigidBlock(DenseBody):
         self.shape, self.centre = shape, centre
         self.corners = np.array(shape.corners()) + centre - (0.0, shape.height / 2)
         """In its reference configuration, counterclockwise from the bottom left one, (4, 2), m."""
+
+    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """The unknowns themselves."""
+        pose, speed = self.replicate(u), self.replicate(v)
+        return pose[:2], speed[:2], speed[2:]
 
     def turn(self, values: Array) -> Array:
         """The rotation of the body, clockwise by the third unknown."""

@@ -242,6 +242,28 @@ class ElasticBody:
         """Of the unrotated body in space about its centre, (3, 3), kg m2."""
         return np.trace(self._moment) * np.eye(self.dimension) - self._moment
 
+    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Displacement and velocity of the centre of mass, (d,), and the angular velocity.
+
+        The angular velocity, rad/s, is that of a rigid body with the same angular momentum: (1,),
+        clockwise, in space (3,), by the right-hand rule.
+        """
+        d = self.dimension
+        momentum, arm = self.inertia(v).reshape(-1, d), self.arm + u.reshape(-1, d)
+        if d == 2:
+            turning = [float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))]
+        else:
+            turning = np.cross(arm, momentum).sum(axis=0).tolist()
+        parts = [*(self.directional_mass @ u), *momentum.sum(axis=0), *turning]
+        sums = global_sum(self.comm, np.array(parts))
+        moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
+        if d == 2:
+            spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
+            return moved, velocity, np.asarray(spin / self.polar_inertia)
+        turn, rotation = sums[2 * d :] - self.mass * np.cross(moved, velocity), self.rotation(u)
+        tensor = rotation @ self.inertia_tensor @ rotation.T
+        return moved, velocity, np.asarray(np.linalg.solve(tensor, turn))
+
     @property
     def rigidity(self) -> float:
         """What the body's stiffness against forces on it is like, N/m."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from solver.build import Assembly, Member
 from solver.contact.carriers import Face
 from solver.contact.interface import Key, Memory
+from solver.contact.seats import in_space
 from solver.contact.surfaces import NitschePoints
 from solver.dynamics.state import Exchange, State
 from solver.dynamics.stepper import Stepper
@@ -161,39 +162,29 @@ class BlockObserver:
         """Angles, angular velocities and centre."""
         body = self._member.body
         u, v = state.u[self._own], state.v[self._own]
+        moved, _, spin = body.rigid_motion(u, v)
         if isinstance(body, RigidBlock):
-            pose, speed = body.replicate(u), body.replicate(v)
-            self._angle = float(pose[2])
-            return [self._angle], [float(speed[2])], body.centre + pose[:2]
-        d = body.dimension
-        momentum = body.inertia(v).reshape(-1, d)
-        arm = body.arm + u.reshape(-1, d)
-        if d == 2:
-            turning = [float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))]
+            self._angle = float(body.replicate(u)[2])
+            turned = [self._angle]
+        elif body.dimension == 2:
+            self._angle = unwrap(lean(body.rotation(u)), self._angle)
+            turned = [self._angle]
         else:
-            turning = np.cross(arm, momentum).sum(axis=0).tolist()
-        parts = [*(body.directional_mass @ u), *momentum.sum(axis=0), *turning]
-        sums = global_sum(body.comm, np.array(parts))
-        moved, velocity = sums[:d] / body.mass, sums[d : 2 * d] / body.mass
-        rotation = body.rotation(u)
-        if d == 2:
-            spin = float(sums[4]) - body.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
-            self._angle = unwrap(lean(rotation), self._angle)
-            return [self._angle], [spin / body.polar_inertia], body.centre + moved
-        turn = sums[2 * d :] - body.mass * np.cross(moved, velocity)
-        omega = np.linalg.solve(rotation @ body.inertia_tensor @ rotation.T, turn)
-        self._angle = unwrap(float(np.arctan2(rotation[0, 2], rotation[2, 2])), self._angle)
-        return [self._angle, *rotation_vector(rotation)], list(omega), body.centre + moved
+            rotation = body.rotation(u)
+            self._angle = unwrap(float(np.arctan2(rotation[0, 2], rotation[2, 2])), self._angle)
+            turned = [self._angle, *rotation_vector(rotation)]
+        return turned, list(spin), body.centre + moved
 
     def _force(self, state: State) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it."""
-        own, *edge = self._member.contacts
+        own, *edges = self._member.contacts
         force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)
         frame = self._stepper.links[own].interface.carrier.frame
-        for number in edge:
-            pressed = state.contacts[number].force.sum(axis=0)
-            pushed = pressed @ self._stepper.links[number].interface.carrier.frame
-            force = force - pushed @ frame.T
+        for number in edges:
+            link = self._stepper.links[number]
+            pushed = in_space(state.contacts[number].force, link.interface.carrier.frame)
+            sign = 1.0 if link.body == self._member.number else -1.0
+            force = force + sign * pushed.sum(axis=0) @ frame.T
         return force
 
     def _first_home(self, state: State) -> dict[Key, Array]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from solver.dynamics.step_control import Ladder
+from solver.dynamics.step_control import Ladder, Tolerance
 
 
 def run(ladder: Ladder, fails=lambda time, step: False) -> list[tuple[float, float]]:
@@ -73,3 +73,44 @@ def test_the_smallest_step_is_the_last_rung(smallest, halvings):
 def test_a_smallest_step_above_the_step_allows_no_halving():
     ladder = Ladder(0.1, 1.0, 0.2)
     assert ladder.step == 0.1 and not ladder.reject()
+
+
+def test_longer_steps_than_the_first_are_reached_by_climbing():
+    ladder = Ladder(0.1, 10.0, 0.1 / 4, largest=0.4)
+    assert ladder.step == 0.1
+    taken = run(ladder)
+    assert [step for _, step in taken[:4]] == pytest.approx([0.1, 0.1, 0.2, 0.4])
+    assert taken[-1][0] == pytest.approx(10.0)
+
+
+def test_largest_is_rounded_down_to_the_ladder():
+    taken = run(Ladder(0.1, 10.0, 0.1, largest=0.35))
+    assert max(step for _, step in taken) == pytest.approx(0.2)
+
+
+def test_a_step_may_be_accepted_without_climbing():
+    ladder = Ladder(0.1, 10.0, 0.1, largest=0.4)
+    for _ in range(5):
+        assert ladder.step == pytest.approx(0.1)
+        ladder.accept(climb=False)
+
+
+def test_the_tolerance_is_wide_until_something_happens_and_again_some_steps_later():
+    tolerance = Tolerance(1.0)
+    wide = Tolerance.CALM
+    assert tolerance.accepts(0.9 * wide)
+    assert not tolerance.accepts(1.1 * wide)
+    assert not tolerance.accepts(0.9 * wide), "now it is strict"
+    for _ in range(Tolerance.WATCH):
+        assert tolerance.accepts(0.9)
+        grown = tolerance.climbs(0.0)
+    assert grown, "the watch is over"
+    assert tolerance.accepts(0.9 * wide)
+
+
+def test_steps_grow_only_where_twice_the_step_would_pass():
+    """The error grows with the cube of the step; half the bound is kept in reserve."""
+    tolerance = Tolerance(1.0)
+    bound = Tolerance.CALM
+    assert tolerance.climbs(0.99 * bound / 16)
+    assert not tolerance.climbs(1.01 * bound / 16)
