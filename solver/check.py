@@ -117,7 +117,7 @@ def _foundation(scene: Scene) -> Lines:
 def _computed_period(scene: Scene) -> float:
     """Of the meshed foundation alone, s; the one part of `check` that needs dolfinx."""
     try:
-        from solver.mechanics.modes import natural_period
+        from solver.foundations import natural_period
     except ImportError as error:
         raise EnvironmentTrouble(f"{error}, which the natural period needs") from error
     return natural_period(scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -17,8 +18,9 @@ from solver.contact.carriers import Carrier, Face, Plane
 from solver.contact.surface import Facets, carrier_surface
 from solver.contact.surfaces import FixedPoints, NodePoints, RigidPoints
 from solver.mechanics.dense_body import Oscillator
-from solver.mechanics.elastic_body import ElasticBody, GroundSpring
-from solver.mechanics.elastic_body import Support as Held
+from solver.mechanics.elastic_body import ElasticBody
+from solver.mechanics.supports import GroundSpring
+from solver.mechanics.supports import Support as Held
 from solver.meshed_body import meshed_body
 from solver.scene import Scene
 from solver.specs import FrameSpec, OscillatorSpec, PlateSpec
@@ -158,3 +160,19 @@ def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> S
     )
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
     return Support(dimension, number, body, surface=surface)
+
+
+def natural_period(scene: Scene) -> float:
+    """Longest natural period of the meshed foundation of a scene, without its blocks, s.
+
+    Computed on every rank for itself.
+
+    Raises:
+        ValueError: For a foundation without a mesh, or one that nothing deforms.
+    """
+    from solver.mechanics.modes import eigenvalues  # scipy's sparse solvers take their time
+
+    body = foundation(scene, 0, MPI.COMM_SELF).body
+    if not isinstance(body, ElasticBody):
+        raise ValueError(f"a foundation of kind {scene.foundation.kind} has no mesh that moves")
+    return 2 * math.pi / math.sqrt(float(eigenvalues(body)[0]))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from geometry.gmsh_model import MeshedBody
-from solver.mechanics.elastic_body import Damping, ElasticBody, GroundSpring, Support
+from solver.mechanics.elastic_body import Damping, ElasticBody
 from solver.mechanics.material import Material
+from solver.mechanics.supports import GroundSpring, Support
 from solver.scene import Scene
 
 

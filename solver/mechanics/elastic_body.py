@@ -22,6 +22,7 @@ from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.mechanics.factorization import Factorization
 from solver.mechanics.kinematics import polar_rotation
 from solver.mechanics.material import Material, green_strain
+from solver.mechanics.supports import GroundSpring, Support
 from solver.parallel import global_sum
 
 Array = NDArray[np.float64]
@@ -47,34 +48,6 @@ class StrainWeights:
     new: float
     old: float
     rate: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Support:
-    """Facets whose displacement is held, in some directions or in all.
-
-    Attributes:
-        facets: Numbers of boundary facets.
-        directions: Held components of the displacement.
-    """
-
-    facets: NDArray[np.int32]
-    directions: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GroundSpring:
-    """A horizontal spring and dashpot to the ground, spread evenly over some facets.
-
-    Attributes:
-        facets: Numbers of boundary facets.
-        stiffness: k of the whole spring, N/m.
-        dashpot: c of the whole dashpot, N s/m.
-    """
-
-    facets: NDArray[np.int32]
-    stiffness: float
-    dashpot: float = 0.0
 
 
 class ElasticBody:

@@ -2,38 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
-from mpi4py import MPI
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from solver.dynamics.generalized_alpha import TangentWeights
-from solver.foundations import foundation
 from solver.mechanics.elastic_body import ElasticBody
-from solver.scene import Scene
 
 Array = NDArray[np.float64]
 
 STATIC = TangentWeights(mass=0.0, stiffness=1.0, interface=0.0, contact=0.0, spring=1.0)
 """Of the tangent K of the body with its springs to the ground."""
-
-
-def natural_period(scene: Scene) -> float:
-    """Longest natural period of the meshed foundation of a scene, without its blocks, s.
-
-    Computed on every rank for itself.
-
-    Raises:
-        ValueError: For a foundation without a mesh, or one that nothing deforms.
-    """
-    body = foundation(scene, 0, MPI.COMM_SELF).body
-    if not isinstance(body, ElasticBody):
-        raise ValueError(f"a foundation of kind {scene.foundation.kind} has no mesh that moves")
-    return 2 * math.pi / math.sqrt(float(eigenvalues(body)[0]))
 
 
 def eigenvalues(body: ElasticBody, count: int = 1) -> Array:

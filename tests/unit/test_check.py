@@ -103,9 +103,9 @@ def test_check_tells_of_a_platform(scene: Path, capsys: Captured) -> None:
 def test_check_reports_the_period_of_meshed_foundations(
     scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module: Any = types.ModuleType("solver.mechanics.modes")
+    module: Any = types.ModuleType("solver.foundations")
     module.natural_period = lambda asked: 0.25 if asked.foundation.kind == "frame" else 0.51
-    monkeypatch.setitem(sys.modules, "solver.mechanics.modes", module)
+    monkeypatch.setitem(sys.modules, "solver.foundations", module)
     text = checked(capsys, *PLATE)
     assert "meshed plate, 2 x 0.1 x 0.75 m, on rollers density 1676.67 kg/m3" in text
     assert "mesh 96 quadrilaterals of degree 1, 125 nodes, 250 unknowns" in text
@@ -165,7 +165,7 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
 def test_check_without_dolfinx_says_what_is_missing(
     scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "solver.mechanics.modes", None)
+    monkeypatch.setitem(sys.modules, "solver.foundations", None)
     assert main(["check", "granite.toml", "--set", *FRAME]) == 4
     assert "natural period" in capsys.readouterr().err
 

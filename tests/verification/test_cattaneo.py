@@ -24,8 +24,9 @@ from solver.contact.surfaces import NodePoints
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.dynamics.stepper import Stepper
 from solver.dynamics.system import System
-from solver.mechanics.elastic_body import ElasticBody, Support
+from solver.mechanics.elastic_body import ElasticBody
 from solver.mechanics.material import Material
+from solver.mechanics.supports import Support
 from solver.reference.hertz import (
     HertzLine,
     contact_modulus,

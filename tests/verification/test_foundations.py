@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver.check import describe
-from solver.mechanics.modes import natural_period
+from solver.foundations import natural_period
 from solver.reference.newmark import sliding_stop
 from solver.scene import Scene, parse_scene
 from solver.simulate import Result, simulate
