@@ -94,7 +94,7 @@ def build(
         contacts,
         GeneralizedAlpha(scene.time.rho_inf),
         gravity=np.array(scene.gravity_vector),
-        base_acceleration=ground_motion(scene),
+        ground=ground_motion(scene),
         velocity_solve=scene.contact.velocity_solve,
         petsc_options=petsc_options,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from solver.errors import EnvironmentTrouble
+from solver.excitation.description import describe_motion
 from solver.excitation.motion import base_motion
 from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
@@ -142,16 +143,20 @@ def _friction(law: FrictionSpec) -> str:
 
 
 def _motions(scene: Scene) -> Lines:
-    """Peaks of the ground's acceleration."""
+    """What the ground does in each direction."""
     motion = scene.motion
     parts = [("base motion", motion)]
     if motion is not None:
         parts += [(f"  {name}", part) for name, part in motion.beside()]
     lines = []
     for name, spec in parts:
-        found = base_motion(spec, scene.time.end)
-        of_gravity = f"{found.peak / scene.gravity:.4g} g = " if found and scene.gravity else ""
-        lines.append((name, f"peak {of_gravity}{found.peak:.4g} m/s2" if found else "none"))
+        where = "motion" if spec is motion else f"motion.{name.strip()}"
+        found = base_motion(spec, scene.time.end, where)
+        step = None if scene.time.adaptive else scene.time.step
+        first, *others = describe_motion(found, step)
+        indent = " " * (len(name) - len(name.lstrip()) + 2)
+        lines.append((name, first[1]))
+        lines += [(f"{indent}{part}", text) for part, text in others]
     return lines
 
 

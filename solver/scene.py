@@ -32,11 +32,13 @@ from solver.specs import (
     OutputSpec,
     PlateSpec,
     Platform,
+    RecordSpec,
     RectangularSpec,
     RickerSpec,
     RigidSpec,
     SineSpec,
     StillSpec,
+    SyntheticSpec,
     TableSpec,
     Tilt,
     TimeSpec,
@@ -60,12 +62,14 @@ __all__ = [
     "OutputSpec",
     "PlateSpec",
     "Platform",
+    "RecordSpec",
     "RectangularSpec",
     "RickerSpec",
     "RigidSpec",
     "Scene",
     "SineSpec",
     "StillSpec",
+    "SyntheticSpec",
     "TableSpec",
     "TimeSpec",
     "load_scene",
@@ -265,11 +269,12 @@ def _find_files(motion: Any, where: str, folder: str | Path) -> None:
     """Make the names of the files of a motion absolute, and refuse those that are not there."""
     if not isinstance(motion, dict):
         return
-    if motion.get("kind") == "table" and isinstance(motion.get("file"), str):
+    if motion.get("kind") in ("record", "table") and isinstance(motion.get("file"), str):
         motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
         # os.path, unlike pathlib, says False to names that no file can have.
         if not os.path.isfile(motion["file"]):
-            raise SceneError(f"{where}.file", motion["file"], "a file that exists")
+            got = motion["file"] + " (a folder)" * os.path.isdir(motion["file"])
+            raise SceneError(f"{where}.file", got, "a file that exists")
     for direction in ("vertical", "second"):
         _find_files(motion.get(direction), f"{where}.{direction}", folder)
 

@@ -98,7 +98,7 @@ class StepLedger:
         for link, first, last in zip(stepper.links, old.contacts, new.contacts, strict=True):
             increment -= link.interface.theta_increment(first, last)
         return Exchange(
-            input=-float(moved @ (before + after)) / 2,
+            input=-float(moved @ stepper.mean_base(old.time, self._dt)),
             damping=float(total[4]),
             numerical=float(stepper.scheme.skew * increment - total[5]),
         )

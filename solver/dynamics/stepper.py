@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 
 import numpy as np
@@ -17,6 +17,7 @@ from solver.dynamics.impulses import VelocityImpulses
 from solver.dynamics.ledger import StepLedger, energies
 from solver.dynamics.state import Exchange, State
 from solver.dynamics.system import Link, System
+from solver.excitation.motion import GroundMotion
 from solver.mechanics.elastic_body import ElasticBody
 
 Array = NDArray[np.float64]
@@ -36,7 +37,7 @@ class Stepper:
         scheme: GeneralizedAlpha,
         *,
         gravity: Array,
-        base_acceleration: Callable[[float], Array] | None = None,
+        ground: GroundMotion | None = None,
         velocity_solve: bool = True,
         petsc_options: Sequence[str] = (),
     ):
@@ -47,12 +48,12 @@ class Stepper:
             contacts: Who may touch whom, and with which of its faces.
             scheme: Time stepping.
             gravity: Acceleration of gravity, (d,), m/s2.
-            base_acceleration: Acceleration of the ground, t -> (d,), m/s2; None for ground at rest.
+            ground: Motion of the ground; None for ground at rest.
             velocity_solve: Whether contact is also solved at velocity level after each step.
             petsc_options: Options for SNES.
         """
         self.system, self.scheme, self._contacts = system, scheme, tuple(contacts)
-        self.gravity, self._base = gravity, base_acceleration
+        self.gravity, self._ground = gravity, ground
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(system.dimension)
         # A step may go without its velocity solve: it is not worth the slow methods.
@@ -109,7 +110,15 @@ class Stepper:
 
     def base(self, time: float) -> Array:
         """Acceleration of the ground, m/s2."""
-        return np.zeros(self.system.dimension) if self._base is None else self._base(time)
+        if self._ground is None:
+            return np.zeros(self.system.dimension)
+        return self._ground.acceleration(time)
+
+    def mean_base(self, time: float, dt: float) -> Array:
+        """Mean acceleration of the ground over a step, m/s2."""
+        if self._ground is None:
+            return np.zeros(self.system.dimension)
+        return self._ground.mean(time, dt)
 
     def interface_energy(self, state: State) -> float:
         """Energy stored in all interfaces, J."""
@@ -222,6 +231,16 @@ class Stepper:
         """Body forces of gravity and of the accelerated ground, N."""
         return (self.gravity - self.base(time)) @ self.system.directional_mass
 
+    def _step_load(self, time: float, dt: float) -> Array:
+        """Body forces of a step: those of its end and its start, weighted, N.
+
+        Of the ground they are m times mean + (1/2 - alpha_f) change of its acceleration: the
+        weighted ones where that is linear over the step; elsewhere no impulse goes missing.
+        """
+        change = self.base(time + dt) - self.base(time)
+        ground = self.mean_base(time, dt) + self.scheme.skew * change
+        return (self.gravity - ground) @ self.system.directional_mass
+
     def _solved(self, balance: Balance, guess: Array) -> Solution:
         """Solve, or say why not."""
         solution = self._solve.solve(balance, guess)
@@ -240,7 +259,7 @@ class Stepper:
         scheme, system = self.scheme, self.system
         self._turn(state, dt)
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
-        load = (1 - af) * self._load(state.time + dt) + af * self._load(state.time)
+        load = self._step_load(state.time, dt)
         constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
         for body, own in zip(system.bodies, system.slices, strict=True):
             body.begin_step(state.u[own], state.v[own], scheme, dt)

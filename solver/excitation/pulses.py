@@ -10,6 +10,11 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse(ABC):
@@ -40,6 +45,14 @@ class Pulse(ABC):
         tau = max(time - self.start, 0.0)
         last = min(tau, self.duration)
         return self._u(last) + self._v(last) * (tau - last)
+
+    def accelerations(self, times: Array) -> Array:
+        """Accelerations of the ground at many times, m/s^2."""
+        return np.array([self.acceleration(float(time)) for time in times])
+
+    def velocities(self, times: Array) -> Array:
+        """Velocities of the ground at many times, m/s."""
+        return np.array([self.velocity(float(time)) for time in times])
 
     @abstractmethod
     def _a(self, tau: float) -> float: ...

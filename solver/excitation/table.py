@@ -2,74 +2,36 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.checking import shown
 from solver.errors import SceneError
+from solver.excitation.numbers import read_lines, rows_of, split_header
+from solver.excitation.sampled import SampledMotion, even_step
 
 ROW = "two numbers, time and acceleration"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
-    """Samples of the ground's acceleration, linear between them and zero outside."""
-
-    time: NDArray[np.float64]
-    """s, increasing."""
-    value: NDArray[np.float64]
-    """m/s^2."""
-
-    @property
-    def peak(self) -> float:
-        """Largest |a_g|, m/s^2."""
-        return float(np.abs(self.value).max())
-
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground, m/s^2."""
-        return float(np.interp(time, self.time, self.value, left=0.0, right=0.0))
-
-
-def read_table(file: Path, unit: float) -> Table:
+def read_table(file: Path, unit: float, where: str = "motion") -> SampledMotion:
     """Read times (s) and accelerations (multiples of `unit`, m/s^2).
 
     The columns are separated by commas, semicolons or blanks; lines before the first row that do
     not begin with a number are a header; blank lines and lines that begin with # are skipped.
     """
-    try:
-        lines = file.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    except OSError as error:
-        reason = (error.strerror or "unreadable").lower()
-        raise SceneError("motion.file", f"{file} ({reason})", f"a file with {ROW}") from None
-    rows: list[tuple[float, float]] = []
-    for number, line in enumerate(lines, start=1):
-        words = _split(line)
-        if not words or words[0].startswith("#") or (not rows and _number(words[0]) is None):
-            continue
-        where, numbers = f"{file}: line {number}", [_number(word) for word in words]
-        row = [number for number in numbers if number is not None and math.isfinite(number)]
-        if len(words) != 2 or len(row) != 2:
-            raise SceneError(where, shown(line.strip()), ROW)
-        if rows and row[0] <= rows[-1][0]:
-            raise SceneError(where, f"time {row[0]:g}", f"a time above {rows[-1][0]:g}")
-        rows.append((row[0], row[1]))
+    lines = read_lines(file, f"{where}.file", ROW)
+    header, rest = split_header(lines)
+    rows = rows_of(file, rest, ROW, first=len(header) + 1)
+    before = None
+    for row in rows:
+        place = f"{file}: line {row.line}"
+        if len(row.values) != 2:
+            raise SceneError(place, shown(lines[row.line - 1].strip()), ROW)
+        if before is not None and row.values[0] <= before:
+            raise SceneError(place, f"time {row.values[0]:g}", f"a time above {before:g}")
+        before = row.values[0]
     if len(rows) < 2:
         raise SceneError(str(file), f"{len(rows)} rows", f"two rows or more of {ROW}")
-    time, value = np.array(rows).T
-    return Table(time=time, value=value * unit)
-
-
-def _split(line: str) -> list[str]:
-    separator = next((sign for sign in ",;" if sign in line), None)
-    return [word.strip() for word in line.split(separator)] if line.strip() else []
-
-
-def _number(word: str) -> float | None:
-    try:
-        return float(word)
-    except ValueError:
-        return None
+    time, value = np.array([row.values for row in rows]).T
+    return SampledMotion(time=time, value=value * unit, step=even_step(time))

@@ -18,6 +18,7 @@ import numpy as np
 from solver.arrangement import poses
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.post.history import columns
+from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.plane_model import Array, new_memory, new_work
 from solver.rigid.plane_rows import advance, stored_energy, write_row
@@ -103,7 +104,12 @@ class PlaneSystem:
         return {name: count for name, count in counts.items() if count}
 
     def advance(
-        self, count: int, dt: float, ground: Array | None = None, smallest: float = 0.0
+        self,
+        count: int,
+        dt: float,
+        ground: Array | None = None,
+        smallest: float = 0.0,
+        mean: Array | None = None,
     ) -> Advance:
         """Run `count` steps.
 
@@ -113,13 +119,15 @@ class PlaneSystem:
             ground: (count + 1, 2) accelerations of the ground at the ends of the steps, m/s2,
                 linear in between; None: it stands.
             smallest: To which part a step that fails is divided, s; 0: dt / 1024.
+            mean: (count, 2) mean accelerations of the ground over the steps, m/s2, where they are
+                not those of its ends.
         """
-        ground = np.zeros((count + 1, 2)) if ground is None else np.ascontiguousarray(ground)
+        motion, shift = ground_of_steps(count, 2, ground, mean)
         rows = np.zeros((count, len(self.columns)))
         smallest = smallest or dt / 1024
         system, state, memory, work = self._system, self._state, self._memory, self._work
         done, rejected = advance(
-            system, state, memory, work, dt, smallest, ground, self._first, rows
+            system, state, memory, work, dt, smallest, motion, shift, self._first, rows
         )
         rows[:done, 0] = self.time + dt * np.arange(1, done + 1)
         self.time += dt * done
@@ -138,7 +146,8 @@ class PlaneSystem:
         state, memory, work = copy.deepcopy((self._state, self._memory, self._work))
         trial, row = np.zeros((1, len(self.columns))), np.zeros(len(self.columns))
         motion, short = np.array([ground, ground], dtype=np.float64), TRIAL * dt
-        advance(self._system, state, memory, work, short, short, motion, self._first, trial)
+        none = np.zeros((1, 2))
+        advance(self._system, state, memory, work, short, short, motion, none, self._first, trial)
         gained = (float(state.v[-1]) - float(self._state.v[-1])) / short
         write_row(self._system, self._state, work, short, gained, self._first, row)
         row[0], row[1], row[3], row[4:6] = self.time, dt, trial[0, 3], ground

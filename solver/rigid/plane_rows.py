@@ -120,6 +120,7 @@ def advance(
     dt: float,
     smallest: float,
     ground: Array,
+    shift: Array,
     start: float,
     rows: Array,
 ) -> tuple[int, int]:
@@ -133,6 +134,7 @@ def advance(
         dt: Step, s.
         smallest: No step is halved below this, s.
         ground: Acceleration of the ground at the ends of the steps, m/s2, (rows + 1, 2).
+        shift: What its mean over each step has beyond that of its ends, m/s2, (rows, 2).
         start: Total energy at the start of the run, J.
         rows: Written, in the order of `solver.post.history.columns`.
 
@@ -148,7 +150,8 @@ def advance(
     rejected = 0
     for i in range(len(rows)):
         iterations, speed = work.counts[1], state.v[-1]
-        outcome = full_step(system, state, memory, work, dt, smallest, ground[i], ground[i + 1])
+        begin, end = ground[i] + shift[i], ground[i + 1] + shift[i]
+        outcome = full_step(system, state, memory, work, dt, smallest, begin, end)
         if outcome < 0:
             return i, rejected
         rejected += outcome

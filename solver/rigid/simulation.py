@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from solver.excitation.motion import ground_motion
 from solver.post.history import scene_columns
 from solver.rigid.compiled import NUMBA, is_kept
+from solver.rigid.ground import SteppedGround, motion_at
 from solver.rigid.outcome import Advance
 from solver.rigid.plane import PlaneSystem
 from solver.rigid.snapshots import RigidSnapshots
@@ -52,9 +53,10 @@ class RigidRun:
             ranks: Number of ranks.
         """
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
-        motion = ground_motion(scene)
-        self._motion = motion or (lambda time: np.zeros(scene.dimension))
-        self._moves = motion is not None
+        self._motion = ground_motion(scene)
+        self._ground = None
+        if self._motion is not None:
+            self._ground = SteppedGround(self._motion, scene.time.step, STEPS_AT_ONCE)
         rows = "solver.rigid.plane_rows" if scene.dimension == 2 else "solver.rigid.space_rows"
         self._system = self._start()
         if NUMBA is not None and not is_kept(rows):
@@ -69,16 +71,21 @@ class RigidRun:
 
     def _start(self) -> PlaneSystem | SpaceSystem:
         """The bodies of the scene."""
-        ground = self._motion(0.0)
         if self._scene.dimension == 2:
-            return PlaneSystem.from_scene(self._scene, tuple(ground))
+            return PlaneSystem.from_scene(self._scene, self._first_acceleration())
         from solver.rigid.space import SpaceSystem
 
-        return SpaceSystem.from_scene(self._scene, tuple(ground))
+        return SpaceSystem.from_scene(self._scene, self._first_acceleration())
+
+    def _first_acceleration(self) -> tuple[float, ...]:
+        """Of the ground at t = 0, m/s2."""
+        if self._motion is None:
+            return (0.0,) * self._scene.dimension
+        return tuple(self._motion.acceleration(0.0))
 
     def first_row(self) -> Array:
         """The row of the history at t = 0."""
-        row = self._system.row(self._scene.time.step, tuple(self._motion(0.0)))
+        row = self._system.row(self._scene.time.step, self._first_acceleration())
         return row[self._columns]
 
     def open_fields(self, folder: Path) -> RigidSnapshots:
@@ -116,7 +123,8 @@ class RigidRun:
     def _piece(self, desk: Desk, stop: int) -> str:
         """Run up to step number `stop`; returns why not, if it failed."""
         step, first = self._scene.time.step, self._steps
-        outcome = self._advance(step * np.arange(first, stop + 1, dtype=np.float64), step)
+        ground = None if self._ground is None else self._ground.between(first, stop)
+        outcome = self._advance(stop - first, step, ground)
         rows = outcome.rows
         rows[:, 0] = np.arange(first + 1, first + 1 + len(rows)) * step
         self._steps += len(rows)
@@ -139,21 +147,20 @@ class RigidRun:
         rest = span.end - reached
         if rest <= span.smallest * (1 - 1e-9):
             return ""
-        outcome = self._advance(np.array([reached, span.end]), rest)
+        ends = np.array([reached, span.end])
+        ground = None if self._motion is None else motion_at(self._motion, ends)
+        outcome = self._advance(1, rest, ground)
         outcome.rows[:, 0] = span.end
         self._steps += len(outcome.rows)
         desk.history.extend(outcome.rows[:, self._columns])
         self._report(desk, outcome)
         return outcome.failure or ""
 
-    def _advance(self, times: Array, step: float) -> Advance:
-        """Run from the first to the last of these times in steps of length `step`."""
-        ground: Array = np.zeros((len(times), self._scene.dimension))
-        if self._moves:
-            for k, time in enumerate(times):
-                ground[k] = self._motion(float(time))
+    def _advance(self, count: int, step: float, ground: tuple[Array, Array] | None) -> Advance:
+        """Run so many steps of length `step`; `ground`: accelerations at their ends, mean ones."""
+        accelerations, mean = ground or (None, None)
         smallest = min(self._scene.time.smallest, step)
-        return self._system.advance(len(times) - 1, step, ground, smallest)
+        return self._system.advance(count, step, accelerations, smallest, mean)
 
     def _report(self, desk: Desk, outcome: Advance) -> None:
         """Count, and tell of what went wrong."""

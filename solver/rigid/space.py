@@ -14,6 +14,7 @@ import numpy as np
 
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.post.history import columns
+from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space_model import Array, SpaceState
 from solver.rigid.space_rotation import rotation_of
@@ -88,7 +89,12 @@ class SpaceSystem:
         return columns(self.names, dimension=3, platform=moves, vertical=True, second=True)
 
     def advance(
-        self, count: int, dt: float, ground: Array | None = None, smallest: float = 0.0
+        self,
+        count: int,
+        dt: float,
+        ground: Array | None = None,
+        smallest: float = 0.0,
+        mean: Array | None = None,
     ) -> Advance:
         """Run `count` steps.
 
@@ -98,11 +104,14 @@ class SpaceSystem:
             ground: (count + 1, 3) accelerations of the ground at the ends of the steps, m/s2,
                 linear in between; None: it stands.
             smallest: To which part a step that fails is divided, s; 0: dt / 1024.
+            mean: (count, 3) mean accelerations of the ground over the steps, m/s2, where they are
+                not those of its ends.
         """
-        ground = np.zeros((count + 1, 3)) if ground is None else np.ascontiguousarray(ground)
+        motion, shift = ground_of_steps(count, 3, ground, mean)
         rows = np.empty((count, len(self.columns)))
+        smallest = smallest or dt / 1024
         done, rejected = run(
-            self._model, self._state, dt, smallest or dt / 1024, ground, self._seen, rows
+            self._model, self._state, dt, smallest, motion, shift, self._seen, rows
         )
         rows[:done, 0] = self.time + dt * np.arange(1, done + 1)
         rows[:, -1] -= self._first
@@ -121,7 +130,7 @@ class SpaceSystem:
         trial, row, seen = np.zeros((1, at)), np.zeros(at), self._seen.copy()
         state = SpaceState(*(part.copy() for part in self._state))
         motion, short = np.array([ground, ground], dtype=np.float64), TRIAL * dt
-        run(self._model, state, short, short / 1024, motion, seen, trial)
+        run(self._model, state, short, short / 1024, motion, np.zeros((1, 3)), seen, trial)
         record(self._model, self._state, motion[0], self._seen, np.zeros((n + 1, 3)), row)
         for name in self.columns:
             if name.endswith(("_force_N", "_force_second_N", "points_closed")):

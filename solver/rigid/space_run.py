@@ -79,6 +79,7 @@ def run(
     dt: float,
     smallest: float,
     ground: Array,
+    shift: Array,
     seen: Array,
     rows: Array,
 ) -> tuple[int, int]:
@@ -92,6 +93,7 @@ def run(
         dt: s.
         smallest: The smallest part of a step to try, s.
         ground: (steps + 1, 3) accelerations of the ground, m/s2; linear in between.
+        shift: (steps, 3) what its mean over each step has beyond that of its ends, m/s2.
         seen: (n, 4) the last angles, carried on.
         rows: (steps, columns) filled in.
 
@@ -102,7 +104,8 @@ def run(
     rows[:, 1], rows[:, 2] = dt, 0.0
     while k < len(rows):
         h, gained = min(h, dt - done), ground[k + 1] - ground[k]
-        start, end = ground[k] + gained * (done / dt), ground[k] + gained * ((done + h) / dt)
+        first = ground[k] + shift[k]
+        start, end = first + gained * (done / dt), first + gained * ((done + h) / dt)
         s = solve(model, state, h, start, end, phase != TIMING)
         rows[k, 2] += s.iterations
         if phase == TIMING:

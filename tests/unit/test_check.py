@@ -209,3 +209,59 @@ friction = 0.2
         assert part in text
     assert "expected mode" not in text
     assert "frequency p" not in checked(capsys, "gravity=0")
+
+
+def test_check_of_a_record(scene: Path, capsys: Captured) -> None:
+    """1 m/s2 for 4 s: its measures are known."""
+    (scene.parent / "push.txt").write_text("units: m/s2\n" + "1\n" * 401)
+    record = "kind='record', file='push.txt', dt=0.01"
+    text = checked(capsys, f"motion={{{record}, vertical={{{record}, scale=-0.5, start=0.0123}}}}")
+    for part in (
+        "base motion PGA 0.1019 g = 1 m/s2 samples 401, 0.01 s apart, 4 s long, from 0 s",
+        "PGV 4.0000 m/s PGD 8.0000 m duration D5-95 3.60 s Arias intensity 0.6405 m/s",
+        "PSA in g, 5 % 0.1 s 0.1890, 0.2 s 0.1890, 0.5 s 0.1890, 1 s 0.1890, 2 s 0.1890, 4 s 0.18",
+        "steps 0.001 s divides 0.01 s: 10 between two samples",
+        "vertical PGA 0.05097 g = 0.5 m/s2 samples 401, 0.01 s apart, 4 s long, from 0.0123 s",
+        "PGV 2.0000 m/s PGD 4.0000 m duration D5-95 3.60 s Arias intensity 0.1601 m/s",
+        "steps the first sample, at 0.0123 s, is inside one: they take the mean acceleration",
+    ):
+        assert part in text
+    text = checked(capsys, f"motion={{{record}}}", "time.step=0.003")
+    assert "steps 0.003 s does not divide 0.01 s: they take the mean acceleration" in text
+
+
+def test_check_of_tables_and_pulses(scene: Path, capsys: Captured) -> None:
+    (scene.parent / "table.csv").write_text("1 0\n2 0.5\n4 0\n")
+    text = checked(capsys, "motion={kind='table', file='table.csv'}")
+    for part in (
+        "PGA 0.5 g = 4.905 m/s2 samples 3, 1 to 2 s apart, 3 s long, from 1 s",
+        "PGV 7.3575 m/s",
+        "PGD 12.2625 m",
+        "PSA in g, 5 % 0.1 s 0.50",
+        "steps not those of the samples: they take the mean acceleration, no sample is skipped",
+    ):
+        assert part in text
+    text = checked(capsys, "motion={kind='half_sine', amplitude_g=0.2, duration=0.5, start=0.1}")
+    assert "span 0.1 to 0.6 s velocity up to 0.6245 m/s, 0.6245 m/s in the end" in text
+    text = checked(capsys, "motion={kind='ricker', amplitude_g=0.2, frequency=2}", "gravity=1.62")
+    assert "peak 0.2 g = 1.962 m/s2 span 0 to 1.5 s" in text
+    assert ", 0 m/s in the end" in text
+
+
+def test_check_of_a_bad_record(scene: Path, capsys: Captured) -> None:
+    """One line that names file and line, or the key; exit code 2."""
+    file = scene.parent / "bad.AT2"
+    file.write_text("A\nB\nUNITS OF G\nNPTS= 3, DT= .01\n1 2\n")
+    words = ["check", "granite.toml", "--set", "motion={kind='record', file='bad.AT2'}"]
+    assert main(words) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.strip().endswith(
+        f"{file}: line 5: got the end of the file after 2 values, allowed 3 values, NPTS of line 4"
+    )
+    vertical = "motion={vertical={kind='record', file='bad.AT2', dt=0.1}}"
+    assert main(["check", "granite.toml", "--set", vertical]) == 2
+    assert "motion.vertical.dt: got 0.1, allowed nothing" in capsys.readouterr().err
+    assert main(["check", "granite.toml", "--set", "motion={kind='record', file='.'}"]) == 2
+    message = capsys.readouterr().err
+    assert "motion.file: got " in message and "(a folder), allowed a file that exists" in message

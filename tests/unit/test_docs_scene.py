@@ -28,11 +28,13 @@ from solver.specs import (
     OscillatorSpec,
     OutputSpec,
     PlateSpec,
+    RecordSpec,
     RectangularSpec,
     RickerSpec,
     RigidSpec,
     SineSpec,
     StillSpec,
+    SyntheticSpec,
     TableSpec,
     TimeSpec,
 )
@@ -60,6 +62,8 @@ SECTIONS: dict[str, tuple[Any, ...]] = {
     ),
     "`[motion]` / `kind = \"ricker\"`": (RickerSpec,),
     "`[motion]` / `kind = \"table\"`": (TableSpec,),
+    "`[motion]` / `kind = \"record\"`": (RecordSpec,),
+    "`[motion]` / `kind = \"synthetic\"`": (SyntheticSpec,),
     "`[time]`": (TimeSpec,),
     "`[output]`": (OutputSpec,),
 }  # fmt: skip

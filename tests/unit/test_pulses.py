@@ -111,11 +111,11 @@ def test_all_directions_together() -> None:
         for a, d in ((0.1, 1.0), (0.2, 0.5), (0.3, 0.25))
     )
     plane = ground(2, push | {"vertical": heave})
-    np.testing.assert_allclose(plane(0.2), [0.981, 1.962])
-    np.testing.assert_allclose(plane(0.8), [0.981, 0.0])
+    np.testing.assert_allclose(plane.acceleration(0.2), [0.981, 1.962])
+    np.testing.assert_allclose(plane.acceleration(0.8), [0.981, 0.0])
     space = ground(3, push | {"vertical": heave, "second": sway})
-    np.testing.assert_allclose(space(0.2), [0.981, 2.943, 1.962])
+    np.testing.assert_allclose(space.acceleration(0.2), [0.981, 2.943, 1.962])
     alone = ground(3, {"second": sway})
-    np.testing.assert_allclose(alone(0.2), [0.0, 2.943, 0.0])
+    np.testing.assert_allclose(alone.acceleration(0.2), [0.0, 2.943, 0.0])
     assert ground(2, None) is None
     assert ground(2, {"kind": "none"}) is None

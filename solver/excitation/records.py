@@ -1,0 +1,173 @@
+"""Recorded accelerograms: files of PEER, of two columns, of one."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.checking import shown
+from solver.errors import SceneError
+from solver.excitation.baseline import corrected
+from solver.excitation.numbers import Row, number_in, read_lines, rows_of, split_header
+from solver.excitation.sampled import SampledMotion, even_step
+from solver.excitation.units import MOVED, UNITS, units_named
+from solver.specs import RecordSpec
+
+Array = NDArray[np.float64]
+
+EXPECTED = "an accelerogram: PEER's .AT2, two columns (time, acceleration), or one with dt"
+
+COUNTED = "NPTS= number of values, DT= time between them in s"
+
+HEADER = 20
+"""Lines in which a header of PEER names the number of values."""
+
+_NUMBER = r"(\d*\.?\d+(?:[eEdD][-+]?\d+)?|\d+\.)"
+_NPTS = re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
+_NPTS_BEHIND = re.compile(rf"^\s*(\d+)\s*,?\s+{_NUMBER}\s*,?\s+NPTS\s*,\s*DT", re.IGNORECASE)
+
+
+def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
+    """The samples of a recorded accelerogram, the first one that is used at `spec.start`.
+
+    Args:
+        spec: The file, and what is to be done with it.
+        where: Path of the table in the scene, for errors.
+
+    Raises:
+        SceneError: The file cannot be read, or is not what the scene says; names file and line.
+    """
+    lines = read_lines(spec.file, f"{where}.file", EXPECTED)
+    counted = next((i for i, line in enumerate(lines[:HEADER]) if "npts" in line.lower()), None)
+    if counted is not None or spec.file.suffix.lower() == ".at2":
+        header, step, values = _peer(spec, where, lines, counted)
+    else:
+        header, step, values = _columns(spec, where, lines)
+    values = values * (UNITS[_units(spec, where, header)] * spec.scale)
+    values = corrected(_cut(spec, where, values, step), spec.baseline)
+    time = spec.start + step * np.arange(len(values))
+    return SampledMotion(time=time, value=values, step=step)
+
+
+def _peer(
+    spec: RecordSpec, where: str, lines: list[str], counted: int | None
+) -> tuple[list[str], float, Array]:
+    """Header, time between samples and values of a file that says how many there are."""
+    line = counted if counted is not None else min(3, len(lines) - 1)
+    found = _NPTS.search(lines[line]) or _NPTS_BEHIND.search(lines[line])
+    step = float(found[2].upper().replace("D", "E")) if found else 0.0
+    if not found or not np.isfinite(step) or step <= 0 or int(found[1]) < 2:
+        raise SceneError(f"{spec.file}: line {line + 1}", shown(lines[line].strip()), COUNTED)
+    if spec.dt is not None:
+        raise SceneError(f"{where}.dt", shown(spec.dt), f"nothing: {spec.file} has DT= {step:g}")
+    count, values = int(found[1]), list[float]()
+    expected = f"{count} values, NPTS of line {line + 1}"
+    for row in rows_of(spec.file, lines[line + 1 :], "finite numbers", first=line + 2):
+        values += row.values
+        if len(values) > count:
+            raise SceneError(f"{spec.file}: line {row.line}", "more values", expected)
+    if len(values) < count:
+        got = f"the end of the file after {len(values)} values"
+        raise SceneError(f"{spec.file}: line {len(lines)}", got, expected)
+    return lines[: line + 1], step, np.array(values)
+
+
+def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str], float, Array]:
+    """Header, time between samples and values of a file of one column, of two, or of values."""
+    header, rest = split_header(lines)
+    rows = rows_of(spec.file, rest, EXPECTED, first=len(header) + 1)
+    if not rows or sum(len(row.values) for row in rows) < 2:
+        raise SceneError(f"{spec.file}: line {len(lines)}", "too few numbers", EXPECTED)
+    width, last = len(rows[0].values), rows[-1]
+    for row in rows:
+        # The last line of values in reading order may be a short one.
+        short = row is last and width > 2 and len(row.values) < width
+        if len(row.values) != width and not short:
+            got, wanted = f"a line of {len(row.values)}", f"{width} as in line {rows[0].line}"
+            raise SceneError(f"{spec.file}: line {row.line}", got, wanted)
+    if width == 2:
+        if spec.dt is not None:
+            allowed = f"nothing: {spec.file} has times in its first column"
+            raise SceneError(f"{where}.dt", shown(spec.dt), allowed)
+        return header, _even(spec.file, rows), np.array([row.values[1] for row in rows])
+    if spec.dt is None:
+        allowed = f"dt > 0, s: {spec.file} does not say the time between its values"
+        raise SceneError(f"{where}.dt", "nothing", allowed)
+    return header, spec.dt, np.array([value for row in rows for value in row.values])
+
+
+def _even(file: Path, rows: list[Row]) -> float:
+    """Time between the samples of two columns; the same for all, as far as their digits tell."""
+    time = np.array([row.values[0] for row in rows])
+    even = even_step(time)
+    if even is not None:
+        return even
+    steps, step = np.diff(time), float(time[-1] - time[0]) / (len(time) - 1)
+    usual = float(np.median(steps))
+    wrong = np.abs(steps - usual) > 1e-6 * abs(usual)
+    unit = _last_digits([row.words[0] for row in rows])
+    if step > 2 * np.max(unit):  # coarser digits would hide a sample that is missing
+        line = np.polynomial.Polynomial.fit(np.arange(len(time)), time, 1, w=1 / unit)
+        # Rounded times are off by half a unit of their last digit, the line by what that leaves.
+        off = unit * min(1.0, 0.5 + 2 / math.sqrt(len(time)))
+        wrong = (np.abs(time - line(np.arange(len(time)))) > off)[1:]
+        if not wrong.any():
+            return float(line.deriv()(0.0))
+    at = int(np.argmax(wrong))
+    allowed = f"times equally far apart, {usual:.6g} s like most of them"
+    if usual <= 0:
+        at, allowed = int(np.argmax(steps <= 0)), "times that increase"
+    got = f"time {rows[at + 1].words[0]}, {steps[at]:.6g} s after the last one"
+    raise SceneError(f"{file}: line {rows[at + 1].line}", got, allowed)
+
+
+def _last_digits(words: list[str]) -> Array:
+    """What the last printed digit of each time stands for, s.
+
+    Zeros at the end may have been left out: what counts is the largest number of decimals in the
+    column, for large times the largest number of digits.
+    """
+    mantissas = [re.split("[eEdD]", word)[0].lstrip("+-") for word in words]
+    exponents = [int(re.split("[eEdD]", f"{word}e0")[1]) for word in words]
+    decimals = max(
+        len(mantissa.partition(".")[2]) - exponent
+        for mantissa, exponent in zip(mantissas, exponents, strict=True)
+    )
+    digits = max(len(mantissa.replace(".", "").lstrip("0")) for mantissa in mantissas)
+    leading = [math.floor(math.log10(abs(number_in(word) or 0.0) or 1e-300)) for word in words]
+    return np.maximum(10.0**-decimals, 10.0 ** (np.array(leading, dtype=float) + 1 - digits))
+
+
+def _units(spec: RecordSpec, where: str, header: list[str]) -> str:
+    """Units of the values: those of the scene and of the header, which have to agree."""
+    line, named = units_named(header)
+    if named is not None and (named in MOVED or (named not in UNITS and spec.units is None)):
+        allowed = f"accelerations in {', '.join(UNITS)}"
+        raise SceneError(f"{spec.file}: line {line}", f"units of {named}", allowed)
+    if spec.units is None and named is None:
+        allowed = f'"g", "m/s2" or "cm/s2": {spec.file} does not say it'
+        raise SceneError(f"{where}.units", "nothing", allowed)
+    if spec.units is not None and named in UNITS and spec.units != named:
+        allowed = f"{shown(named)}, as line {line} of {spec.file} says"
+        raise SceneError(f"{where}.units", shown(spec.units), allowed)
+    return spec.units or str(named)
+
+
+def _cut(spec: RecordSpec, where: str, values: Array, step: float) -> Array:
+    """The samples inside the window."""
+    if spec.window is None:
+        return values
+    begin, end = spec.window
+    length = step * (len(values) - 1)
+    first, last = math.ceil(begin / step - 1e-6), math.floor(end / step + 1e-6)
+    if last >= len(values):
+        allowed = f"times up to {length:.6g} s, the length of {spec.file}"
+        raise SceneError(f"{where}.window", shown(spec.window), allowed)
+    if last - first < 1:
+        allowed = f"two samples or more, which are {step:g} s apart"
+        raise SceneError(f"{where}.window", shown(spec.window), allowed)
+    return values[first : last + 1]

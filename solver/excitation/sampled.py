@@ -1,0 +1,92 @@
+"""Ground motions given by samples of the acceleration."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SampledMotion:
+    """Samples of the ground's acceleration, linear between them and zero before and after them."""
+
+    time: Array
+    """t_i, s, increasing, (n,) with n >= 2."""
+    value: Array
+    """a_i, m/s^2, (n,)."""
+    step: float | None = None
+    """Time between samples where it is the same for all, s."""
+    _speed: Array = field(init=False, repr=False)
+    """Velocities at the samples, m/s, (n,): the integral of the broken line."""
+    _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)
+    """The three arrays as lists: single values are asked for in every step."""
+
+    def __post_init__(self) -> None:
+        """Integrate."""
+        gained = (self.value[1:] + self.value[:-1]) / 2 * np.diff(self.time)
+        speed = np.concatenate(([0.0], np.cumsum(gained)))
+        object.__setattr__(self, "_speed", speed)
+        lists = (self.time.tolist(), self.value.tolist(), speed.tolist())
+        object.__setattr__(self, "_rows", lists)
+
+    @property
+    def peak(self) -> float:
+        """Largest |a_g|, m/s^2."""
+        return float(np.abs(self.value).max())
+
+    @property
+    def stop(self) -> float:
+        """When the last sample comes, s."""
+        return float(self.time[-1])
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample, s."""
+        return float(self.time[-1] - self.time[0])
+
+    def acceleration(self, time: float) -> float:
+        """Acceleration of the ground a_g, m/s^2."""
+        times, values, _ = self._rows
+        after = bisect_right(times, time)
+        if after == 0 or time > times[-1]:
+            return 0.0
+        if after == len(times):
+            return values[-1]
+        part = (time - times[after - 1]) / (times[after] - times[after - 1])
+        return values[after - 1] + part * (values[after] - values[after - 1])
+
+    def velocity(self, time: float) -> float:
+        """Velocity of the ground, m/s: at rest before the first sample; exact."""
+        times, values, speeds = self._rows
+        after = bisect_right(times, time)
+        if after == 0:
+            return 0.0
+        if after == len(times):
+            return speeds[-1]
+        since = time - times[after - 1]
+        slope = (values[after] - values[after - 1]) / (times[after] - times[after - 1])
+        return speeds[after - 1] + since * (values[after - 1] + since * slope / 2)
+
+    def accelerations(self, times: Array) -> Array:
+        """Accelerations of the ground at many times, m/s^2."""
+        return np.interp(times, self.time, self.value, left=0.0, right=0.0)
+
+    def velocities(self, times: Array) -> Array:
+        """Velocities of the ground at many times, m/s."""
+        first = np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 2)
+        length = self.time[first + 1] - self.time[first]
+        since = np.clip(times - self.time[first], 0.0, length)
+        slope = (self.value[first + 1] - self.value[first]) / length
+        return self._speed[first] + since * (self.value[first] + since * slope / 2)
+
+
+def even_step(time: Array) -> float | None:
+    """The time between samples, s, where it is the same for all of them and positive."""
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    even = step > 0 and np.all(np.abs(np.diff(time) - step) <= 1e-6 * step)
+    return step if even else None

@@ -1,0 +1,111 @@
+"""Measures of a ground motion given by equally spaced samples, linear between them, zero outside.
+
+`acceleration` stands for the samples a_i, m/s^2, (m,); `step` for the time between them, s.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from solver.excitation.units import STANDARD_GRAVITY
+
+Samples = NDArray[np.float64]
+
+
+def response_spectrum(
+    acceleration: Samples, step: float, periods: ArrayLike, damping: float = 0.05
+) -> Samples:
+    """Pseudo-spectral acceleration PSA = (2 pi/T)^2 max |u|, m/s^2, one for each period.
+
+    u'' + 2 xi w u' + w^2 u = -a(t), from rest and on through half a period after the last sample.
+    The recursion from sample to sample is exact (Nigam and Jennings 1969). The maximum is that of
+    the samples, as in published spectra: below that between them by at most (pi step/T)^2/2.
+
+    Args:
+        acceleration: a_i, m/s^2.
+        step: s.
+        periods: T > 0, s.
+        damping: xi, of critical, 0 <= xi < 1.
+    """
+    samples = np.asarray(acceleration, dtype=float)
+    wanted = np.atleast_1d(np.asarray(periods, dtype=float))
+    return np.array([_largest(samples, step, 2 * math.pi / T, damping) for T in wanted])
+
+
+def _largest(acceleration: Samples, step: float, frequency: float, damping: float) -> float:
+    """w^2 max |u| of the oscillator of angular frequency w, 1/s."""
+    from scipy.signal import lfilter
+
+    forward, before, after = _advance(step, frequency, damping)
+    # The displacement's own recursion, from x_n+1 = F x_n + b a_n + c a_n+1 by Cayley-Hamilton.
+    rest = forward - np.trace(forward) * np.eye(2)
+    numerator = [after[0], before[0] + rest[0] @ after, rest[0] @ before]
+    denominator = [1.0, -np.trace(forward), np.linalg.det(forward)]
+    free = np.zeros(math.ceil(math.pi / frequency / step) + 1)
+    start = acceleration[0] * np.array([before[0], rest[0] @ before])
+    later = np.concatenate((acceleration[1:], free))
+    moved, _ = lfilter(numerator, denominator, later, zi=start)
+    return frequency**2 * float(np.abs(moved).max())
+
+
+def _advance(step: float, frequency: float, damping: float) -> tuple[Samples, Samples, Samples]:
+    """F (2, 2), b (2,), c (2,) of (u, u')_n+1 = F (u, u')_n + b a_n + c a_n+1, exactly."""
+    turning = frequency * math.sqrt(1 - damping**2)
+    fading = damping * frequency
+    decay = math.exp(-fading * step)
+    sine, cosine = decay * math.sin(turning * step) / turning, decay * math.cos(turning * step)
+    forward = np.array(
+        [[cosine + fading * sine, sine], [-(frequency**2) * sine, cosine - fading * sine]]
+    )
+    # Under a = p + q t the particular solution is -(p + q t)/w^2 + 2 xi q/w^3.
+    constant = np.array([-1 / frequency**2, 0.0])
+    ramp_start = np.array([2 * damping / frequency**3, -1 / frequency**2])
+    ramp_end = ramp_start + step * constant
+    of_constant = constant - forward @ constant
+    of_ramp = (ramp_end - forward @ ramp_start) / step
+    return forward, of_constant - of_ramp, of_ramp
+
+
+def velocity_and_displacement(acceleration: Samples, step: float) -> tuple[Samples, Samples]:
+    """Of the ground at the samples, from rest, m/s and m; exact for the broken line."""
+    a = np.asarray(acceleration, dtype=float)
+    velocity = np.concatenate(([0.0], np.cumsum(a[1:] + a[:-1]) * (step / 2)))
+    moved = velocity[:-1] * step + (2 * a[:-1] + a[1:]) * (step**2 / 6)
+    return velocity, np.concatenate(([0.0], np.cumsum(moved)))
+
+
+def peak_ground(acceleration: Samples, step: float) -> tuple[float, float, float]:
+    """PGA, m/s^2, PGV, m/s, and PGD, m: the largest sizes at the samples."""
+    moved = velocity_and_displacement(acceleration, step)
+    largest = [float(np.abs(values).max()) for values in (acceleration, *moved)]
+    return largest[0], largest[1], largest[2]
+
+
+def arias_intensity(acceleration: Samples, step: float) -> float:
+    """I_A = pi/(2 g) times the integral of a^2, m/s, with g = 9.81 m/s^2 (Arias 1970)."""
+    return math.pi / (2 * STANDARD_GRAVITY) * float(_squares(acceleration, step)[-1])
+
+
+def significant_duration(
+    acceleration: Samples, step: float, low: float = 0.05, high: float = 0.95
+) -> float:
+    """D: s from the time when the share `low` of the Arias intensity has come to that of `high`.
+
+    With the defaults D5-95 (Trifunac and Brady 1975); 0 if the ground does not move.
+    """
+    grown = _squares(acceleration, step)
+    if grown[-1] == 0:
+        return 0.0
+    times = step * np.arange(grown.size)
+    first, last = np.interp(np.array([low, high]) * grown[-1], grown, times)
+    return float(last - first)
+
+
+def _squares(acceleration: Samples, step: float) -> Samples:
+    """The integral of a^2 up to every sample, m^2/s^3; exact for the broken line."""
+    a = np.asarray(acceleration, dtype=float)
+    pieces = (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2) * (step / 3)
+    return np.concatenate(([0.0], np.cumsum(pieces)))

@@ -1,0 +1,329 @@
+"""Recorded accelerograms: formats, units, windows, baselines, and what is wrong with a file."""
+
+from __future__ import annotations
+
+import csv
+import math
+import stat
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.errors import SceneError
+from solver.excitation.motion import base_motion
+from solver.excitation.records import read_record
+from solver.excitation.spectrum import response_spectrum
+from solver.specs import RecordSpec
+
+G = 9.81
+VALUES = [0.01, -0.02, 0.035, 0.5, -0.125, 0.0, 0.25]
+
+TITLE = "PEER STRONG MOTION DATA\nA QUAKE, 1/2/2003, A STATION, 90\n"
+UNITS = "ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.2 Hz LP=15.0 Hz\n"
+
+
+def fortran(values: list[float], columns: int, form: str = "15.7E") -> str:
+    """Values in reading order, as Fortran writes them."""
+    words = [f"{value:{form}}" for value in values]
+    lines = [words[i : i + columns] for i in range(0, len(words), columns)]
+    return "".join("".join(line) + "\n" for line in lines)
+
+
+def peer(counted: str, columns: int = 5, units: str = UNITS, count: int = len(VALUES)) -> str:
+    return TITLE + units + counted + "\n" + fortran(VALUES[:count], columns)
+
+
+def record(folder: Path, text: str | bytes, name: str = "motion.AT2", **options: Any) -> Any:
+    file = folder / name
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return base_motion(RecordSpec(file=file, **options), 3.0)
+
+
+def refusal(folder: Path, text: str | bytes, name: str = "motion.AT2", **options: Any) -> str:
+    """The one line that a bad file gives, the folder cut off."""
+    with pytest.raises(SceneError) as caught:
+        record(folder, text, name, **options)
+    assert caught.value.exit_code == 2
+    message = str(caught.value)
+    assert "\n" not in message
+    return message.replace(f"{folder}/", "")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        peer("NPTS=      7, DT=   .0050 SEC"),
+        peer("NPTS=      7, DT=   .0050 SEC,   0 POLE @    30.00000 HZ,  -5 POLE @      .15000"),
+        peer("NPTS=   7, dt=  .00500"),
+        peer("npts = 7 , dt = 5.0E-03SEC", columns=8),
+        peer("   7    0.0050   NPTS, DT", columns=1),
+        peer("NPTS=7, DT=.005", columns=8).replace("\n", "\r\n") + "\r\n\x1a",
+        peer("NPTS=7, DT=.005").replace("E-", "D-"),
+        peer("NPTS=7, DT=.005", units="one line more\nThe units are (g)\n"),
+        peer("NPTS=7, DT=.005").replace("A QUAKE", "Un séisme"),
+        peer("NPTS=7, DT=.005").lower(),
+    ],
+)
+def test_files_of_peer(tmp_path: Path, text: str) -> None:
+    motion = record(tmp_path, text)
+    np.testing.assert_allclose(motion.value, G * np.array(VALUES), rtol=1e-12)
+    np.testing.assert_allclose(motion.time, 0.005 * np.arange(7), atol=1e-15)
+    assert motion.step == 0.005
+    assert motion.peak == pytest.approx(0.5 * G)
+
+
+def test_a_file_of_peer_is_known_by_its_header(tmp_path: Path) -> None:
+    assert record(tmp_path, peer("NPTS=7, DT=.005"), "motion.txt").step == 0.005
+
+
+COLUMNS = [f"{0.02 * i:.2f} {value}" for i, value in enumerate(VALUES)]
+
+
+@pytest.mark.parametrize(
+    ("lines", "options"),
+    [
+        (COLUMNS, {"units": "g"}),
+        (["time (s), acceleration [G]", *(line.replace(" ", ",") for line in COLUMNS)], {}),
+        (["# units: g", *(line.replace(" ", ";") for line in COLUMNS)], {"units": "g"}),
+        ([f"{0.02 * i + 7:g}\t{v}" for i, v in enumerate(VALUES)], {"units": "g"}),
+        ([str(value) for value in VALUES], {"units": "g", "dt": 0.02}),
+        (["Acceleration in units of g", *map(str, VALUES), ""], {"dt": 0.02}),
+        (fortran(VALUES, 3, "10.5f").splitlines(), {"units": "g", "dt": 0.02}),
+    ],
+)
+def test_columns(tmp_path: Path, lines: list[str], options: dict[str, Any]) -> None:
+    motion = record(tmp_path, "\n".join(lines), "motion.txt", **options)
+    np.testing.assert_allclose(motion.value, G * np.array(VALUES), rtol=1e-12)
+    np.testing.assert_allclose(motion.time, 0.02 * np.arange(7), atol=1e-12)
+
+
+@pytest.mark.parametrize("form", [".3f", ".2f", ".6g", ".5E", "g"])
+def test_times_are_as_even_as_their_digits_tell(tmp_path: Path, form: str) -> None:
+    """1/30 s printed with few digits, up to times that have more digits before the point."""
+    lines = "\n".join(f"{i / 30:{form}} {i % 7}" for i in range(3500))
+    motion = record(tmp_path, lines, "motion.txt", units="g")
+    assert motion.step == pytest.approx(1 / 30, abs=1e-5 / 3)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [
+        ("ACCELERATION TIME SERIES IN UNITS OF CM/S**2\n", 0.01),
+        ("UNITS: cm/sec/sec\n", 0.01),
+        ("acceleration (gal)\n", 0.01),
+        ("Units = m/s^2\n", 1.0),
+        ("acc [m/sec2]\n", 1.0),
+    ],
+)
+def test_units_of_the_header(tmp_path: Path, header: str, unit: float) -> None:
+    text = peer("NPTS=7, DT=.005", units=header)
+    assert record(tmp_path, text, scale=-2.0).value == pytest.approx(-2 * unit * np.array(VALUES))
+
+
+def test_units_are_those_of_scene_and_header(tmp_path: Path) -> None:
+    silent = peer("NPTS=7, DT=.005", units="")
+    assert record(tmp_path, silent, units="cm/s2").peak == pytest.approx(0.005)
+    assert refusal(tmp_path, silent).startswith("motion.units: got nothing, allowed ")
+    clear = peer("NPTS=7, DT=.005")
+    assert record(tmp_path, clear, units="g").peak == pytest.approx(0.5 * G)
+    assert refusal(tmp_path, clear, units="m/s2") == (
+        'motion.units: got "m/s2", allowed "g", as line 3 of motion.AT2 says'
+    )
+    odd = peer("NPTS=7, DT=.005", units="UNITS OF MG\n")
+    assert record(tmp_path, odd, units="g", scale=1e-3).peak == pytest.approx(5e-4 * G)
+    assert refusal(tmp_path, odd).startswith("motion.AT2: line 3: got units of mg, allowed ")
+
+
+@pytest.mark.parametrize("units", ["VELOCITY TIME SERIES IN UNITS OF CM/S", "UNITS OF CM"])
+def test_velocities_and_displacements_are_no_accelerations(tmp_path: Path, units: str) -> None:
+    text = peer("NPTS=7, DT=.005", units=f"{units}\n")
+    for options in ({}, {"units": "cm/s2"}):
+        message = refusal(tmp_path, text, "motion.VT2", **options)
+        assert message.startswith("motion.VT2: line 3: got units of cm")
+        assert message.endswith(", allowed accelerations in g, m/s2, cm/s2")
+
+
+COUNT = "got {}, allowed NPTS= number of values, DT= time between them in s"
+EXPECTED = "allowed an accelerogram: PEER's .AT2, two columns (time, acceleration), or one with dt"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (peer("NPTS=7, DT=.005", count=6),
+         "motion.AT2: line 6: got the end of the file after 6 values, "
+         "allowed 7 values, NPTS of line 4"),
+        (peer("NPTS=6, DT=.005"),
+         "motion.AT2: line 6: got more values, allowed 6 values, NPTS of line 4"),
+        (peer("NPTS=7, DT=.005")[:-3],
+         'motion.AT2: line 6: got "0.0000000E+00 2.5000000E-", allowed finite numbers'),
+        (peer("NPTS=7, DT=.005").replace("3.5000000E-02", "NaN"),
+         'motion.AT2: line 5: got "NaN", allowed finite numbers'),
+        (peer("NPTS=7, DT=.005").replace("3.5000000E-02", "********"),
+         'motion.AT2: line 5: got "********", allowed finite numbers'),
+        (peer("NPTS= , DT=.005"), "motion.AT2: line 4: " + COUNT.format('"NPTS= , DT=.005"')),
+        (peer("NPTS=7, DT=0.0"), "motion.AT2: line 4: " + COUNT.format('"NPTS=7, DT=0.0"')),
+        (peer("NPTS=7, DT=nan"), "motion.AT2: line 4: " + COUNT.format('"NPTS=7, DT=nan"')),
+        (peer("NPTS=1, DT=.005"), "motion.AT2: line 4: " + COUNT.format('"NPTS=1, DT=.005"')),
+        (TITLE, "motion.AT2: line 2: " + COUNT.format('"A QUAKE, 1/2/2003, A STATION, 90"')),
+        (TITLE + UNITS + "NPTS=7, DT=.005\n",
+         "motion.AT2: line 4: got the end of the file after 0 values, "
+         "allowed 7 values, NPTS of line 4"),
+        ("", f"motion.AT2: line 1: got an empty file, {EXPECTED}"),
+        ("\n \n", f"motion.AT2: line 1: got an empty file, {EXPECTED}"),
+        (b"PEER\nNPTS=7\n\x00\x01\x02", "motion.AT2: line 3: got binary data, "
+         + EXPECTED.replace("allowed", "allowed a text with")),
+        (b"\x1f\x8b\x08abc", "motion.AT2: line 1: got binary data, "
+         + EXPECTED.replace("allowed", "allowed a text with")),
+    ],
+)  # fmt: skip
+def test_bad_files_of_peer(tmp_path: Path, text: str | bytes, message: str) -> None:
+    """One line that names file, line and what was expected."""
+    assert refusal(tmp_path, text) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("0 1\n.1 2\n.2 3\n.4 4\n", {},
+         "motion.txt: line 4: got time .4, 0.2 s after the last one, allowed times equally far"),
+        ("t a\n0 1\n.01 2\n.02 3\n.03 4\n.0402 4\n.05 4\n.06 4\n", {},
+         "motion.txt: line 6: got time .0402, 0.0102 s after"),
+        ("0 1\n.1 2\n.1 3\n.2 4\n", {}, "motion.txt: line 3: got time .1, 0 s after the last one"),
+        ("0 1\n0 2\n", {}, "motion.txt: line 2: got time 0, 0 s after the last one"),
+        ("1 1\n0 2\n", {}, "motion.txt: line 2: got time 0, -1 s after the last one"),
+        ("0.00 1\n0.00 2\n0.01 3\n0.01 4\n", {}, "motion.txt: line 2: got time 0.00, 0 s after"),
+        ("0 1\n.1 2\n.2\n", {}, "motion.txt: line 3: got a line of 1, allowed 2 as in line 1"),
+        ("0 1\n.1 nan\n", {}, f'motion.txt: line 2: got ".1 nan", {EXPECTED}'),
+        ("0 1\n.1 1_0\n", {}, f'motion.txt: line 2: got ".1 1_0", {EXPECTED}'),
+        ("time, a\n", {}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
+        ("3.0\n", {"dt": 0.1}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
+        ("1\n2\n3\n", {}, "motion.dt: got nothing, allowed dt > 0, s: motion.txt does not say"),
+        ("1\n2 3\n3\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 2, allowed 1 as in line 1"),
+        ("1 2 3\n4\n5 6 7\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 1, allowed 3 as in"),
+        ("0 1\n.1 2\n", {"dt": 0.1}, "motion.dt: got 0.1, allowed nothing: motion.txt has times"),
+        (peer("NPTS=7, DT=.005"), {"dt": 0.1},
+         "motion.dt: got 0.1, allowed nothing: motion.txt has"),
+    ],
+)  # fmt: skip
+def test_bad_columns(tmp_path: Path, text: str, options: dict[str, Any], message: str) -> None:
+    assert refusal(tmp_path, text, "motion.txt", units="g", **options).startswith(message)
+
+
+def test_files_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(SceneError, match=r"^motion.vertical.file: got .*x.AT2 \(no such file"):
+        read_record(RecordSpec(file=tmp_path / "x.AT2"), "motion.vertical")
+    with pytest.raises(SceneError, match=r"^motion.file: got .* \(a folder\), allowed a file with"):
+        read_record(RecordSpec(file=tmp_path))
+
+    def forbidden(self: Path) -> bytes:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", forbidden)
+    message = refusal_without_writing(tmp_path / "x.AT2")
+    assert message.startswith("motion.file: got ") and "(permission denied), allowed" in message
+
+
+def refusal_without_writing(file: Path) -> str:
+    file.touch(mode=stat.S_IWUSR)
+    with pytest.raises(SceneError) as caught:
+        read_record(RecordSpec(file=file))
+    return str(caught.value)
+
+
+def test_window(tmp_path: Path) -> None:
+    """The samples from the first to the last time, moved to `start`."""
+    text = peer("NPTS=7, DT=.005")
+    motion = record(tmp_path, text, window=(0.0099, 0.0251), start=1.0)
+    np.testing.assert_allclose(motion.value, G * np.array(VALUES[2:6]))
+    np.testing.assert_allclose(motion.time, 1 + 0.005 * np.arange(4))
+    assert (motion.acceleration(0.9999), motion.acceleration(1.0)) == (0.0, 0.035 * G)
+    assert len(record(tmp_path, text, window=(0.0, 0.03)).value) == 7
+    assert refusal(tmp_path, text, window=(0.01, 0.04)) == (
+        "motion.window: got [0.01, 0.04], allowed times up to 0.03 s, the length of motion.AT2"
+    )
+    assert refusal(tmp_path, text, window=(0.011, 0.016)).endswith(
+        "allowed two samples or more, which are 0.005 s apart"
+    )
+    with pytest.raises(SceneError, match=r"^window: got \[2.0, 1.0\], allowed a first time before"):
+        RecordSpec(file=tmp_path / "motion.AT2", window=(2.0, 1.0))
+
+
+@pytest.mark.parametrize(("baseline", "degree"), [("constant", 0), ("linear", 1), ("quadratic", 2)])
+def test_baseline(tmp_path: Path, baseline: Any, degree: int) -> None:
+    """A polynomial disappears; of the rest the squared velocities are the least there are."""
+    time = np.linspace(0, 1, 401)
+    drift = sum((k + 1) * time**k for k in range(degree + 1))
+    wave = np.sin(40 * time) * np.exp(-3 * time)
+
+    def read(values: np.ndarray, **options: Any) -> Any:
+        text = "".join(f"{value:.17g}\n" for value in values)
+        return record(tmp_path, text, "motion.txt", units="m/s2", dt=0.0025, **options)
+
+    assert read(drift, baseline=baseline).peak < 1e-12
+    cleaned = read(wave, baseline=baseline)
+    np.testing.assert_allclose(
+        read(wave + drift, baseline=baseline).value, cleaned.value, atol=1e-12
+    )
+
+    def squared(values: np.ndarray) -> float:
+        speed = read(values).velocities(time)
+        return float(speed @ speed)
+
+    least = squared(cleaned.value)
+    assert least < squared(wave)
+    for k in range(degree + 1):
+        for change in (-1e-3, 1e-3):
+            assert squared(cleaned.value + change * time**k) > least
+    assert read(wave, baseline="none").value == pytest.approx(wave, abs=1e-15)
+    assert read(wave[:2], baseline=baseline).velocity(1.0) == pytest.approx(0, abs=1e-15)
+
+
+def test_the_integral_is_that_of_the_broken_line(tmp_path: Path) -> None:
+    motion = record(tmp_path, peer("NPTS=7, DT=.005"), start=0.1)
+    fine = np.linspace(0.09, 0.14, 100001)
+    slow = np.array([motion.acceleration(float(t)) for t in fine])
+    np.testing.assert_allclose(motion.accelerations(fine), slow, atol=1e-14)
+    gained = np.concatenate(([0.0], np.cumsum((slow[1:] + slow[:-1]) / 2 * np.diff(fine))))
+    speeds = motion.velocities(fine)
+    np.testing.assert_allclose(speeds, gained, atol=1e-6)
+    slowly = np.array([motion.velocity(float(t)) for t in fine[::100]])
+    np.testing.assert_allclose(speeds[::100], slowly, atol=1e-15)
+    assert motion.velocity(9.0) == pytest.approx(np.trapezoid(motion.value, motion.time), rel=1e-14)
+
+
+RECORDS = Path(__file__).parents[3] / "shared" / "records"
+SPECTRA = {
+    "RSN6_IMPVALL.I_I-ELC180": (0.6249, 0.7376, 0.4698, 0.1975),
+    "RSN169_IMPVALL.H_H-DLT352": (0.6788, 0.6200, 0.4826, 0.2230),
+    "RSN730_SPITAK_GUK000": (0.3461, 0.3572, 0.3694, 0.0722),
+    "RSN963_NORTHR_ORR090": (1.2228, 0.9660, 0.5331, 0.2323),
+    "RSN985_NORTHR_BLD090": (0.4445, 0.3977, 0.1605, 0.1319),
+}
+real = pytest.mark.skipif(not RECORDS.is_dir(), reason="no recorded accelerograms here")
+
+
+@real
+def test_real_files() -> None:
+    """All of them parse, and have the length and the peak that their index says."""
+    with (RECORDS / "index.csv").open() as index:
+        rows = list(csv.DictReader(index))
+    assert len(rows) == 69
+    for row in rows:
+        units = None if row["file"].lower().endswith("at2") else "g"
+        motion = read_record(RecordSpec(file=RECORDS / row["file"], units=units))
+        assert motion.peak / G == pytest.approx(float(row["pga_g"]), rel=1e-3), row["file"]
+        assert len(motion.value) == int(row["npts"]), row["file"]
+        assert motion.step == pytest.approx(float(row["dt_s"]), rel=1e-9), row["file"]
+
+
+@real
+@pytest.mark.parametrize("name", SPECTRA)
+def test_spectra_of_real_files(name: str) -> None:
+    motion = read_record(RecordSpec(file=RECORDS / f"{name}.AT2"))
+    assert motion.step is not None
+    found = response_spectrum(motion.value, motion.step, [0.2, 0.5, 1.0, 2.0]) / G
+    rel = 0.02 if math.isclose(motion.step, 0.02) else 0.005
+    np.testing.assert_allclose(found, SPECTRA[name], rtol=rel)
