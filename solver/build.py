@@ -17,10 +17,14 @@ from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
 from solver.arrangement import stands
 from solver.contact.carriers import Carrier, Face
+from solver.contact.crossing_interface import CrossingInterface
+from solver.contact.crossings import Crossings
 from solver.contact.faces import ContactFaces, Contacts, FixedContacts
 from solver.contact.friction import FrictionLaw
+from solver.contact.interface import Interface
+from solver.contact.outline import Outline
 from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NodePoints, RigidPoints, SurfacePoints
+from solver.contact.surfaces import FacePoints, NodePoints, RigidPoints
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.dynamics.state import State
 from solver.dynamics.stepper import StepFailed, Stepper
@@ -49,7 +53,8 @@ class Member:
         number: Of the body in the system.
         stand: From the body's reference configuration to where it begins.
         tags: Facet tags of a meshed body.
-        contacts: Numbers of its contacts: with its own points, and with those of the edge below it.
+        contacts: Numbers of its contacts: with its own points, with those of the edge below it, and
+            in space where its edges cross those below.
     """
 
     spec: BlockSpec
@@ -158,7 +163,7 @@ def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:
 def _contacts(
     scene: Scene, member: Member, members: Sequence[Member], support: Support, first: int
 ) -> list[Contacts]:
-    """The contact of a block with what carries it, and of that one's edge with the block."""
+    """The contact of a block with what carries it, of that one's edge with it, of both edges."""
     law = friction_law(scene, member.spec)
     below = next((other for other in members if other.spec.name == member.spec.on), None)
     carrier, on = (support.carrier(), support.number) if below is None else _top(below)
@@ -178,20 +183,27 @@ def _contacts(
         # Cohesion acts on the bottom and on as much of the other sides, which may touch as well.
         area = 2 * member.spec.width * member.spec.thickness
         points = RigidPoints(member.body, _outline(member.body, carrier), area)
-        own = FixedContacts(points, carrier, law, body=member.number, on=on)
+        own = FixedContacts(Interface(points, carrier, law), body=member.number, on=on)
     contacts = [own]
     if isinstance(carrier, Face):
-        edge = rim(carrier.points)
-        contacts.append(FixedContacts(edge, _bottom(member), law, body=on, on=member.number))
+        bottom = _bottom(member)
+        edge = Interface(rim(carrier.points), bottom, law)
+        contacts.append(FixedContacts(edge, body=on, on=member.number))
+        if scene.dimension == 3:
+            crossing = CrossingInterface(_crossings(bottom, carrier), law)
+            contacts.append(FixedContacts(crossing, body=member.number, on=on))
     member.contacts = list(range(first, first + len(contacts)))
     return contacts
 
 
 def _outline(body: RigidBlock, carrier: Carrier) -> Array:
-    """Points of a rigid block that may touch: its corners, on facets also points between them."""
+    """Points of a rigid block that may touch: its corners, on facets also points between them.
+
+    No closer than the facets: forces of more points than there are nodes below are not unique.
+    """
     if not isinstance(carrier, Face):
         return body.corners
-    count = int(np.ceil(body.shape.width / carrier.facet))
+    count = max(1, int(body.shape.width / carrier.facet + 1e-9))
     between = np.linspace(0, 1, count + 1)[1:-1, None]
     left, right = body.corners[:2]
     return np.vstack([body.corners, left + between * (right - left)])
@@ -223,7 +235,13 @@ def _bottom(member: Member) -> Face:
     return _face(member, FacetTag.BOTTOM, -1.0, -1e-6)
 
 
-def rim(points: SurfacePoints) -> SurfacePoints:
+def _crossings(bottom: Face, top: Face) -> Crossings:
+    """Where the edges of a block's bottom may cross those of what carries it."""
+    upper, lower = (Outline(rim(face.points), face.degree) for face in (bottom, top))
+    return Crossings(upper, lower, top, bottom)
+
+
+def rim(points: FacePoints) -> FacePoints:
     """Those points of a level face that lie on its outline: of a mesh some, of others all."""
     if not isinstance(points, NodePoints):
         return points

@@ -9,64 +9,90 @@ position, exactly: that is what makes the work of contact forces a difference of
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import basix
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.foundation import RigidFoundation
-from solver.contact.surfaces import FixedPoints, NodePoints, RigidPoints, Seen
+from solver.contact.seats import Foot, Seat, spread
+from solver.contact.surfaces import FacePoints, RigidPoints, Seen
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-STILL = 1e-6
+STILL = 1e-4
 """A foot that moves by less than this part of its facet is taken to have the local slope, one that
 moves by twice as much or more that of its way; between them it goes over from one to the other."""
+
+DEEP = 0.05
+"""A point farther behind a face than this part of the face's length came round its edge."""
+
+SETTLED = 1e-12
+"""Newton's method for a foot ends when it moves it by less than this part of its facet: what is
+left is the square of that."""
 
 SEAM = 0.02
 """As near to the edge of its facet as this part of it, a foot goes over to the averaged slope."""
 
 
-@dataclass(slots=True)
-class Foot:
-    """Where points stand on the facets of a face.
+class Carrier(Protocol):
+    """What carries contact points.
 
     Attributes:
-        nodes: Nodes of each point's facet, (m, k).
-        weights: Shape functions N there, (m, k).
-        along: Tangential position s in the undeformed face, (m, d-1), m.
-        slope: Rise of the face along the tangents of the frame, (m, d-1); where facets meet that
-            of both, so that it is continuous.
-        metric: Current over undeformed tangential lengths, likewise, (m, d-1, d-1).
-        off: Beyond the edge of the face, (m,).
+        turns: Whether its frame turns with its body.
+        frame: Rows normal and tangents, (d, d); or one frame for each contact point, (m, d, d).
     """
 
-    nodes: Indices
-    weights: Array
-    along: Array
+    turns: bool
+    frame: Array
+
+    @property
+    def points(self) -> FacePoints | None:
+        """The carrier's own points, on which forces act; None for the ground."""
+
+    def seat(self, position: Array, carrier: Seen | None) -> Seat:
+        """Gaps and tangential positions of points in space."""
+
+    def vectors(self, old: Seat, new: Seat, force: Array) -> Array:
+        """Point forces (normal, tangential) as vectors in space, whose work is exact."""
+
+    def lapse(self, old: Seat, new: Seat, force: Array) -> float:
+        """Work of these vectors less that of the forces on (g, s), where it is not exact, J."""
+
+    def react(self, old: Seat, new: Seat, vectors: Array) -> Array | None:
+        """Forces on the carrier's own points."""
+
+    def carried(self, seat: Seat, values: Array) -> Array:
+        """What vectors of the carrier's points are at the contact points."""
+
+    def turn(self, rotation: Array) -> None:
+        """Let the frame of the coming step be that of the turned body."""
+
+    def off(self, seat: Seat) -> NDArray[np.bool_] | None:
+        """Points beyond the edge of the carrier; None where it has none."""
+
+
+@dataclass(slots=True)
+class _Way:
+    """How the feet of points go over the mean surface of a step, in the frame of the face.
+
+    Attributes:
+        rise: Along the normal, (m,), m.
+        shift: Along the tangents, (m, d-1), m.
+        travel: The same in the undeformed face.
+        slope: Rise over shift where a foot moves, else that of the surface there, (m, d-1).
+        metric: Shift over travel likewise, (m, d-1, d-1).
+        share: How far slope and metric are those of the way, 0 to 1, (m,).
+    """
+
+    rise: Array
+    shift: Array
+    travel: Array
     slope: Array
     metric: Array
-    off: NDArray[np.bool_]
-
-    def carried(self, values: Array) -> Array:
-        """N values: what the nodes' values (n, d) are at the feet, (m, d)."""
-        return (self.weights[:, None, :] @ values[self.nodes])[:, 0]
-
-
-@dataclass(slots=True)
-class Seat:
-    """Gaps and tangential positions of points over a carrier at one instant.
-
-    Attributes:
-        place: (g, s), (m, d), m.
-        carrier: Where the carrier's own points are; None for the ground.
-        foot: Where the points stand; None on a plane.
-    """
-
-    place: Array
-    carrier: Seen | None = None
-    foot: Foot | None = None
+    share: Array
 
 
 class Plane:
@@ -103,6 +129,10 @@ class Plane:
         """Forces on the carrier's own points; None for the ground."""
         return None if self.points is None else -vectors.sum(axis=0)[None, :]
 
+    def lapse(self, old: Seat, new: Seat, force: Array) -> float:
+        """Nothing: on a plane the work of forces is exact."""
+        return 0.0
+
     def carried(self, seat: Seat, values: Array) -> Array:
         """What vectors of the carrier's points are at the contact points."""
         return np.broadcast_to(values[0], seat.place.shape)
@@ -122,7 +152,7 @@ class Face:
 
     def __init__(
         self,
-        points: NodePoints | RigidPoints | FixedPoints,
+        points: FacePoints,
         facets: Indices,
         frame: Array,
         cell: str,
@@ -140,10 +170,11 @@ class Face:
             margin: Part of a facet by which points may be beyond its edge; negative: must be
                 inside.
         """
-        self._margin = margin
+        self.margin = margin
         if cell == "interval" and degree == 2:
             facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
         self.points, self.facets, self.reference_frame = points, facets, frame
+        self.degree = degree
         self.frame = frame
         kind = getattr(basix.CellType, cell)
         variant = basix.LagrangeVariant.gll_warped
@@ -228,7 +259,10 @@ class Face:
             shape, derivative = self._shapes(where)
             miss = along - np.einsum("mk,mkd->md", shape, tangential)
             jacobian = np.einsum("jmk,mkd->mdj", derivative, tangential)
-            where = where + np.linalg.solve(jacobian, miss[:, :, None])[:, :, 0]
+            change = np.linalg.solve(jacobian, miss[:, :, None])[:, :, 0]
+            where = where + change
+            if np.abs(change).max(initial=0.0) < SETTLED:
+                break
         return where
 
     def _best_around(self, along: Array, nodes: Array) -> tuple[Indices, Array]:
@@ -237,12 +271,14 @@ class Face:
         Nearness is judged on facets taken as parallelograms; bent ones end elsewhere.
         """
         guess = self._as_parallelograms(along, nodes)
-        rows, found = np.arange(len(along)), []
-        for facet in np.argsort(self._miss(guess), axis=1)[:, :4].T:
-            found.append((facet, self._inverted(facet, guess[rows, facet], along, nodes)))
-        facets, places = (np.stack(part) for part in zip(*found, strict=True))
-        best = np.argmin(self._miss(places), axis=0)
-        return facets[best, rows], places[best, rows]
+        rows = np.arange(len(along))
+        nearest = np.argsort(self._miss(guess), axis=1)[:, :4]
+        start = np.take_along_axis(guess, nearest[:, :, None], axis=1).reshape(nearest.size, -1)
+        points = np.repeat(along, nearest.shape[1], axis=0)
+        places = self._inverted(nearest.ravel(), start, points, nodes)
+        places = places.reshape(*nearest.shape, -1)
+        best = np.argmin(self._miss(places), axis=1)
+        return nearest[rows, best], places[rows, best]
 
     def _foot_on_chain(self, along: Array, nodes: Array) -> Foot:
         """Feet on straight facets in the plane, in closed form."""
@@ -255,7 +291,7 @@ class Face:
         weights = np.empty((len(where), 2))
         weights[:, 0], weights[:, 1] = 1 - where, where
         own = np.diff(reference)
-        outside = (where < -self._margin) | (where > 1 + self._margin)
+        outside = (where < -self.margin) | (where > 1 + self.margin)
         start, end = np.maximum(0.0, 1 - np.abs(np.stack([where, 1 - where])) / SEAM)
         slope, metric = (
             (1 - start - end) * of[facet] + start * ends[facet] + end * ends[facet + 1]
@@ -305,14 +341,27 @@ class Face:
 
     def _outside(self, where: Array) -> NDArray[np.bool_]:
         """Whether points are beyond the edge of the whole face: of the facet nearest to them."""
-        return self._miss(where) > self._margin
+        return self._miss(where) > self.margin
 
     def vectors(self, old: Seat, new: Seat, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
         if not force.any():
             return np.zeros_like(force)
+        way = self._way(old, new)
+        vectors = np.empty_like(force)
+        vectors[:, 0] = force[:, 0]
+        if self._interval:
+            vectors[:, 1] = force[:, 1] / way.metric[:, 0, 0] - force[:, 0] * way.slope[:, 0]
+        else:
+            stretched = way.metric.swapaxes(1, 2)
+            tangential = np.linalg.solve(stretched, force[:, 1:, None])[:, :, 0]
+            vectors[:, 1:] = tangential - force[:, :1] * way.slope
+        return vectors @ self.frame
+
+    def _way(self, old: Seat, new: Seat) -> _Way:
+        """How the feet of points go over the mean surface."""
         first, last = old.foot, new.foot
-        assert first is not None and last is not None
+        assert isinstance(first, Foot) and isinstance(last, Foot)
         assert old.carrier is not None and new.carrier is not None
         mean = 0.5 * (old.carrier.position + new.carrier.position)
         moved = (last.carried(mean) - first.carried(mean)) @ self.frame.T
@@ -321,35 +370,38 @@ class Face:
         slope = 0.5 * (first.slope + last.slope)
         metric = 0.5 * (first.metric + last.metric)
         squares = np.sum(travel**2, axis=1)
-        share = np.minimum(np.sqrt(squares) / (STILL * self.facet) - 1.0, 1.0)
-        moves = np.flatnonzero(share > 0)
+        share = np.clip(np.sqrt(squares) / (STILL * self.facet) - 1.0, 0.0, 1.0)
+        moves = np.flatnonzero(share)
         if len(moves):
-            share, shift, travel = share[moves], shift[moves], travel[moves]
-            rest = share * (rise[moves] - np.sum(slope[moves] * shift, axis=1))
-            slope[moves] += (rest / np.sum(shift**2, axis=1))[:, None] * shift
-            bend = shift - (metric[moves] @ travel[:, :, None])[:, :, 0]
-            along = (share / squares[moves])[:, None] * travel
+            part, by, on = share[moves], shift[moves], travel[moves]
+            rest = part * (rise[moves] - np.sum(slope[moves] * by, axis=1))
+            slope[moves] += (rest / np.sum(by**2, axis=1))[:, None] * by
+            bend = by - (metric[moves] @ on[:, :, None])[:, :, 0]
+            along = (part / squares[moves])[:, None] * on
             metric[moves] += bend[:, :, None] * along[:, None, :]
-        vectors = np.empty_like(force)
-        vectors[:, 0] = force[:, 0]
-        if self._interval:
-            vectors[:, 1] = force[:, 1] / metric[:, 0, 0] - force[:, 0] * slope[:, 0]
-        else:
-            tangential = np.linalg.solve(metric.swapaxes(1, 2), force[:, 1:, None])[:, :, 0]
-            vectors[:, 1:] = tangential - force[:, :1] * slope
-        return vectors @ self.frame
+        return _Way(rise, shift, travel, slope, metric, share)
+
+    def lapse(self, old: Seat, new: Seat, force: Array) -> float:
+        """Work of the vectors of point forces less that of the forces on (g, s), J.
+
+        Only feet that hardly move have any, where the slope is not that of their way.
+        """
+        pressed = np.flatnonzero(force[:, 0] > 0)
+        if not len(pressed):
+            return 0.0
+        way = self._way(old, new)
+        near = pressed[way.share[pressed] < 1]
+        slope, shift = way.slope[near], way.shift[near]
+        lift = way.rise[near] - np.sum(slope * shift, axis=1)
+        drag = np.linalg.solve(way.metric[near], shift[:, :, None])[:, :, 0] - way.travel[near]
+        return float(force[near, 0] @ lift + np.sum(force[near, 1:] * drag))
 
     def react(self, old: Seat, new: Seat, vectors: Array) -> Array | None:
         """Forces on the nodes of the face: half at the feet before, half at those after."""
-        pressed = np.flatnonzero(vectors.any(axis=1))
-        if not len(pressed):
+        if not vectors.any():
             return None
         assert old.foot is not None and new.foot is not None
-        target = np.zeros((self.points.count, vectors.shape[1]))
-        for foot in (old.foot, new.foot):
-            share = 0.5 * foot.weights[pressed, :, None] * vectors[pressed, None, :]
-            np.subtract.at(target, foot.nodes[pressed], share)
-        return target
+        return spread(old.foot, new.foot, -vectors, self.points.count)
 
     def carried(self, seat: Seat, values: Array) -> Array:
         """What vectors of the face's nodes are at the contact points."""
@@ -358,13 +410,10 @@ class Face:
 
     def off(self, seat: Seat) -> NDArray[np.bool_] | None:
         """Points beyond the edge of the face."""
-        assert seat.foot is not None
+        assert isinstance(seat.foot, Foot)
         return seat.foot.off
 
 
 def _at_ends(values: Array) -> Array:
     """Averages where intervals meet, from the values in intervals of a chain."""
     return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
-
-
-Carrier = Plane | Face

@@ -20,7 +20,7 @@ from solver.contact.facets import evaluate_facets, gather
 from solver.contact.friction import FrictionLaw
 from solver.contact.interface import Interface
 from solver.contact.points import contact_points, extent
-from solver.contact.surfaces import NitschePoints, SurfacePoints
+from solver.contact.surfaces import NitschePoints
 from solver.mechanics.elastic_body import ElasticBody
 
 Array = NDArray[np.float64]
@@ -118,22 +118,20 @@ class ContactFaces:
 
 
 class FixedContacts:
-    """Points that take part from the beginning to the end: of rigid bodies, of a carrier's edge."""
+    """Points that take part from the beginning to the end: of rigid bodies, of edges."""
 
     joined: frozenset[int] = frozenset()
 
     def __init__(
         self,
-        points: SurfacePoints,
-        carrier: Carrier,
-        law: FrictionLaw,
+        interface: Interface,
         *,
         body: int | None,
         on: int | None,
     ):
-        """Take the points, what they may touch, and the numbers of both bodies."""
-        self.body, self.carrier, self.surface = body, on, carrier
-        self._interface = Interface(points, carrier, law)
+        """Take the interface, and the numbers of the body of its points and of what they touch."""
+        self.body, self.carrier, self.surface = body, on, interface.carrier
+        self._interface = interface
 
     def facing(self, rotation: Array) -> frozenset[int]:
         """No further face joins."""

@@ -23,17 +23,18 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from solver.contact.carriers import Carrier, Face, Seat
+from solver.contact.carriers import DEEP, Carrier, Face
 from solver.contact.friction import Bounds, FrictionLaw
 from solver.contact.points import SurfaceState
+from solver.contact.seats import Seat
 from solver.contact.surfaces import NitschePoints, Seen, SurfacePoints
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Key = tuple[float, ...]
 
-DEEP = 0.05
-"""A point farther behind a face than this part of the face's length came round its edge."""
+EVEN = 1e-9
+"""Gaps within this part of a face's length are round-off."""
 
 
 @dataclass(slots=True)
@@ -78,6 +79,7 @@ class Interface:
         law: FrictionLaw,
         *,
         theta: int = 1,
+        count: int | None = None,
     ):
         """Set up.
 
@@ -86,12 +88,13 @@ class Interface:
             carrier: What carries it.
             law: Friction.
             theta: 1 symmetric, 0 fewest terms, -1 skew Nitsche method.
+            count: Of contact points, where they are not the points of the body, but between them.
         """
         self.points, self.carrier, self.law = points, carrier, law
         falls = law.static != law.dynamic and law.decay == 0
         self.jumps = falls or (law.cohesion > 0 and law.cohesion_lost)
         """Whether points that break loose fall to less friction at once."""
-        self.count, self.dimension = points.count, points.dimension
+        self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
         """Of the whole body that is carried, m."""
         self._corners: list[NDArray[np.int64]] = []
@@ -199,6 +202,22 @@ class Interface:
             mask &= seat.place[:, 0] > -DEEP * self.carrier.length
         return mask
 
+    def _beside(self, memory: Memory) -> Mask:
+        """Points that sank beside a face, until they are out again: it would throw them out.
+
+        Sunk are those deeper than closed ones are pressed.
+        """
+        off = self.carrier.off(memory.seat)
+        if off is None or not isinstance(self.carrier, Face):
+            return np.zeros(self.count, dtype=bool)
+        pressed = float(np.max(memory.force[:, 0], initial=0.0)) * self.softness
+        sunk = memory.seat.place[:, 0] < -pressed - EVEN * self.carrier.length
+        let_alone = ~memory.eligible
+        for corner in self._corners:
+            let_alone[corner] = not memory.eligible[corner].any()
+        beside: Mask = sunk & (off | let_alone)
+        return beside
+
     def turn(self, memory: Memory, rotation: Array, carrier_rotation: Array | None) -> float:
         """Before a step: the frame of a carrier that turns, the points of corners chosen anew.
 
@@ -212,7 +231,7 @@ class Interface:
         if isinstance(self.carrier, Face) and carrier_rotation is not None:
             self.carrier.turn(carrier_rotation)
             memory.seat = self.carrier.seat(memory.surface.position, memory.seat.carrier)
-        eligible = self.eligible(rotation, memory.seat)
+        eligible = self.eligible(rotation, memory.seat) & ~self._beside(memory)
         if np.array_equal(eligible, memory.eligible):
             return 0.0
         before = self.energy(memory)
@@ -254,7 +273,7 @@ class Interface:
         return (force[:, 0] > 0) & (size >= limit * (1 - 1e-9))
 
     def push(self, old: Seat, new: Seat, force: Array) -> tuple[Array, Array | None]:
-        """Point forces as vectors in space on the points, and on the carrier's own points."""
+        """Point forces as vectors in space on the body's points, and on the carrier's own."""
         vectors = self.carrier.vectors(old, new, force)
         return vectors, self.carrier.react(old, new, vectors)
 
@@ -322,6 +341,7 @@ class Interface:
         friction = -float(np.sum(force[:, 1:] * (anchor - old.anchor)))
         stored = 0.5 * float(np.sum((force**2 - old.force**2) * self.softness[:, None]))
         contact = -float(np.sum(force * (y - y_old))) - stored - friction
+        contact -= self.carrier.lapse(old.seat, seat, force)
         if self.theta != 1 and isinstance(surface, SurfaceState):
             assert isinstance(old.surface, SurfaceState)
             change = (surface.traction - old.surface.traction) @ self.carrier.frame.T

@@ -15,14 +15,18 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.contact.carriers import Seat
 from solver.contact.compliance import Compliance
+from solver.contact.seats import Seat, Spots, in_frames
 from solver.contact.surfaces import SurfacePoints
 from solver.mechanics.dense_body import DenseBody
 from solver.mechanics.elastic_body import ElasticBody
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+TURNED = 1e-8
+"""Change of the entries of a rotation, below which the compliance of a body is not made anew: it is
+part of the correction of an iteration, not of the residual, and neglects strains as large."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +49,16 @@ class Side:
     points: SurfacePoints
     port: int
 
+    @property
+    def sign(self) -> float:
+        """Of its motion in gap and slip."""
+        return -1.0 if self.carries else 1.0
+
+    def spots(self, seats: Sequence[Seat]) -> Spots | None:
+        """Where the contact points are among the body's own; None where they are the same."""
+        seat = seats[self.interface]
+        return seat.foot if self.carries else seat.tip
+
 
 @dataclass(slots=True)
 class Near:
@@ -64,8 +78,8 @@ class Near:
 class Response(Protocol):
     """What a body offers to the contact problem."""
 
-    def begin(self, u: Array) -> None:
-        """The configuration about which motions are small."""
+    def begin(self, u: Array) -> bool:
+        """The configuration about which motions are small; whether its compliance is another."""
 
     def free(self, residual: Array) -> Array:
         """The free correction -K^-1 r of the owned unknowns."""
@@ -98,11 +112,12 @@ class ElasticResponse:
         """Take the body, the compliance of its ports, and its parts in interfaces, port by port."""
         self.body, self.compliance, self.sides = body, compliance, sides
         self._simple = len(sides) == 1 and not sides[0].carries
-        self._rotation = np.eye(body.dimension)
+        self._rotation = self._coupled = np.eye(body.dimension)
 
-    def begin(self, u: Array) -> None:
-        """The rotation of the body."""
+    def begin(self, u: Array) -> bool:
+        """The rotation of the body; whether it has turned since its compliance was asked for."""
         self._rotation = self.body.rotation(u)
+        return bool(np.abs(self._rotation - self._coupled).max() > TURNED)
 
     def free(self, residual: Array) -> Array:
         """R K_0^-1 R^T of the residual, turned round."""
@@ -117,16 +132,15 @@ class ElasticResponse:
             layer = port.layer.gather(self._free)
             own = slice(side.first, side.first + side.count)
             turned = frames[side.interface] @ self._rotation
-            if side.carries:
-                foot = seats[side.interface].foot
-                assert foot is not None
-                moved[own] -= foot.carried(layer) @ turned.T
-            else:
-                moved[own] += (port.read_rows @ layer.ravel()).reshape(-1, d) @ turned.T
+            points = (port.read_rows @ layer.ravel()).reshape(-1, d)
+            spots = side.spots(seats)
+            if spots is not None:
+                points = spots.carried(points)
+            moved[own] += side.sign * in_frames(points, turned)
 
     def couple(self, near: Near, weight: float, W: Array) -> None:
         """Add the compliance among near points."""
-        self._near = near
+        self._coupled = self._rotation
         G = near.frames @ self._rotation
         if self._simple and len(near.number) == len(W):
             side = self.sides[0]
@@ -147,14 +161,13 @@ class ElasticResponse:
         """Ports that near points act on, and how much of each point's force each of them gets."""
         entries: list[tuple[Indices, Indices, Array]] = []
         for side, places, own in _members(self.sides, near):
-            if side.carries:
-                foot = near.seats[side.interface].foot
-                assert foot is not None
-                nodes, weights = foot.nodes[own], -foot.weights[own]
+            spots = side.spots(near.seats)
+            if spots is None:
+                entries.append((places, side.port + own, np.full(len(own), side.sign)))
+            else:
+                nodes, weights = spots.nodes[own], side.sign * spots.weights[own]
                 rows = np.repeat(places, nodes.shape[1])
                 entries.append((rows, side.port + nodes.ravel(), weights.ravel()))
-            else:
-                entries.append((places, side.port + own, np.ones(len(own))))
         if not entries:
             return np.empty(0, dtype=np.int64), np.empty((len(near.number), 0))
         rows, ports, weights = (np.concatenate(part) for part in zip(*entries, strict=True))
@@ -180,11 +193,21 @@ class DenseResponse:
     def __init__(self, body: DenseBody, tangent: Array, sides: Sequence[Side]):
         """Take the body, the diagonal of its tangent or mass, and its parts in interfaces."""
         self.body, self.tangent, self.sides = body, tangent, sides
+        self._rows: list[Array] = []
+        self._level: list[Array] = []
 
-    def begin(self, u: Array) -> None:
+    def begin(self, u: Array) -> bool:
         """Rows of all surface points at this configuration, (points, d, unknowns)."""
+        if self._rows and not self.body.turns:
+            return False
         pose = self.body.replicate(u)
         self._rows = [self.body.rows(side.points.reference, pose) for side in self.sides]
+        # What carries points on an endless plane moves all of them alike.
+        self._level = [
+            np.repeat(-rows[:1], side.count, axis=0)
+            for side, rows in zip(self.sides, self._rows, strict=True)
+        ]
+        return True
 
     def free(self, residual: Array) -> Array:
         """-K^-1 r."""
@@ -192,28 +215,28 @@ class DenseResponse:
         self._free = self.body.replicate(own)
         return own
 
-    def _at(self, side: Side, rows: Array, seat: Seat, own: slice | Indices = slice(None)) -> Array:
-        """Rows of an interface's points in what this body does to them."""
+    def _at(self, number: int, seat: Seat, own: slice | Indices = slice(None)) -> Array:
+        """Rows of the points of a side's interface in what this body does to them."""
+        side, rows = self.sides[number], self._rows[number]
         if not side.carries:
             return rows[own]
         if seat.foot is None:
-            return -np.broadcast_to(rows[0], (side.count, *rows.shape[1:]))[own]
+            return self._level[number][own]
         weights, nodes = seat.foot.weights[own], seat.foot.nodes[own]
         return -np.einsum("mk,mkdu->mdu", weights, rows[nodes])
 
     def read(self, moved: Array, frames: Sequence[Array], seats: Sequence[Seat]) -> None:
         """Add what the last free correction does to the positions of all points."""
-        for side, rows in zip(self.sides, self._rows, strict=True):
+        for number, side in enumerate(self.sides):
             k = side.interface
             own = slice(side.first, side.first + side.count)
-            moved[own] += (self._at(side, rows, seats[k]) @ self._free) @ frames[k].T
+            moved[own] += (self._at(number, seats[k]) @ self._free) @ frames[k].T
 
     def couple(self, near: Near, weight: float, W: Array) -> None:
         """Add the compliance among near points."""
         J = np.zeros((*W.shape[:2], self.body.unknowns))
         for side, places, own in _members(self.sides, near):
-            rows = self._rows[self.sides.index(side)]
-            J[places] += self._at(side, rows, near.seats[side.interface], own)
+            J[places] += self._at(self.sides.index(side), near.seats[side.interface], own)
         self._J = near.frames @ J
         W += weight * np.tensordot(self._J / self.tangent, self._J, ([2], [2]))
 

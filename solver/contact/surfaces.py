@@ -176,4 +176,7 @@ class NitschePoints:
         self.points.layer.add(target.reshape(-1, self.dimension), nodal)
 
 
-SurfacePoints = NitschePoints | NodePoints | RigidPoints | FixedPoints
+FacePoints = NodePoints | RigidPoints | FixedPoints
+"""Points on which forces act, and no more."""
+
+SurfacePoints = NitschePoints | FacePoints

@@ -18,7 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.friction import Bounds
-from solver.contact.local_problem import LocalProblem, NoContactSolution, image
+from solver.contact.local_problem import (
+    LocalProblem,
+    NoContactSolution,
+    image,
+    row_sum_scaling,
+)
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -45,6 +50,7 @@ class VelocityContact:
     def __init__(self, local: LocalProblem):
         """Take the solver of local problems, which also counts the solves left out."""
         self._local = local
+        self._last: tuple[Array, Array, Array] | None = None
 
     def correct(
         self, velocity: Array, W: Array, impulse: Array, bounds: Bounds
@@ -59,14 +65,14 @@ class VelocityContact:
         """
         if not len(velocity):
             return None
-        regular = _regularised(W)
+        regular, scaling = self._regular(W)
         size = np.sqrt((impulse[:, 1:] ** 2).sum(axis=1))
         slipping = size >= (bounds.mu * impulse[:, 0] + bounds.cohesion) * (1 - 1e-9)
         # Where the bound shrinks with P_n, giving back friction could accelerate: then points that
         # slip keep their friction, then all do.
         for held in (np.zeros_like(slipping), slipping, np.ones_like(slipping)):
             try:
-                q = self._total(regular, velocity, impulse, held, bounds) - impulse
+                q = self._total(regular, scaling, velocity, impulse, held, bounds) - impulse
             except NoContactSolution:
                 continue
             taken = -q * (velocity + 0.5 * image(W, q))
@@ -76,8 +82,21 @@ class VelocityContact:
         self._local.rescues["velocity solve left out"] += 1
         return None
 
+    def _regular(self, W: Array) -> tuple[Array, Array]:
+        """W made regular, and its scaling; those of the last call where W is the same array."""
+        if self._last is None or W is not self._last[0]:
+            regular = _regularised(W)
+            self._last = W, regular, row_sum_scaling(regular)
+        return self._last[1:]
+
     def _total(
-        self, W: Array, velocity: Array, impulse: Array, held: Mask, bounds: Bounds
+        self,
+        W: Array,
+        scaling: Array | None,
+        velocity: Array,
+        impulse: Array,
+        held: Mask,
+        bounds: Bounds,
     ) -> Array:
         """P of all points; those in `held` keep their tangential part and have no such rows."""
         kept = np.zeros_like(impulse)
@@ -87,9 +106,9 @@ class VelocityContact:
         if held.all():
             bounds = Bounds.uniform(0.0, len(held))
         elif held.any():
-            W = _without_tangential_rows(W, np.flatnonzero(held))
+            W, scaling = _without_tangential_rows(W, np.flatnonzero(held)), None
             free[held, 1:] = 0.0
-        return self._local.solve(W, free, start, bounds) + kept
+        return self._local.solve(W, free, start, bounds, scaling) + kept
 
 
 def _regularised(W: Array) -> Array:

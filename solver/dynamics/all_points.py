@@ -9,9 +9,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.contact.carriers import Seat
 from solver.contact.friction import Bounds
 from solver.contact.interface import Memory
+from solver.contact.seats import Seat
 from solver.contact.surfaces import Seen
 from solver.dynamics.system import Link, System
 
@@ -30,6 +30,22 @@ pressed into it by the others."""
 def joined(arrays: Sequence[NDArray[Scalar]]) -> NDArray[Scalar]:
     """Arrays of several interfaces one after another; a single one as it is."""
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+
+
+def frames_at(chosen: Indices, frames: Sequence[Array], own: Sequence[slice]) -> Array:
+    """Frames at some of the points of all interfaces, (m, d, d).
+
+    Args:
+        chosen: Numbers of the points.
+        frames: Of each interface: one, (d, d), or one for each of its points.
+        own: Numbers of the points of each interface.
+    """
+    d = frames[0].shape[-1]
+    found = np.empty((len(chosen), d, d))
+    for frame, part in zip(frames, own, strict=True):
+        inside = (chosen >= part.start) & (chosen < part.stop)
+        found[inside] = frame if frame.ndim == 2 else frame[chosen[inside] - part.start]
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,16 +114,27 @@ class AllPoints:
     def augmented(self) -> Array:
         """Augmented positions of all points; those beyond an edge are far from their carrier."""
         parts = []
-        for link, (surface, seat), asleep in zip(self.links, self.seen, self.asleep, strict=True):
-            y = link.interface.augmented(surface, seat)
-            if asleep:
-                y = np.full_like(y, link.interface.size)
-            off = link.interface.carrier.off(seat)
+        for number, (surface, seat) in enumerate(self.seen):
+            interface = self.links[number].interface
+            y = interface.augmented(surface, seat)
+            if self.asleep[number]:
+                y = np.full_like(y, interface.size)
+            off = self._off(number, seat)
             if off is not None and off.any():
                 y = y.copy()
-                y[off, 0] = link.interface.size
+                y[off, 0] = interface.size
             parts.append(y)
         return parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+
+    def _off(self, number: int, seat: Seat) -> NDArray[np.bool_] | None:
+        """Points beyond the edge of their carrier, where it has one.
+
+        One that the step begins with stays a point until its end: let go in the middle of a solve,
+        it would lose the friction that keeps it from going.
+        """
+        carrier = self.links[number].interface.carrier
+        before, now = carrier.off(self.memories[number].seat), carrier.off(seat)
+        return None if before is None or now is None else before & now
 
     def near(self, y: Array) -> Indices:
         """Numbers of the points that may be in contact at augmented positions y."""
@@ -115,11 +142,7 @@ class AllPoints:
 
     def frames_at(self, near: Indices) -> Array:
         """Frames of the carriers of points, (m, d, d)."""
-        d = self._system.dimension
-        frames = np.empty((len(near), d, d))
-        for frame, own in zip(self.frames, self.own, strict=True):
-            frames[(near >= own.start) & (near < own.stop)] = frame
-        return frames
+        return frames_at(near, self.frames, self.own)
 
     def bounds_at(self, near: Indices, y: Array) -> Bounds:
         """Bounds of friction at near points, by the slip of the last iterate."""
@@ -176,7 +199,7 @@ class AllPoints:
     def _clearance(self, number: int, u: Array) -> float:
         """Smallest gap of an interface's points that may touch, m."""
         _, seat = self.look(number, u)
-        off = self.links[number].interface.carrier.off(seat)
+        off = self._off(number, seat)
         eligible = self.memories[number].eligible
         may = eligible if off is None else eligible & ~off
         return float(np.min(seat.place[may, 0], initial=np.inf))

@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.contact.carriers import Seat
 from solver.contact.interface import Memory
 from solver.contact.local_problem import LocalProblem, NoContactSolution, image, row_sum_scaling
 from solver.contact.response import Near, Response
+from solver.contact.seats import Seat
 from solver.contact.surfaces import Seen
 from solver.dynamics.all_points import AllPoints, Contact
 from solver.dynamics.generalized_alpha import TangentWeights
@@ -86,6 +86,8 @@ class ContactSolve:
         functions = self._residual, self._correct, NoContactSolution
         self._solver = NonlinearSolver(system.comm, system.size, *functions, options)
         self._responses: dict[tuple[TangentWeights, ...], list[Response]] = {}
+        self._response: list[Response] = []
+        self._turns = any(link.interface.carrier.turns for link in links)
         self._rigid = self._points.softness == 0
         self._near: Indices = np.empty(0, dtype=np.int64)
 
@@ -98,16 +100,18 @@ class ContactSolve:
         self._balance, points = balance, self._points
         static = balance.drift is None
         points.begin(balance.contact, guess, step=balance.step, static=static, glued=balance.glued)
-        self._response = self._responses_for(tuple(balance.weights))
-        for response, own in zip(self._response, self.system.slices, strict=True):
-            response.begin(guess[own])
-        self._stale = True
+        last, self._response = self._response, self._responses_for(tuple(balance.weights))
+        pairs = zip(self._response, self.system.slices, strict=True)
+        others = [response.begin(guess[own]) for response, own in pairs]
+        # W of points on planes that stand or only move along is the same as long as the bodies are.
+        self._stale = self._turns or self._response is not last or any(others)
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
         while outcome.converged and (points.wake(u) or points.break_loose()):
             before = outcome.iterations
             u, outcome = self._solver.solve(u, self._tolerance(guess))
             outcome = replace(outcome, iterations=outcome.iterations + before)
-        return Solution(u, points.contacts(u), self._solver.residual, outcome)
+        seen = points.contacts(u) if outcome.converged else []
+        return Solution(u, seen, self._solver.residual, outcome)
 
     def _responses_for(self, weights: tuple[TangentWeights, ...]) -> list[Response]:
         """What the bodies offer for a step size."""

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from solver.contact.friction import Bounds
 from solver.contact.local_problem import LocalProblem
 from solver.contact.response import DenseResponse, Near
+from solver.contact.seats import in_frames
 from solver.contact.velocity import VelocityContact
-from solver.dynamics.all_points import Contact, joined
+from solver.dynamics.all_points import Contact, frames_at, joined
 from solver.dynamics.state import State
 from solver.dynamics.system import Link, System, response_of
 from solver.mechanics.dense_body import DenseBody
@@ -45,11 +46,12 @@ class VelocityImpulses:
             else:
                 factor = Factorization(body.hold(body.mass_matrix.copy()))
             self._responses.append(response_of(system, number, links, factor, tractions=False))
-        counts = [link.interface.count for link in links]
-        self._first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
-        # One mass, one unturned plane: G M^-1 G^T does not change while the same points are closed.
-        self._constant = len(system.bodies) == 1 and not any(
-            link.interface.carrier.turns for link in links
+        ends = np.cumsum([link.interface.count for link in links]).tolist()
+        self._own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
+        # The mass of a meshed body commutes with rotations: on planes that do not turn G M^-1 G^T
+        # does not change while the same points are closed.
+        self._constant = not any(link.interface.carrier.turns for link in links) and not any(
+            isinstance(body, DenseBody) and body.turns for body in system.bodies
         )
         self._closed: NDArray[np.int64] = np.empty(0, dtype=np.int64)
         self._near = Near(self._closed, np.empty((0, 0, 0)), ())
@@ -83,9 +85,7 @@ class VelocityImpulses:
         if self._constant and np.array_equal(closed, self._closed):
             return self._W
         m, d = len(closed), self.system.dimension
-        frames = np.empty((m, d, d))
-        for link, first, last in zip(self.links, self._first[:-1], self._first[1:], strict=True):
-            frames[(closed >= first) & (closed < last)] = link.interface.carrier.frame
+        frames = frames_at(closed, [link.interface.carrier.frame for link in self.links], self._own)
         self._near = Near(closed, frames, [contact.seat for contact in contacts])
         self._W = np.zeros((m, d, m, d))
         for response, own in zip(self._responses, self.system.slices, strict=True):
@@ -102,9 +102,11 @@ class VelocityImpulses:
             interface = link.interface
             own = system.part(state.u, link.body), system.part(state.v, link.body)
             velocity = interface.points.velocity(*own)
+            if contact.seat.tip is not None:
+                velocity = contact.seat.tip.carried(velocity)
             if link.carrier is not None and interface.carrier.points is not None:
                 its = system.part(state.u, link.carrier), system.part(state.v, link.carrier)
                 nodes = interface.carrier.points.velocity(*its)
                 velocity = velocity - interface.carrier.carried(contact.seat, nodes)
-            parts.append(velocity @ interface.carrier.frame.T)
+            parts.append(in_frames(velocity, interface.carrier.frame))
         return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -69,7 +69,7 @@ class Correction:
         """Called by PETSc; the residual is locked and may only be read."""
         try:
             negative.array[:] = -self._correct(residual.array_r)
-        except self._failure as trouble:
+        except (self._failure, np.linalg.LinAlgError) as trouble:
             # No exception may pass through PETSc: not-a-number ends SNES.
             self.trouble = trouble
             negative.array[:] = np.nan
@@ -135,8 +135,11 @@ class NonlinearSolver:
             database.delValue(name)
 
     def _function(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
-        """Residual, called by SNES."""
-        r.array[:] = self._residual(x.array_r)
+        """Residual, called by SNES; not a number where the unknowns are past all geometry."""
+        try:
+            r.array[:] = self._residual(x.array_r)
+        except np.linalg.LinAlgError:  # no exception may pass through PETSc
+            r.array[:] = np.nan
 
     def _judge(self, snes: PETSc.SNES, iterations: int, norms: tuple[float, float, float]) -> int:
         """SNES's own test, and an end where round-off keeps the residual from falling further."""

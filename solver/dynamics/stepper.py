@@ -8,6 +8,7 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.faces import Contacts
 from solver.contact.interface import Memory, carry_over
 from solver.contact.local_problem import LocalProblem
@@ -92,12 +93,14 @@ class Stepper:
                 for memory, old, new in zip(state.contacts, links, self.links, strict=True)
             ]
             state.exchanged += before - self.interface_energy(state)
-        ahead = None
+        ahead, part = state.u, self.system.part
+        if any(link.interface.carrier.turns for link in self.links):
+            ahead = state.u + 0.5 * dt * state.v  # the frame of the step is that of its middle
         for link, memory, rotation in zip(self.links, state.contacts, turned, strict=True):
             carrier = None
-            if link.carrier is not None and link.interface.carrier.turns:
-                if ahead is None:  # the frame of the step is that of its middle
-                    ahead = state.u + 0.5 * dt * state.v
+            if isinstance(link.interface, CrossingInterface):
+                link.interface.prepare(memory, part(ahead, link.body), part(ahead, link.carrier))
+            elif link.carrier is not None and link.interface.carrier.turns:
                 carrier = self.system.rotation(ahead, link.carrier)
             state.exchanged += link.interface.turn(memory, rotation, carrier)
 
@@ -323,6 +326,22 @@ class Stepper:
         if correction is None:
             return
         new.v = new.v + correction.change
+        self._damp(new, correction.change)
         new.kinetic -= correction.contact + correction.friction
         exchange.contact += correction.contact
         exchange.friction += correction.friction
+
+    def _damp(self, new: State, jump: Array) -> None:
+        """Let the inertia balance the damping forces of velocities that have jumped.
+
+        Else r = p + F + C v - f jumps, too: energy that the averaging of forces gives back later.
+        """
+        system = self.system
+        for body, own in zip(system.bodies, system.slices, strict=True):
+            forces = [body.drag(jump[own])]
+            if isinstance(body, ElasticBody):
+                forces.append(body.viscous_force(new.u[own], jump[own]))
+            for force in forces:
+                if force is not None:
+                    new.p[own] -= force
+        new.p[system.fixed] = 0.0

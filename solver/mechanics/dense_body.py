@@ -21,7 +21,13 @@ Array = NDArray[np.float64]
 
 
 class DenseBody(ABC):
-    """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground."""
+    """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground.
+
+    Attributes:
+        turns: Whether it can: the rows of one that cannot are the same in all configurations.
+    """
+
+    turns: bool
 
     def __init__(
         self,
@@ -121,6 +127,8 @@ class DenseBody(ABC):
 class Oscillator(DenseBody):
     """A rigid platform on a horizontal spring and dashpot: one unknown, in space two."""
 
+    turns = False
+
     def __init__(
         self,
         *,
@@ -144,6 +152,7 @@ class Oscillator(DenseBody):
         super().__init__(
             "platform", diagonal, translations, stiffness=stiffness, dashpot=dashpot, comm=comm
         )
+        self._rows: dict[int, Array] = {}
 
     def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
         """It does not move vertically, and does not turn."""
@@ -155,8 +164,13 @@ class Oscillator(DenseBody):
         return points + np.append(values, 0.0)
 
     def rows(self, points: Array, values: Array) -> Array:
-        """Every point moves with the platform."""
-        return np.tile(np.eye(self.dimension, self.dimension - 1), (len(points), 1, 1))
+        """Every point moves with the platform; one array for all calls, not to be written to."""
+        count = len(points)
+        if count not in self._rows:
+            each = np.eye(self.dimension, self.dimension - 1)
+            self._rows[count] = np.tile(each, (count, 1, 1))
+            self._rows[count].flags.writeable = False
+        return self._rows[count]
 
     def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
         """The same at any time."""
@@ -165,6 +179,8 @@ class Oscillator(DenseBody):
 
 class RigidBlock(DenseBody):
     """A rigid block in the plane: displacement of its centre and angle, clockwise."""
+
+    turns = True
 
     def __init__(
         self, name: str, shape: Block, centre: Array, *, comm: MPI.Intracomm = MPI.COMM_WORLD

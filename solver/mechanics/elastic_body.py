@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -171,10 +170,7 @@ class ElasticBody:
         self._increment_energy = PackedForm(ufl.inner(increment, stress(increment)) * dx)
         linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
         self.stiffness_matrix = PackedForm(linear * dx).matrix()
-        cells = domain.topology.index_map(d).size_local
-        size = max(domain.h(d, np.arange(min(cells, 1), dtype=np.int32)), default=0.0)
-        # Forces of round-off grow with the cells in space, E h u, and not in the plane, E t u.
-        self._cell_size = 1.0 if d == 2 else self.comm.allreduce(float(size), op=MPI.MAX)
+        self._diagonal = self.stiffness_matrix.getDiagonal().array
         inertia = fem.Constant(domain, material.density) * ufl.inner(trial, test)
         self.mass_matrix = PackedForm(
             inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
@@ -314,6 +310,13 @@ class ElasticBody:
             self._buffer.scatter_reverse(la.InsertMode.add)
         return self._forces[: self.size].copy()
 
+    def viscous_force(self, u: Array, velocity: Array) -> Array | None:
+        """C v of stiffness-proportional damping at displacement u; None without it."""
+        if not self.damping.stiffness:
+            return None
+        self.begin(u, velocity, StrainWeights(new=0.0, old=0.0, rate=self.damping.stiffness))
+        return self.internal_force(u, static=True)
+
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
         return None if self._spring is None else self._times(self._spring, vector)
@@ -333,9 +336,10 @@ class ElasticBody:
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
         node_mass = self.mass * self.dimension / self.unknowns
-        stiffness = 0.6 * self.law.longitudinal * self._cell_size
+        # Small and thin cells are stiff, and so are damped ones in short steps.
+        stiffness = 0.35 * (self.dimension - 1) * max(1.0, weights.stiffness) * self._diagonal
         stiffness += 0.1 * weights.mass * node_mass
-        return float(np.finfo(float).eps * stiffness) ** 2 * float(u @ u)
+        return float(np.finfo(float).eps) ** 2 * float(np.sum((stiffness * u) ** 2))
 
     def strain_energy(self) -> float:
         """Integral of E:C:E/2 over this rank's cells, J, at the displacement last assigned."""

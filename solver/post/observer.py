@@ -151,12 +151,22 @@ class BlockObserver:
         if link.interface is not self._interface:
             self._interface = link.interface
             self._corners = self._bottom()
-        place = memory.seat.place
         self._slip = self._slipped(memory)
         seat = link.interface.carrier.seat(self._corner_positions(state), memory.seat.carrier)
-        deepest = float(np.min(place[memory.eligible, 0], initial=0.0))
-        values = [*angle, *spin, *self._slip, *seat.place[:, 0], max(0.0, -deepest), *centre]
+        sunk = self._penetration(state)
+        values = [*angle, *spin, *self._slip, *seat.place[:, 0], sunk, *centre]
         return [float(value) for value in (*values, *self._force(state))]
+
+    def _penetration(self, state: State) -> float:
+        """How deep a point of the block or of what carries it is in the other, at most."""
+        deepest = 0.0
+        for number in self._member.contacts:
+            interface, memory = self._stepper.links[number].interface, state.contacts[number]
+            may, off = memory.eligible, interface.carrier.off(memory.seat)
+            if off is not None:
+                may = may & ~off
+            deepest = min(deepest, float(np.min(memory.seat.place[may, 0], initial=0.0)))
+        return max(0.0, -deepest)
 
     def _motion(self, state: State) -> tuple[Sequence[float], Sequence[float], Array]:
         """Angles, angular velocities and centre."""

@@ -2,8 +2,8 @@
 
 A swing is a stay of the rocking angle theta on one side of zero. It begins where |theta| exceeds
 `SMALLEST_SWING` times the slenderness alpha = atan(B/H) and ends with an impact where theta crosses
-zero (found by linear interpolation between two rows of the history), or where it falls below a
-tenth of that and comes back on the same side (a squat block that bounces). Smaller movements, those
+zero (found by the parabola through the last rows before it), or where it falls below a tenth
+of that and comes back on the same side (a squat block that bounces). Smaller movements, those
 of an elastic block at rest among them, are not rocking and are not counted.
 
 The restitution of an impact is the square root of the ratio of the energies that a rigid block has
@@ -155,7 +155,30 @@ def _impact_time(time: Array, angle: Array, last: int) -> float:
         i += 1
     if i + 1 == len(angle):
         return float(time[i])
-    return float(time[i] + (time[i + 1] - time[i]) * angle[i] / (angle[i] - angle[i + 1]))
+    return float(time[i]) + _crossing(time, angle, i)
+
+
+def _crossing(time: Array, angle: Array, i: int) -> float:
+    """How long after row `i`, the last of a swing, the angle is zero, s.
+
+    At an impact the angle has a kink, so that what comes after it says nothing of when it was: the
+    parabola through the last three rows before it does. Where that has no zero before the next row
+    (rows of another swing, a vibration), the straight line between the two rows.
+    """
+    step, value = float(time[i + 1] - time[i]), abs(float(angle[i]))
+    straight = step * value / (value + abs(float(angle[i + 1])))
+    before = np.abs(angle[max(i - 2, 0) : i])
+    if len(before) < 2 or not before[0] > before[1] > value:
+        return straight
+    latest = (value - before[1]) / (time[i] - time[i - 1])
+    former = (before[1] - before[0]) / (time[i - 1] - time[i - 2])
+    bend = (latest - former) / (time[i] - time[i - 2])
+    fall = -(latest + bend * (time[i] - time[i - 1]))
+    square = fall**2 - 4 * bend * value
+    if fall <= 0 or square < 0:
+        return straight
+    found = float(2 * value / (fall + np.sqrt(square)))
+    return found if found <= step else straight
 
 
 def _restitution(

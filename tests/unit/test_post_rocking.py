@@ -54,14 +54,30 @@ def linear_history(times: list[float], peaks: list[float], step: float) -> tuple
 
 
 def test_impacts_and_peaks_of_linear_rocking() -> None:
-    """Times to the error of linear interpolation, peaks to that of a parabola, at 1 ms."""
+    """Times and peaks to the error of a parabola through rows 1 ms apart."""
     times, peaks = linear_rocking(math.radians(3), 0.9, 6)
     t, angle = linear_history(times, peaks, 1e-3)
     found = rocking.impacts(t, angle, SHAPE, GRAVITY)
-    np.testing.assert_allclose([i.time_s for i in found], times[:-1], atol=3e-5)
+    np.testing.assert_allclose([i.time_s for i in found], times[:-1], atol=2e-8)
     turned = rocking.peaks(t, angle, ALPHA)
     signs = (-1.0) ** np.arange(6)
     np.testing.assert_allclose([a for _, a in turned], signs * peaks[:6], rtol=2e-6)
+
+
+def test_impact_times_do_not_depend_on_where_the_rows_lie() -> None:
+    """The kink falls anywhere between two rows; a straight line across it would err by 2e-5 s."""
+    times, peaks = linear_rocking(math.radians(3), 0.9, 6)
+    for step in (9.7e-4, 1e-3, 1.03e-3, 1.1e-3):
+        t, angle = linear_history(times, peaks, step)
+        found = rocking.impacts(t, angle, SHAPE, GRAVITY)
+        np.testing.assert_allclose([i.time_s for i in found], times[:-1], atol=2e-8)
+
+
+def test_impact_of_a_swing_of_few_rows() -> None:
+    """Two rows before the zero tell no parabola: the straight line between the rows."""
+    t = np.array([0.0, 0.1, 0.2, 0.3, 0.4])
+    angle = ALPHA * np.array([0.0, 0.3, 0.1, -0.1, -0.3])
+    assert rocking.impacts(t, angle, SHAPE, GRAVITY)[0].time_s == pytest.approx(0.25)
 
 
 def test_restitution_from_exact_peaks() -> None:

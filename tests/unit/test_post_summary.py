@@ -70,7 +70,8 @@ def test_names_and_numbers() -> None:
     assert block["residual_slip_m"] == pytest.approx(-2e-4)
     assert block["peak_friction_force_N"] == pytest.approx(13.0)
     assert "platform" not in summary
-    assert [i["time_s"] for i in block["impacts"]] == pytest.approx([0.5, 1.5])
+    # a parabola through rows 0.01 s apart
+    assert [i["time_s"] for i in block["impacts"]] == pytest.approx([0.5, 1.5], abs=2e-5)
     alpha = math.atan(0.25)
     energies = [math.cos(alpha - peak) - math.cos(alpha) for peak in (0.05, 0.04)]
     e = math.sqrt(energies[1] / energies[0])

@@ -11,13 +11,15 @@ from geometry.tags import FacetTag
 from solver.contact.carriers import Plane
 from solver.contact.faces import ContactFaces, FixedContacts
 from solver.contact.friction import FrictionLaw
+from solver.contact.interface import Interface
 from solver.contact.surface import carrier_surface
 from solver.contact.surfaces import NodePoints
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.dynamics.stepper import Stepper
 from solver.dynamics.system import Link, System
-from solver.mechanics.elastic_body import ElasticBody, Support
+from solver.mechanics.elastic_body import ElasticBody
 from solver.mechanics.material import Material
+from solver.mechanics.supports import Support
 from solver.statics import contact_tractions, nodal_pressure, shifted, support_load
 
 pytestmark = pytest.mark.serial
@@ -68,7 +70,8 @@ def test_what_has_no_area_has_no_tractions(made, stepper):
     body = stepper.system.bodies[0]
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
     corners = NodePoints(body, surface.layer, surface.positions)
-    contact = FixedContacts(corners, Plane.level(2), FrictionLaw.coulomb(0.0), body=0, on=None)
+    interface = Interface(corners, Plane.level(2), FrictionLaw.coulomb(0.0))
+    contact = FixedContacts(interface, body=0, on=None)
     link = Link(contact.join(frozenset()), 0, None)
     for function in (contact_tractions, nodal_pressure):
         with pytest.raises(TypeError, match="NodePoints"):

@@ -1,0 +1,79 @@
+"""The interface of crossing edges: contact points that are places between the nodes of two bodies.
+
+Which pairs of edges cross is settled before each step, and so are the frames. Slip counts from
+there, so that the stick memory is 0 at the start of every step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.crossings import Crossings
+from solver.contact.friction import FrictionLaw
+from solver.contact.interface import Interface, Key, Memory
+from solver.contact.seats import Seat, spread
+from solver.contact.surfaces import Seen
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class CrossingInterface(Interface):
+    """Kinematics and forces of the contact between the outlines of two faces."""
+
+    def __init__(self, carrier: Crossings, law: FrictionLaw):
+        """Take the outlines that may cross, and the law of friction."""
+        super().__init__(carrier.upper.points, carrier, law, count=carrier.count)
+        self.crossings = carrier
+
+    def _named(self) -> list[Key]:
+        """Numbers: no face joins an outline."""
+        return [(float(k),) for k in range(self.count)]
+
+    def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
+        """A memory without contact forces."""
+        surface, carried = self._seen(u, carrier_u)
+        none = np.zeros(self.count, dtype=bool)
+        seat = self.crossings.meet(surface.position, carried, (surface.position, carried.position))
+        eligible = self.crossings.present.copy()
+        force, anchor = np.zeros((self.count, 3)), np.zeros((self.count, 2))
+        return Memory(surface, seat, force, anchor, eligible, none, none)
+
+    def _seen(self, u: Array | None, carrier_u: Array | None) -> tuple[Seen, Seen]:
+        """Where the nodes of both outlines are."""
+        return self.points.observe(u), self.crossings.points.observe(carrier_u)
+
+    def prepare(self, memory: Memory, u: Array | None, carrier_u: Array | None) -> None:
+        """Settle which edges cross in the coming step, and the frames.
+
+        Args:
+            memory: Changed in place.
+            u: Unknowns of the upper body expected in the middle of the step.
+            carrier_u: Those of the lower one.
+        """
+        assert memory.seat.carrier is not None
+        middle = self._seen(u, carrier_u)
+        memory.seat = self.crossings.meet(
+            memory.surface.position, memory.seat.carrier, (middle[0].position, middle[1].position)
+        )
+        memory.eligible = self.crossings.present.copy()
+        memory.force[~memory.eligible] = 0.0
+        memory.anchor[:] = 0.0
+
+    def turn(self, memory: Memory, rotation: Array, carrier_rotation: Array | None) -> float:
+        """Nothing is left to do after `prepare`, and no energy is stored."""
+        return 0.0
+
+    def augmented(self, surface: Seen, seat: Seat) -> Array:
+        """Y = (g - rest, s) of all pairs, (16, 3), m."""
+        y = seat.place.copy()
+        y[:, 0] -= self.crossings.rest
+        return y
+
+    def push(self, old: Seat, new: Seat, force: Array) -> tuple[Array, Array | None]:
+        """Point forces as vectors in space on the nodes of both outlines."""
+        vectors = self.carrier.vectors(old, new, force)
+        assert old.tip is not None and new.tip is not None
+        on_points = spread(old.tip, new.tip, vectors, self.points.count)
+        return on_points, self.carrier.react(old, new, vectors)
