@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test lint image energy-grid
+.PHONY: help demo test lint image energy-grid suite
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -7,6 +7,7 @@ help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
 	@echo "make lint    ruff and mypy"
+	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, an hour; goes on where it was stopped"
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
 
@@ -31,3 +32,6 @@ image:
 
 energy-grid:
 	./in-env python3 benchmarks/energy_grid.py
+
+suite:
+	./in-env python3 demos/suite/platform_suite.py

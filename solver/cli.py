@@ -136,20 +136,20 @@ def run_scene(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
     comm = MPI.COMM_WORLD
-    if comm.size > 1:
-        _abort_on_exceptions(comm)
     from solver.excitation.motion import ground_motion
+    from solver.parallel import abort_on_exceptions, on_first_rank
     from solver.petsc_options import parse_options
     from solver.scene import parse_scene, read_text
 
+    abort_on_exceptions(comm)
     parse_options(options.petsc_options)  # refused before anything is written
     path = options.scene
-    text = _on_first_rank(comm, lambda: read_text(path))
+    text = on_first_rank(comm, lambda: read_text(path))
     scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
     # A motion that cannot be read is refused before anything is written.
-    _on_first_rank(comm, lambda: ground_motion(scene) and None)
+    on_first_rank(comm, lambda: ground_motion(scene) and None)
     folder = options.output or Path(path.stem + ".out")
-    _on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
     try:
         from solver.simulate import simulate
     except ImportError as error:
@@ -256,32 +256,6 @@ def claim_folder(folder: Path, scene: Path, force: bool) -> None:
     except OSError as error:
         reason = (error.strerror or "unusable").lower()
         raise SceneError("-o", f"{folder} ({reason})", "a folder that can be written") from error
-
-
-def _on_first_rank(comm: Any, action: Callable[[], Any]) -> Any:
-    """What `action` returns on rank 0, on every rank; what it refuses is refused on every rank."""
-    answer: Any = None
-    if comm.rank == 0:
-        try:
-            answer = action()
-        except RockslipError as error:
-            answer = error
-    answer = comm.bcast(answer, root=0)
-    if isinstance(answer, RockslipError):
-        raise answer
-    return answer
-
-
-def _abort_on_exceptions(comm: Any) -> None:
-    """Let an unexpected exception on one rank end all of them, not leave the others waiting."""
-    usual = sys.excepthook
-
-    def hook(kind: Any, value: Any, trace: Any) -> None:
-        usual(kind, value, trace)
-        sys.stderr.flush()
-        comm.Abort(1)
-
-    sys.excepthook = hook
 
 
 def _tell(line: str) -> None:

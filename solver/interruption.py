@@ -1,9 +1,10 @@
-"""Ctrl-C and SIGTERM end a run in good order instead of killing it."""
+"""Ctrl-C, SIGTERM and a limit of wall time end a run in good order instead of killing it."""
 
 from __future__ import annotations
 
 import signal
 import threading
+import time
 from types import FrameType, TracebackType
 from typing import Any
 
@@ -15,9 +16,10 @@ from solver.parallel import any_rank
 class Interruption:
     """While entered, SIGINT and SIGTERM are noted; `requested` tells every rank that one was."""
 
-    def __init__(self, comm: MPI.Intracomm):
-        """Watch on behalf of `comm`."""
-        self._comm = comm
+    def __init__(self, comm: MPI.Intracomm, seconds: float | None = None):
+        """Watch on behalf of `comm`; `seconds` from now on is also a reason to stop."""
+        self._comm, self._seconds = comm, seconds
+        self._began = time.monotonic()
         self._signal: int | None = None
         self._before: dict[int, Any] = {}
 
@@ -46,14 +48,17 @@ class Interruption:
         self._signal = number
 
     @property
-    def signal_name(self) -> str:
-        """Name of the signal that came, on the rank that got it."""
-        return (
-            signal.Signals(self._signal).name
-            if self._signal is not None
-            else "a signal to another rank"
-        )
+    def _over(self) -> bool:
+        """Whether the limit of wall time is reached on this rank."""
+        return self._seconds is not None and time.monotonic() - self._began > self._seconds
+
+    @property
+    def cause(self) -> str:
+        """What asked for the end, as this rank knows it: a signal, the limit, or another rank."""
+        if self._signal is not None:
+            return signal.Signals(self._signal).name
+        return f"the limit of {self._seconds:g} s" if self._over else "another rank"
 
     def requested(self) -> bool:
         """Whether the run is to stop; collective, the same on every rank."""
-        return any_rank(self._comm, self._signal is not None)
+        return any_rank(self._comm, self._signal is not None or self._over)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
 from numpy.typing import NDArray
+
+from solver.errors import RockslipError
 
 
 def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -22,6 +26,34 @@ def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.f
 def any_rank(comm: MPI.Intracomm, flag: bool) -> bool:
     """True on every rank where `flag` is true on one."""
     return flag if comm.size == 1 else bool(comm.allreduce(flag, op=MPI.LOR))
+
+
+def on_first_rank(comm: MPI.Intracomm, action: Callable[[], Any]) -> Any:
+    """What `action` returns on rank 0, on every rank; what it refuses is refused on every rank."""
+    answer: Any = None
+    if comm.rank == 0:
+        try:
+            answer = action()
+        except RockslipError as error:
+            answer = error
+    answer = comm.bcast(answer, root=0)
+    if isinstance(answer, RockslipError):
+        raise answer
+    return answer
+
+
+def abort_on_exceptions(comm: MPI.Intracomm) -> None:
+    """Let an unexpected exception on one rank end all of them, not leave the others waiting."""
+    if comm.size == 1:
+        return
+    usual = sys.excepthook
+
+    def hook(kind: Any, value: Any, trace: Any) -> None:
+        usual(kind, value, trace)
+        sys.stderr.flush()
+        comm.Abort(1)
+
+    sys.excepthook = hook
 
 
 class Layer:

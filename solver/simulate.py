@@ -76,7 +76,7 @@ class Desk:
         """Why the run has to stop at a time (s); empty where it has not."""
         if not self.interruption.requested():
             return ""
-        return f"stopped by {self.interruption.signal_name} at t = {now:.6g} s"
+        return f"stopped by {self.interruption.cause} at t = {now:.6g} s"
 
 
 class Engine(Protocol):
@@ -118,6 +118,7 @@ def simulate(
     petsc_options: Sequence[str] = (),
     progress: ProgressReport | None = None,
     log: Log | None = None,
+    seconds: float | None = None,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Result:
     """Run a scene; collective on `comm`.
@@ -129,6 +130,7 @@ def simulate(
             ("-rockslip_snes_monitor",).
         progress: A display; on every rank.
         log: Is told what happens, line by line, besides run.log.
+        seconds: Wall time after which the run is stopped between two steps; None: never.
         comm: Communicator.
 
     Returns:
@@ -138,7 +140,7 @@ def simulate(
     with (
         ExitStack() as stack,
         RunFiles(scene, folder, comm, log) as files,
-        Interruption(comm) as interruption,
+        Interruption(comm, seconds) as interruption,
     ):
         if progress is not None:
             stack.callback(progress.close)

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import SceneError
 from solver.excitation.motion import BaseMotion
+from solver.excitation.sampled import SampledMotion
 from solver.reference.expected import resistance, vertical_motion
 from solver.reference.friction import Resistance
 from solver.reference.housner import housner
 from solver.reference.phases import Acceleration, still
 from solver.reference.platform import sliding_on_platform
+from solver.reference.platform_sampled import sampled_sliding_on_platform
 from solver.reference.sliding import sliding
 from solver.scene import Scene
 
@@ -105,18 +108,21 @@ def slide_on_platform(scene: Scene, motion: BaseMotion | None) -> dict[str, Arra
     block, platform = scene.blocks[0], scene.platform()
     along, down = scene.gravity_vector[0], -scene.gravity_vector[1]
     law, vertical = resistance(scene), _vertical(scene)
-    found = sliding_on_platform(
-        platform=platform,
-        mass=block.shape.mass,
-        friction=law,
-        gravity=down,
-        acceleration=motion.acceleration if motion else still,
-        end=scene.time.end,
-        step=scene.time.step,
-        along=along,
-        velocity=block.velocity[0],
-        vertical=vertical,
-    )
+    given: dict[str, Any] = {
+        "platform": platform,
+        "mass": block.shape.mass,
+        "friction": law,
+        "gravity": down,
+        "end": scene.time.end,
+        "step": scene.time.step,
+        "along": along,
+        "velocity": block.velocity[0],
+    }
+    if isinstance(motion, SampledMotion) and vertical is still and not law.law.decay:
+        found = sampled_sliding_on_platform(motion=motion, **given)
+    else:
+        acceleration = motion.acceleration if motion else still
+        found = sliding_on_platform(acceleration=acceleration, vertical=vertical, **given)
     normal = down + sampled(vertical, found.time)
     uplift = np.abs(found.friction) * block.height > normal * block.width
     if uplift.any():
@@ -194,7 +200,7 @@ def _table(
     name, mass = scene.blocks[0].name, scene.blocks[0].shape.mass
     along, down = scene.gravity_vector
     none = np.zeros_like(time)
-    base = sampled(motion.acceleration, time) if motion else none
+    base = motion.accelerations(time) if motion else none
     gravity = -mass * (along * values["centre_x_m"] + down * values["centre_y_m"])
     return {
         "time_s": time,

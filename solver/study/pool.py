@@ -1,0 +1,230 @@
+"""Independent tasks side by side: on the processors of this machine, or on the ranks of mpirun.
+
+One process a processor, each with a pipe of its own: where a task takes its process down (a fault
+in a library, no memory left), that task is known, fails alone, and the next ones get a new process.
+An executor of `concurrent.futures` would give up all of them.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from types import FrameType
+from typing import Any, TypeVar
+
+from solver.errors import RockslipError
+
+Task = TypeVar("Task")
+Value = TypeVar("Value")
+
+#: Time that a process is given to end by itself, s; then it is killed.
+PATIENCE = 2.0
+
+#: What libraries ask how many threads to use.
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+class ProcessEnded(RockslipError):
+    """A task took its process down."""
+
+
+def side_by_side(
+    function: Callable[[Task], Value], tasks: Sequence[Task], *, processes: int | None = None
+) -> Generator[tuple[int, Value | Exception], None, None]:
+    """Call a function for each of many tasks; yields as they finish, not in their order.
+
+    Under mpirun every rank must come here and iterate: rank 0 hands the tasks out and gets all
+    results, the other ranks work and yield nothing. Tasks are called with one process each: what
+    they do with MPI belongs on `MPI.COMM_SELF`. Leaving the loop, Ctrl-C and SIGTERM (a
+    `KeyboardInterrupt` here) end the processes at once.
+
+    Args:
+        function: Of a module, not a lambda: other processes import it.
+        tasks: What to call it with.
+        processes: Number of them; None: one for each processor. Under mpirun the ranks count.
+
+    Yields:
+        The number of a task, and what the function returned or the exception that it raised;
+        `ProcessEnded` where the task took its process down.
+    """
+    from mpi4py import MPI
+
+    if MPI.COMM_WORLD.size > 1:
+        yield from _on_ranks(MPI.COMM_WORLD, function, tasks)
+    elif tasks:
+        yield from _on_processes(function, tasks, min(processes or processors(), len(tasks)))
+
+
+def processors() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def _on_ranks(
+    comm: Any, function: Callable[[Task], Value], tasks: Sequence[Task]
+) -> Generator[tuple[int, Value | Exception], None, None]:
+    """The tasks on all ranks but the first."""
+    from concurrent.futures import as_completed
+
+    from mpi4py.futures import MPICommExecutor
+
+    ranks: Any = MPICommExecutor(comm, root=0)
+    with ranks as executor:
+        if executor is None:  # a rank that works: it has done so when it comes here
+            return
+        numbers = {executor.submit(_sent, function, task): k for k, task in enumerate(tasks)}
+        try:
+            for future in as_completed(numbers):
+                yield numbers.pop(future), pickle.loads(future.result())
+        finally:
+            for future in numbers:
+                future.cancel()
+
+
+def _on_processes(
+    function: Callable[[Task], Value], tasks: Sequence[Task], processes: int
+) -> Generator[tuple[int, Value | Exception], None, None]:
+    """The tasks on processes of this machine."""
+    waiting = iter(enumerate(tasks))
+    with ExitStack() as stack:
+        stack.enter_context(_termination_interrupts())
+        start = partial(_Worker, function)
+        workers = [start() for _ in range(processes)]
+        stack.callback(_end, workers)
+        for worker in workers:
+            worker.give(next(waiting, None))
+        while busy := {worker.connection: worker for worker in workers if worker.number >= 0}:
+            for ready in wait(list(busy)):
+                worker = busy[ready]  # type: ignore[index]
+                number, outcome = worker.number, worker.take()
+                if isinstance(outcome, ProcessEnded):
+                    workers.remove(worker)
+                    worker = start()
+                    workers.append(worker)
+                worker.give(next(waiting, None))
+                yield number, outcome
+
+
+class _Worker:
+    """A process that is given one task after the other."""
+
+    def __init__(self, function: Callable[[Any], Any]):
+        """Start it; MPI does not survive a fork, so the process is a new one."""
+        context = get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.number = -1
+        self._process = context.Process(target=_work, args=(function, theirs), daemon=True)
+        with _one_thread():
+            self._process.start()
+        theirs.close()  # so that the end of the process is the end of the pipe
+
+    def give(self, task: tuple[int, Any] | None) -> None:
+        """Give it a task with its number; None: there is none left."""
+        self.number = -1
+        if task is None:
+            return
+        self.number, what = task
+        try:
+            self.connection.send(what)
+        except OSError:  # it has ended already, which `take` will find
+            pass
+
+    def take(self) -> Any:
+        """What came of the task."""
+        try:
+            return pickle.loads(self.connection.recv_bytes())
+        except (EOFError, OSError):
+            self._process.join(PATIENCE)
+            return ProcessEnded(f"its process was ended by {_cause(self._process.exitcode)}")
+
+    def stop(self) -> None:
+        """Ask the process to end."""
+        self.connection.close()
+        self._process.terminate()
+
+    def bury(self) -> None:
+        """Wait for its end, and force it."""
+        self._process.join(PATIENCE)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+
+def _end(workers: list[_Worker]) -> None:
+    """End all processes."""
+    for worker in workers:
+        worker.stop()
+    for worker in workers:
+        worker.bury()
+
+
+def _work(function: Callable[[Any], Any], connection: Connection) -> None:
+    """What a process does: take tasks and send back what comes of them, until the pipe ends."""
+    # Ctrl-C reaches all processes of a terminal; the one that gives the tasks ends the others.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            task = connection.recv()
+            connection.send_bytes(_sent(function, task))
+        except (EOFError, OSError):
+            return
+
+
+def _sent(function: Callable[[Task], Value], task: Task) -> bytes:
+    """The outcome of a task as it is sent: pickled here, where an exception may refuse it."""
+    try:
+        return pickle.dumps(function(task))
+    except Exception as error:
+        try:
+            text = pickle.dumps(error)
+            pickle.loads(text)  # exceptions with arguments of their own may not come back
+        except Exception:
+            return pickle.dumps(RuntimeError(f"{type(error).__name__}: {error}"))
+        return text
+
+
+def _cause(code: int | None) -> str:
+    """What ended a process, in words."""
+    if code is None or code >= 0:
+        return f"exit code {code}"
+    name = signal.Signals(-code).name
+    return f"{name} (no memory left?)" if name == "SIGKILL" else name
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Processes that are started meanwhile use one thread each: there is one a processor."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def _termination_interrupts() -> Iterator[None]:
+    """Meanwhile SIGTERM does what Ctrl-C does; only the main thread of a process can see to it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,108 @@
+"""The demo of the suite, with two motions and a rigid block."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from solver.scene import load_scene
+
+DEMO = Path(__file__).parents[2] / "demos" / "suite" / "platform_suite.py"
+
+Captured = pytest.CaptureFixture[str]
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.fixture(scope="module")
+def demo() -> ModuleType:
+    pytest.importorskip("matplotlib")
+    specification = importlib.util.spec_from_file_location("platform_suite", DEMO)
+    assert specification is not None and specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def folder(demo: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The suite at reduced size."""
+    made = tmp_path_factory.mktemp("suite") / "output"
+    words = [
+        "--count",
+        "2",
+        "--set",
+        "block.model=rigid",
+        "time.step=4e-3",
+        "time.adaptive=false",
+        "-q",
+        "-j",
+        "2",
+    ]
+    assert demo.shake(words, made) == 0
+    return made
+
+
+def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
+    scene = load_scene(demo.SCENE)
+    (block,), platform = scene.blocks, scene.platform()
+    assert (block.model, block.cells) == ("elastic", (6, 4))
+    assert block.height < block.width / max(demo.FRICTIONS)  # too squat to rock
+    assert scene.carried_mass / platform.mass == pytest.approx(2.0)
+    assert (platform.period, platform.damping_ratio) == pytest.approx((0.5, 0.05))
+    assert (scene.time.step, scene.motion, demo.FRICTIONS) == (1e-3, None, (0.1, 0.2, 0.3, 0.4))
+
+
+def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> None:
+    assert demo.show(folder) == 0
+    output = capsys.readouterr()
+    assert output.err == ""
+    assert output.out.count("holds:") == 1 + 2 * 4
+    assert "8 of 8 runs completed" in output.out
+    assert (folder / "peak_drifts.png").stat().st_size > 20_000
+    rows = demo.read_table(folder)
+    assert [row["motion"] for row in rows] == ["synthetic_01", "synthetic_02"] * 4
+    for row in rows:
+        ratio = float(row[demo.DRIFT]) / float(row[demo.EXACT])
+        assert float(row[demo.RATIO]) == pytest.approx(ratio) == pytest.approx(1.0, abs=2e-3)
+
+
+def _broken(rows: Any, demo: ModuleType) -> None:
+    rows[3] |= {"status": "failed", demo.RATIO: ""}
+
+
+def _far(rows: Any, demo: ModuleType) -> None:
+    rows[0][demo.RATIO] = "1.021"
+    rows[1][demo.RATIO] = "0.979"
+
+
+def _off(rows: Any, demo: ModuleType) -> None:
+    rows[4][demo.RATIO] = rows[5][demo.RATIO] = "0.9948"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (_broken, "7 of 8 runs completed"),
+        (_far, "friction 0.1, 2 motions: every ratio 0.9790 to 1.0210, within 1 +- 0.02"),
+        (_off, "friction 0.3, 2 motions: mean ratio 0.9948, within 1.000 +- 0.005"),
+    ],
+)
+def test_each_check_can_fail(
+    demo: ModuleType, folder: Path, capsys: Captured, spoil: Any, said: str
+) -> None:
+    rows = demo.read_table(folder)
+    spoil(rows, demo)
+    assert demo.verdict(demo.checks(rows)) == 1
+    assert capsys.readouterr().err == f"platform_suite: check failed: {said}\n"
+
+
+def test_it_refuses_a_folder_of_something_else(
+    demo: ModuleType, folder: Path, capsys: Captured
+) -> None:
+    assert demo.main(["-o", str(folder), "--count", "3"]) == 2
+    assert capsys.readouterr().err.startswith("rockslip: --resume: got ")
