@@ -85,9 +85,16 @@ class Disc:
         contact = ContactFaces(body, made.facet_tags, Plane.level(2), law, points=self.points)
         return Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 
-    def pressed(self, loads: Sequence[float]) -> Iterator[Tractions]:
-        """Contact under loads one after another, each met to 1e-6 by moving the flat side."""
-        stepper, state = self.stepper(), None
+    def pressed(
+        self, loads: Sequence[float], stepper: Stepper | None = None
+    ) -> Iterator[Tractions]:
+        """Contact under loads one after another, each met to 1e-6 by moving the flat side.
+
+        Args:
+            loads: Rising, N/m.
+            stepper: Of `stepper()`, unless it is to be made here.
+        """
+        stepper, state = stepper or self.stepper(), None
         u, reached = np.zeros(stepper.system.size), 0.0
         for load in loads:
             half = self.hertz(load).half_width
