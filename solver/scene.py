@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from solver.checking import OPEN, Checked, from_table, is_open, key_of, nearest, shown, to_table
 from solver.errors import SceneError
+from solver.limits import refuse_beyond
 from solver.overrides import override, read_toml
 from solver.specs import (
     BlockSpec,
@@ -119,6 +120,7 @@ class Scene(Checked):
         object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise SceneError("motion.second", "a table", "nothing where dimension = 2")
+        refuse_beyond(self)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             allowed = "false where nothing is meshed"

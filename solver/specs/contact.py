@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-from solver.checking import OPEN, Checked, is_open, shown
+from solver.checking import OPEN, Checked, Number, is_open, shown
 from solver.errors import SceneError
-from solver.specs.ranges import NotNegative, Positive
+from solver.specs.ranges import NotNegative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,8 +52,9 @@ class ContactSpec(Checked):
 
     points: Literal["nodes", "gauss"] = "nodes"
     """Contact points: Gauss-Lobatto, for rocking, or Gauss, for sliding."""
-    gamma: Positive = 100.0
-    """Nondimensional Nitsche parameter: gamma (lambda + 2 mu) degree^2 / h."""
+    gamma: Annotated[float, Number(at_least=10)] = 100.0
+    """Nondimensional Nitsche parameter: gamma (lambda + 2 mu) degree^2 / h. Below 10 the traction
+    of a cell outweighs its stiffness."""
     theta: Literal[1, 0, -1] = 1
     """Nitsche variant: symmetric, plain, skew-symmetric."""
     friction: NotNegative | FrictionSpec = 0.6

@@ -12,7 +12,9 @@ def studies() -> dict[str, ModuleType]:
     A module says what it does in `TEXT`, adds its options in `add_arguments(parser)`, and runs in
     `run(options)`, which returns the exit code; its heavy imports stand inside `run`.
     """
-    return {}
+    from solver.study import error_runtime, stability, suite
+
+    return {"error-runtime": error_runtime, "stability": stability, "suite": suite}
 
 
 def add_studies(parser: argparse.ArgumentParser) -> None:

@@ -213,7 +213,7 @@ def test_numbers_of_cells_are_those_that_are_filled_in() -> None:
 
 def filled(cls: Any, dimension: int) -> Any:
     """A block or a plate in a scene that says nothing of its cells."""
-    block = "width = 1.0\nheight = 1.0\ndensity = 1.0\nyoung = 1.0\npoisson = 0.2"
+    block = "width = 1.0\nheight = 1.0\ndensity = 1.0\nyoung = 1.0e9\npoisson = 0.2"
     plate = 'kind = "elastic"\nthickness = 1.0'
     text = f"dimension = {dimension}\n[[block]]\n{block}\n[foundation]\n{plate}\n{block}"
     scene = parse_scene(f"{text}\n[time]\nend = 1.0\nstep = 0.1")

@@ -140,7 +140,7 @@ def test_resolved_scene_names_every_default():
         ("contact.friction=-0.1", "contact.friction: got -0.1, allowed friction >= 0"),
         ("contact.friction=rough", 'contact.friction: got "rough", allowed friction >= 0 or a tab'),
         ("contact.friction=[1]", "contact.friction: got [1], allowed friction >= 0 or a table"),
-        ("contact.gamma=0", "contact.gamma: got 0, allowed gamma > 0"),
+        ("contact.gamma=9", "contact.gamma: got 9, allowed gamma >= 10"),
         ("contact.theta=2", "contact.theta: got 2, allowed 1 or 0 or -1"),
         ("contact.velocity_solve=1", "contact.velocity_solve: got 1, allowed true or false"),
         ("damping.stiffness=-1", "damping.stiffness: got -1, allowed stiffness >= 0"),

@@ -1,0 +1,153 @@
+"""The study of stability: its scenes, its verdicts, its tables, what it refuses."""
+
+import csv
+import io
+import math
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from solver.cli import main
+from solver.errors import SceneError
+from solver.scene import Scene, parse_scene
+from solver.study.stability_families import FAMILIES, matrix
+from solver.study.stability_matrix import Case, changed
+from solver.study.stability_sampler import draw
+from solver.study.stability_scenes import ROCK, STACK
+from solver.study.stability_table import as_csv, as_text, sentence
+from solver.study.stability_verdict import Verdict, judge
+
+pytestmark = pytest.mark.serial
+
+
+def scene(**changes: object) -> Scene:
+    return parse_scene(changed(ROCK, {path.replace("__", "."): v for path, v in changes.items()}))
+
+
+def test_the_matrix_is_large_and_names_are_unique() -> None:
+    cases = matrix()
+    assert len(cases) >= 500
+    assert len(FAMILIES) == len(Counter(case.family for case in cases))
+    assert max(Counter(case.name for case in cases).values()) == 1
+
+
+def test_few_scenes_of_the_matrix_are_refused() -> None:
+    """Only soft ones and those of a small gamma; all others can be read."""
+    refused = []
+    for case in matrix():
+        try:
+            parse_scene(case.tables)
+        except SceneError as error:
+            refused.append((case.family, error.where))
+    assert {where for _, where in refused} == {"block.young", "contact.gamma"}
+    assert 10 < len(refused) < 25
+
+
+def test_changes() -> None:
+    tables = changed(
+        STACK, {"upper.young": 1.0, "block.poisson": 0.4, "time.end": 2.0, "title": ""}
+    )
+    lower, upper = tables["block"]
+    assert (lower["young"], upper["young"]) == (5e10, 1.0)
+    assert (lower["poisson"], upper["poisson"]) == (0.4, 0.4)
+    assert tables["time"] == {"end": 2.0, "step": 1e-3} and tables["title"] == ""
+    assert STACK["time"]["end"] == 0.6
+    assert "density" not in changed(ROCK, {"block.density": None})["block"][0]
+
+
+def test_random_scenes_depend_on_seed_and_number_alone() -> None:
+    assert draw(8, 3)[:4] == draw(4, 3)
+    assert draw(4, 3) != draw(4, 4)
+    counts = Counter(_word(case) for case in draw(200, 3))
+    assert counts["fine"] > 120
+
+
+def _word(case: Case) -> str:
+    try:
+        parse_scene(case.tables)
+    except SceneError:
+        return "refused"
+    return "fine"
+
+
+def test_too_soft_for_its_weight() -> None:
+    """rho g H = 2680 x 9.81 x 1 Pa over 5 %: 525828 Pa."""
+    assert scene(block__young=5.26e5).blocks[0].young == 5.26e5
+    with pytest.raises(SceneError, match=r"block\.young: got 525000, strained by 0\.05 under"):
+        scene(block__young=5.25e5)
+    assert scene(block__young=1.0, gravity=0.0).gravity == 0.0
+
+
+def test_too_soft_for_what_it_carries() -> None:
+    """Both press on the ground with 2680 x 9.81 x 0.375 Pa over a bottom of 0.5 m: 394362 Pa."""
+    with pytest.raises(SceneError, match=r"lower\.young: .* young >= 3\.94e\+05"):
+        parse_scene(changed(STACK, {"lower.young": 3.9e5}))
+    parse_scene(changed(STACK, {"lower.young": 3.95e5}))
+
+
+def test_a_plate_too_soft() -> None:
+    plate = {"kind": "elastic", "width": 1.0, "height": 0.2, "density": 1.0, "young": 5e5}
+    plate |= {"poisson": 0.2, "support": "bottom"}
+    with pytest.raises(SceneError, match=r"foundation\.young: got 500000, strained by 0\.053"):
+        scene(foundation=plate)
+    scene(foundation={**plate, "support": "fixed"})
+
+
+def test_verdicts() -> None:
+    rigid = changed(ROCK, {"block.model": "rigid"})
+    held = judge(Case(family="f", row="r", column="c", tables=rigid), 60.0)
+    assert (held.verdict, held.reason, held.steps) == ("holds", "", 600)
+    assert held.energy_gain < 1e-5 and held.ledger_error < 1e-8
+    assert math.isnan(held.penetration_over_static)
+    soft = judge(Case(family="f", row="r", column="c", tables=changed(ROCK, {"block.young": 1})), 9)
+    assert soft.verdict == "refused" and soft.reason.startswith("block.young: got 1, strained")
+
+
+def test_penetration_over_that_of_a_penalty_method() -> None:
+    """A standing block: pressure rho g H, gamma (lambda + 2 mu)/h with lambda = 0."""
+    changes = {"block.tilt_deg": 0.0, "block.poisson": 0.0, "time.end": 2e-3}
+    case = Case(family="f", row="r", column="c", tables=changed(ROCK, changes))
+    held = judge(case, 60.0)
+    static = 2680 * 9.81 * 1.0 / (100 * 5e10 / 0.1)
+    ratio = held.penetration_over_height / held.penetration_over_static
+    assert ratio == pytest.approx(static, rel=1e-9)
+    assert 0.0 <= held.penetration_over_static < 1.0
+
+
+def test_a_scene_that_takes_too_long_is_stopped() -> None:
+    tables = changed(ROCK, {"block.model": "rigid", "time.end": 5000.0, "time.step": 1e-4})
+    verdict = judge(Case(family="f", row="r", column="c", tables=tables), 0.2)
+    assert verdict.verdict == "failed"
+    assert verdict.reason.startswith("interrupted: stopped by the limit of 0.2 s at t = ")
+    assert verdict.seconds < 5.0
+
+
+def test_tables() -> None:
+    verdicts = [
+        Verdict(family="f", row="r", column="1", verdict="holds", energy_gain=2e-9, ledger_error=0),
+        Verdict(family="f", row="r", column="2", verdict="refused", reason="block.young: no"),
+        Verdict(family="g", row="0", column="", verdict="failed", reason="not a number: x"),
+    ]
+    rows = list(csv.DictReader(io.StringIO(as_csv(verdicts))))
+    assert rows[0]["energy_gain"] == "2e-09" and rows[1]["energy_gain"] == ""
+    text = as_text(verdicts)
+    assert "r  2e-09  refused" in text and "g: 0 holds, 0 refused, 1 failed" in text
+    assert "refused: f: r, 2: block.young: no" in text and "failed: g: 0: not a number: x" in text
+    assert sentence(verdicts).startswith("3 scenes: 1 holds, 1 refused, 1 failed")
+
+
+def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A short form of the study: the family of gamma, two of its columns refused."""
+    out = tmp_path / "out"
+    words = ["study", "stability", "--family", "gravity", "-o", str(out), "-q"]
+    assert main(words) == 0
+    assert {file.name for file in out.iterdir()} == {
+        *("stability.csv", "stability.txt", "stability.png")
+    }
+    rows = list(csv.DictReader((out / "stability.csv").open(encoding="utf-8")))
+    assert len(rows) == 14 and {row["verdict"] for row in rows} == {"holds"}
+    assert main(words) == 2
+    assert "-o: got" in capsys.readouterr().err
+    assert main([*words[:3], "no such", "-o", str(tmp_path / "other")]) == 2
+    assert "--family: got no such, allowed the beginning of one of" in capsys.readouterr().err
