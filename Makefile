@@ -7,7 +7,7 @@ help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
 	@echo "make lint    ruff and mypy"
-	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, an hour; goes on where it was stopped"
+	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
 

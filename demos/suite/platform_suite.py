@@ -78,7 +78,7 @@ Rows = list[dict[str, str]]
 #
 #     rockslip study suite scene.toml --vary contact.friction=0.1,0.2,0.3,0.4 --reference
 #
-# and takes about an hour on two processors. `--resume` lets a second call do what is left after an
+# and takes long: about 9000 steps a run. `--resume` lets a second call do what is left after an
 # interruption: every finished run is in a file of its own. Under `mpirun` the ranks share the work.
 
 

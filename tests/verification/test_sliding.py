@@ -36,6 +36,7 @@ def scene(*overrides: str) -> Scene:
 def test_a_sticking_block_does_not_creep() -> None:
     """Between the same phases of the third and the nineteenth cycle."""
     result = simulate(scene())
+    assert result.status == "completed", result.summary
     slip, per_cycle = result.history["block.slip_m"], round(PERIOD / 1e-3)
     third, nineteenth = (slip[k * per_cycle : (k + 1) * per_cycle] for k in (2, 18))
     assert np.abs(nineteenth - third).max() < 1e-8
