@@ -104,7 +104,9 @@ class RunFiles:
             self.output_seconds += time.perf_counter() - began
 
     def next_snapshot(self, now: float) -> float:
-        """The first time after `now` (s) at which a snapshot is due."""
+        """The first time after `now` (s) at which a snapshot is due; never without a folder."""
+        if self._folder is None:
+            return math.inf
         every = self._scene.output.every
         return (math.floor(now / every + 1e-9) + 1) * every
 

@@ -116,9 +116,9 @@ class RigidRun:
 
     def _next_stop(self, desk: Desk, total: int) -> int:
         """Number of steps at which the next snapshot is due, or someone may interrupt."""
-        step = self._scene.time.step
-        due = math.ceil(desk.files.next_snapshot(self._steps * step) / step * (1 - 1e-12))
-        return min(max(due, self._steps + 1), self._steps + STEPS_AT_ONCE, total)
+        step, first = self._scene.time.step, self._steps
+        due = desk.files.next_snapshot(first * step) / step * (1 - 1e-12)
+        return math.ceil(min(max(due, first + 1), first + STEPS_AT_ONCE, total))
 
     def _piece(self, desk: Desk, stop: int) -> str:
         """Run up to step number `stop`; returns why not, if it failed."""

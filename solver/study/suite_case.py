@@ -95,9 +95,7 @@ def run_case(case: Case) -> dict[str, Any]:
     from solver.simulate import simulate
 
     scene, peak = scene_of(case)
-    if case.keep is None:  # no snapshots: nothing to stop for on the way
-        scene = replace(scene, output=replace(scene.output, every=scene.time.end, fields="none"))
-    else:
+    if case.keep is not None:
         shutil.rmtree(case.keep, ignore_errors=True)  # what an interrupted suite left
     result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF)
     summary = result.summary
