@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from solver.errors import SceneError
+from solver.excitation.units import STANDARD_GRAVITY
 from solver.specs import BlockSpec, PlateSpec
 
 if TYPE_CHECKING:
     from solver.scene import Scene
 
 LARGEST_STRAIN = 0.05
-"""Of a meshed body under the weight that it carries at rest. Impacts strain it several times as
-much, and St. Venant-Kirchhoff's law softens under pressure until it fails at 0.4."""
+"""Of a meshed body under the weight that it carries and the inertia of that under a pulse of the
+ground. Impacts strain it several times as much, and St. Venant-Kirchhoff's law softens under
+pressure until it fails at 0.4."""
+
+MOST_CELLS_A_STEP = 1e5
+"""Cells that sound crosses in a step: where a body turns, the iteration loses as many digits twice
+over. Bodies as stiff as that are rigid for all that such steps show."""
 
 
 def refuse_beyond(scene: Scene) -> None:
-    """Refuse a scene whose meshed bodies are too soft for what they carry; SceneError names it."""
+    """Refuse meshed bodies too soft for what they carry or too stiff for the steps; SceneError."""
+    for block in scene.blocks:
+        if block.model == "elastic":
+            _refuse_stiff(block, scene.time.largest or scene.time.step, scene.dimension)
     plate = scene.foundation
     for block in scene.blocks:
         pressure, carrier = _pressure(scene, block), scene.carrier_of(block)
@@ -28,9 +38,17 @@ def refuse_beyond(scene: Scene) -> None:
 
 
 def _pressure(scene: Scene, block: BlockSpec) -> float:
-    """Weight of a block and of all that it carries, over its bottom, Pa."""
+    """Weight and inertia of a block and of all that it carries, over its bottom, Pa."""
     carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
-    return carried * scene.gravity / (block.width * block.thickness)
+    return carried * _acceleration(scene) / (block.width * block.thickness)
+
+
+def _acceleration(scene: Scene) -> float:
+    """Of gravity and of pulses of the ground, all added up, m/s2."""
+    motions = [] if scene.motion is None else [scene.motion]
+    motions += [motion for first in motions for _, motion in first.beside()]
+    pulses = sum(abs(getattr(motion, "amplitude_g", 0.0)) for motion in motions)
+    return scene.gravity + STANDARD_GRAVITY * pulses
 
 
 def _stands_on(scene: Scene, block: BlockSpec, below: BlockSpec) -> bool:
@@ -45,5 +63,19 @@ def _refuse_soft(where: str, young: float, pressure: float) -> None:
     """Refuse a modulus (Pa) below what a pressure (Pa) asks for."""
     least = pressure / LARGEST_STRAIN
     if young < least:
-        got = f"{young:g}, strained by {pressure / young:.2g} under the weight on it"
+        got = f"{young:g}, strained by {pressure / young:.2g} under what it carries"
         raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
+
+
+def _refuse_stiff(block: BlockSpec, step: float, dimension: int) -> None:
+    """Refuse a block whose cells are crossed by sound too often in the longest step (s)."""
+    depth = () if dimension == 2 else (block.thickness,)
+    sides = (block.width, *depth, block.height)
+    cell = min(side / count for side, count in zip(sides, block.cells, strict=True)) / block.degree
+    speed = math.sqrt(block.elasticity[0] / block.shape.density)
+    crossed = speed * step / cell
+    if crossed > MOST_CELLS_A_STEP:
+        most = block.elasticity[0] * (MOST_CELLS_A_STEP / crossed) ** 2
+        got = f"{block.elasticity[0]:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
+        allowed = f'young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells), or model = "rigid"'
+        raise SceneError(f"{block.name}.young", got, allowed)

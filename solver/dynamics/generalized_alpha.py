@@ -8,7 +8,8 @@ beta = gamma_n/2, which makes
 hold for every rho_inf, so that the work of any force against u_{n+1} - u_n is the change of kinetic
 energy it causes. The contact force c acts at t_{n+1} alone and its impulse is not carried over
 (after Chen, Acary, Virlez and Bruls 2013, and Kane et al. 1999): it moves u by dt^2/2 M^-1 c and v
-by dt M^-1 c.
+by dt M^-1 c. Damping forces do the same, taken at the mean velocity of the step, du/dt with
+du = u_{n+1} - u_n: in the average of forces, velocities that jump would give energy back.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ class GeneralizedAlpha:
             stiffness_damping: Rayleigh's beta_R, s.
             spring_damping: Dashpot over spring of what stands on springs, s.
         """
-        rate = 2 * (1 - self.alpha_f) / dt  # of v_alpha with respect to u_{n+1}
+        rate = self.contact_weight / dt
         return TangentWeights(
             mass=(1 - self.alpha_m) / (self.beta * dt**2) + rate * mass_damping,
             stiffness=1 - self.alpha_f + rate * stiffness_damping,

@@ -41,8 +41,8 @@ def _present(force: Array | None) -> Array:
 class StepLedger:
     """Energies of the new state before the velocity solve; what damping and averaging took.
 
-    With r = M a + F + C v - f a step loses skew du.dr to the averaging of forces, and du.C v_alpha
-    to damping, with C v_alpha = C du/dt + skew C dv.
+    With r = M a + F - f a step loses skew du.dr to the averaging of forces, and du.C du/dt to
+    damping.
     """
 
     def __init__(self, stepper: Stepper, old: State, new: State, dt: float):
@@ -57,7 +57,7 @@ class StepLedger:
         """
         stepper, old, new = self._stepper, self._old, self._new
         system = stepper.system
-        du, dv = new.u - old.u, new.v - old.v
+        du = new.u - old.u
         # kinetic, strain, spring, du.dr, loss by damping, work of what is left of the residual
         sums = np.zeros(6 + system.dimension)
         sums[5] = residual @ du
@@ -74,7 +74,6 @@ class StepLedger:
                 sums[3] += float(moved @ spring)
             drag = body.drag(moved)
             if drag is not None:
-                sums[3] += float(drag @ dv[own])
                 sums[4] += float(drag @ moved) / self._dt
         total = global_sum(system.comm, sums)
         new.kinetic, new.strain, new.spring = (float(value) for value in total[:3])
@@ -82,12 +81,10 @@ class StepLedger:
 
     def _elastic(self, body: ElasticBody, sums: Array) -> None:
         """Strain energy, and the parts of stiffness and strain-rate damping."""
-        squared, beta = body.increment_energy(), body.damping.stiffness
+        squared = body.increment_energy()
         sums[1] += body.strain_energy()
         sums[3] += squared
-        if beta:
-            sums[3] += beta * 2 * (squared / self._dt - body.rate_energy())
-            sums[4] += beta * squared / self._dt
+        sums[4] += body.damping.stiffness * squared / self._dt
 
     def _booked(self, total: Array) -> Exchange:
         """The exchange, from sums over all ranks."""

@@ -9,7 +9,12 @@ class Ladder:
     """Time as a whole number of ticks of the smallest step, so that no round-off gathers.
 
     Each step size keeps its own factorization; halving reaches the same few sizes again and again.
+    Where steps fail again and again the ladder is climbed ever later: each failure doubles the
+    number of steps that have to succeed first, up to `LONGEST_WAIT`; each rung that holds halves
+    it.
     """
+
+    LONGEST_WAIT = 64
 
     def __init__(self, step: float, end: float, smallest: float, largest: float | None = None):
         """Start at time 0 with a step of `step`.
@@ -25,6 +30,9 @@ class Ladder:
         self._tick = step / 2 ** (self.depth - self._level)
         self._end = math.floor(end / self._tick + 1e-9)
         self._now = 0
+        self._wait, self._succeeded = 1, 0
+        self._tries = False
+        """Whether the next step is the first one after climbing."""
         self.rejected = 0
 
     @property
@@ -50,14 +58,22 @@ class Ladder:
         return 1 << (self.depth - self._level)
 
     def accept(self, *, climb: bool = True) -> None:
-        """The step succeeded: go on, and climb one rung where the coarser grid has a point."""
+        """The step succeeded: go on; climb a rung where the coarser grid has a point."""
         self._now += self._ticks
-        if climb and self._level and self._now % (2 * self._ticks) == 0:
+        self._succeeded += 1
+        if self._tries:
+            self._wait = max(1, self._wait // 2)
+        ready = climb and self._succeeded >= self._wait
+        self._tries = bool(ready and self._level and self._now % (2 * self._ticks) == 0)
+        if self._tries:
             self._level -= 1
+            self._succeeded = 0
 
     def reject(self) -> bool:
         """The step failed: halve it. False where no shorter step is allowed."""
         self.rejected += 1
+        self._wait, self._succeeded = min(2 * self._wait, self.LONGEST_WAIT), 0
+        self._tries = False
         if self._level == self.depth:
             return False
         self._level += 1

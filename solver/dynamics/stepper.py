@@ -170,7 +170,7 @@ class Stepper:
         state = start or self.start(u, np.zeros_like(u), time)
         system = self.system
         for body, own in zip(system.bodies, system.slices, strict=True):
-            body.begin_static(u[own], np.zeros(body.size))
+            body.begin_static(u[own])
         gravity = self.gravity @ system.directional_mass
         total = gravity if load is None else gravity + load
         balance = Balance(
@@ -206,13 +206,13 @@ class Stepper:
         ]
 
     def _consistent(self, state: State) -> State:
-        """Fill in p_0 = f - F(u_0) - C v_0 and the energies of a state."""
+        """Fill in p_0 = f - F(u_0) and the energies of a state."""
         system = self.system
         forces = np.zeros(system.size)
         for body, own in zip(system.bodies, system.slices, strict=True):
-            u, v = state.u[own], state.v[own]
-            body.begin_static(u, v)
-            for force in (body.internal_force(u, static=True), body.spring(u), body.drag(v)):
+            u = state.u[own]
+            body.begin_static(u)
+            for force in (body.internal_force(u, static=True), body.spring(u)):
                 if force is not None:
                     forces[own] += force
         for link, memory in zip(self.links, state.contacts, strict=True):
@@ -265,10 +265,10 @@ class Stepper:
         load = self._step_load(state.time, dt)
         constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
         for body, own in zip(system.bodies, system.slices, strict=True):
-            body.begin_step(state.u[own], state.v[own], scheme, dt)
+            body.begin_step(state.u[own], scheme, dt)
             drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
             if drag is not None:
-                constant[own] += drag
+                constant[own] += scheme.contact_weight * drag
             if spring is not None:
                 constant[own] += af * spring
         drift = state.u + dt * state.v
@@ -290,10 +290,15 @@ class Stepper:
         """State at t_{n+1} and the ledger of the step."""
         scheme, system = self.scheme, self.system
         du = solution.u - state.u
-        v = 2 * du / dt - state.v
+        mean = np.asarray(du / dt)
+        v = 2 * mean - state.v
         p = system.inertia(du - dt * state.v)
         p /= scheme.beta * dt**2
         p -= (0.5 / scheme.beta - 1) * state.p
+        for body, own in zip(system.bodies, system.slices, strict=True):
+            for force in (body.viscous_force(dt), body.drag(mean[own])):
+                if force is not None:
+                    p[own] += 0.5 / scheme.beta * force
         contacts, friction, lost = [], 0.0, 0.0
         for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True):
             add_contact_forces(
@@ -326,22 +331,6 @@ class Stepper:
         if correction is None:
             return
         new.v = new.v + correction.change
-        self._damp(new, correction.change)
         new.kinetic -= correction.contact + correction.friction
         exchange.contact += correction.contact
         exchange.friction += correction.friction
-
-    def _damp(self, new: State, jump: Array) -> None:
-        """Let the inertia balance the damping forces of velocities that have jumped.
-
-        Else r = p + F + C v - f jumps, too: energy that the averaging of forces gives back later.
-        """
-        system = self.system
-        for body, own in zip(system.bodies, system.slices, strict=True):
-            forces = [body.drag(jump[own])]
-            if isinstance(body, ElasticBody):
-                forces.append(body.viscous_force(new.u[own], jump[own]))
-            for force in forces:
-                if force is not None:
-                    new.p[own] -= force
-        new.p[system.fixed] = 0.0

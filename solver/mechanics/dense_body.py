@@ -71,13 +71,17 @@ class DenseBody(ABC):
         """M x."""
         return self.diagonal[self.own] * vector
 
-    def begin_step(self, u_old: Array, v_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
+    def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Nothing to prepare."""
 
-    def begin_static(self, u: Array, v: Array) -> None:
+    def begin_static(self, u: Array) -> None:
         """Nothing to prepare."""
 
     def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
+        """None: nothing deforms."""
+        return None
+
+    def viscous_force(self, dt: float) -> Array | None:
         """None: nothing deforms."""
         return None
 

@@ -42,11 +42,10 @@ class Damping:
 
 @dataclass(frozen=True, slots=True)
 class StrainWeights:
-    """S = C:(new E_{n+1} + old E_n + rate dE_n/dt), the stress of a step's internal force."""
+    """S = C:(new E_{n+1} + old E_n), the stress of a step's internal force."""
 
     new: float
     old: float
-    rate: float = 0.0
 
 
 class ElasticBody:
@@ -90,7 +89,6 @@ class ElasticBody:
         self.size = self.owned * d
         self.unknowns = self.space.dofmap.index_map.size_global * d
         self.u, self.u_old = fem.Function(self.space, name="displacement"), fem.Function(self.space)
-        self.v_old = fem.Function(self.space, name="velocity")
         self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
         if clamped is not None:
             facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
@@ -100,9 +98,7 @@ class ElasticBody:
         self._compile(domain, degree)
         self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
         # Views that are kept: asking dolfinx for one costs as much as copying the values.
-        self._new, self._old, self._rate = (
-            (function, function.x.array) for function in (self.u, self.u_old, self.v_old)
-        )
+        self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
         self._forces = self._buffer.array
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._spring, self._dashpot = self._spread(domain, spring)
@@ -145,9 +141,10 @@ class ElasticBody:
         simplex = domain.basix_cell().name in ("triangle", "tetrahedron")
         quadrature = max(1, 2 * degree - 2) if simplex else 2 * degree
         dx = ufl.Measure("dx", domain, metadata={"quadrature_degree": quadrature})
-        values = (1.0, 0.0, 0.0, material.lame, material.shear)
-        self._constants = [fem.Constant(domain, value) for value in values]
-        new, old, rate, lame, shear = self._constants
+        self._weights = StrainWeights(new=1.0, old=0.0)
+        values = (1.0, 0.0, material.lame, material.shear)
+        new, old, lame, shear = (fem.Constant(domain, value) for value in values)
+        self._weight_new, self._weight_old = new, old
         identity, test, trial = (
             ufl.Identity(d),
             ufl.TestFunction(self.space),
@@ -161,11 +158,9 @@ class ElasticBody:
         midpoint = identity + ufl.grad(0.5 * self.u + 0.5 * self.u_old)
         averaged = new * strain + old * strain_old
         increment = strain - strain_old
-        if self.damping.stiffness:
-            strain_rate = ufl.sym((identity + ufl.grad(self.u_old)).T * ufl.grad(self.v_old))
-            averaged = averaged + rate * strain_rate
-            self._rate_form = PackedForm(ufl.inner(strain_rate, stress(increment)) * dx)
         self._force = PackedForm(ufl.inner(midpoint * stress(averaged), ufl.grad(test)) * dx)
+        if self.damping.stiffness:
+            self._viscous = PackedForm(ufl.inner(midpoint * stress(increment), ufl.grad(test)) * dx)
         self._strain_energy = PackedForm(0.5 * ufl.inner(strain, stress(strain)) * dx)
         self._increment_energy = PackedForm(ufl.inner(increment, stress(increment)) * dx)
         linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
@@ -268,26 +263,21 @@ class ElasticBody:
         moment = u.reshape(-1, self.dimension).T @ self._moment_row
         return polar_rotation(global_sum(self.comm, moment) + self._moment)
 
-    def begin_step(self, u_old: Array, v_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
+    def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Fix what a step of length `dt` starts from."""
-        af, beta = scheme.alpha_f, self.damping.stiffness
-        viscous = 2 * (1 - af) * beta / dt
-        weights = StrainWeights(1 - af + viscous, af - viscous, -(1 - 2 * af) * beta)
-        self.begin(u_old, v_old, weights)
+        viscous = scheme.contact_weight * self.damping.stiffness / dt
+        self.begin(u_old, StrainWeights(1 - scheme.alpha_f + viscous, scheme.alpha_f - viscous))
 
-    def begin_static(self, u: Array, v: Array) -> None:
-        """Prepare for the forces of a state itself, the damping of strain rates among them."""
-        self.begin(u, v, StrainWeights(new=1.0, old=0.0, rate=self.damping.stiffness))
+    def begin_static(self, u: Array) -> None:
+        """Prepare for the elastic forces of a state itself."""
+        self.begin(u, StrainWeights(new=1.0, old=0.0))
 
-    def begin(self, u_old: Array, v_old: Array, weights: StrainWeights) -> None:
-        """Fix what a step starts from: state at t_n and the weights of its stress."""
+    def begin(self, u_old: Array, weights: StrainWeights) -> None:
+        """Fix what a step starts from: displacement at t_n and the weights of its stress."""
         self._assign(self._old, u_old)
-        if self.damping.stiffness:
-            self._assign(self._rate, v_old)
-        values = (weights.new, weights.old, weights.rate)
-        if values != tuple(float(c.value) for c in self._constants[:3]):
-            for constant, value in zip(self._constants[:3], values, strict=True):
-                constant.value = value
+        if weights != self._weights:
+            self._weights = weights
+            self._weight_new.value, self._weight_old.value = weights.new, weights.old
             self._force.refresh()
 
     def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
@@ -305,17 +295,19 @@ class ElasticBody:
         self._assign(self._new, u)
         if static:
             self._assign(self._old, u)
-        self._force.vector(self._forces)
+        return self._assembled(self._force)
+
+    def _assembled(self, form: PackedForm) -> Array:
+        """Forces of a form on the owned unknowns."""
+        form.vector(self._forces)
         if self.comm.size > 1:
             self._buffer.scatter_reverse(la.InsertMode.add)
         return self._forces[: self.size].copy()
 
-    def viscous_force(self, u: Array, velocity: Array) -> Array | None:
-        """C v of stiffness-proportional damping at displacement u; None without it."""
-        if not self.damping.stiffness:
-            return None
-        self.begin(u, velocity, StrainWeights(new=0.0, old=0.0, rate=self.damping.stiffness))
-        return self.internal_force(u, static=True)
+    def viscous_force(self, dt: float) -> Array | None:
+        """C du/dt of a step, by strain rates, at the displacement last assigned; None without."""
+        beta = self.damping.stiffness
+        return beta / dt * self._assembled(self._viscous) if beta else None
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
@@ -349,10 +341,6 @@ class ElasticBody:
     def increment_energy(self) -> float:
         """Integral of dE:C:dE over this rank's cells, J, dE = E_{n+1} - E_n."""
         return self._increment_energy.scalar()
-
-    def rate_energy(self) -> float:
-        """Integral of dE_n/dt:C:dE over this rank's cells, W s; 0 without stiffness damping."""
-        return self._rate_form.scalar() if self.damping.stiffness else 0.0
 
     def stiffen(self, interface: PETSc.Mat) -> None:
         """Hand over the theta term of Nitsche's method, which tangents subtract.

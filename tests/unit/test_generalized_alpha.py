@@ -70,13 +70,23 @@ def test_second_order(rho):
 
 
 class Linear:
-    """M u'' + K u = f + contact, stepped with the scheme's numbers as `Stepper` steps a body."""
+    """M u'' + C u' + K u = f + contact, stepped as `Stepper` steps a body.
 
-    def __init__(self, scheme: GeneralizedAlpha, seed: int, size: int = 5):
+    With the scheme's numbers; Rayleigh damping C = lambda_R M + beta_R K.
+    """
+
+    def __init__(
+        self,
+        scheme: GeneralizedAlpha,
+        seed: int,
+        size: int = 5,
+        damping: tuple[float, float] = (0.0, 0.0),
+    ):
         self.scheme, rng = scheme, np.random.default_rng(seed)
         self.M, self.K = (
             m @ m.T + 0.1 * np.eye(size) for m in rng.standard_normal((2, size, size))
         )
+        self.damping, self.C = damping, damping[0] * self.M + damping[1] * self.K
         self.load = rng.standard_normal(size)
         self.u, self.v = rng.standard_normal((2, size))
         self.p = self.load - self.K @ self.u  # r_0 = 0
@@ -91,7 +101,7 @@ class Linear:
 
     def advance(self, dt: float, contact: np.ndarray) -> np.ndarray:
         """One step under a given contact force at its end; returns u_{n+1} - u_n."""
-        scheme, weights = self.scheme, self.scheme.weights(dt, 0.0, 0.0)
+        scheme, weights = self.scheme, self.scheme.weights(dt, *self.damping)
         am, af, beta = scheme.alpha_m, scheme.alpha_f, scheme.beta
         tangent = weights.mass * self.M + weights.stiffness * self.K
         right = (
@@ -99,9 +109,11 @@ class Linear:
             - (am - (1 - am) * (0.5 - beta) / beta) * self.p
             + self.load
             - af * self.K @ self.u
-            + weights.contact * contact
+            + weights.contact * (contact - self.C @ self.v)
+            + (weights.stiffness - weights.interface) * self.K @ (self.u + dt * self.v)
         )
         du = np.linalg.solve(tangent, right) - self.u
+        contact = contact - self.C @ du / dt
         total = self.M @ (du - dt * self.v) / (beta * dt**2) - (0.5 / beta - 1) * self.p
         self.u, self.v = self.u + du, 2 * du / dt - self.v
         self.p = total - contact / (2 * beta)
@@ -133,6 +145,25 @@ def test_energy_identity(rho, pushed):
 
 
 @pytest.mark.parametrize("rho", RHO)
+@pytest.mark.parametrize("stiffness", [1e-3, 10.0])
+def test_energy_identity_with_damping_and_jumps(rho, stiffness):
+    """Damping takes du.C du/dt besides; of a jump of v nothing comes back later."""
+    rng = np.random.default_rng(5)
+    system = Linear(GeneralizedAlpha(rho), seed=3, damping=(0.3, stiffness))
+    inverse = np.linalg.inv(system.K)
+    drag = 3 * (1 - rho) / (1 + rho)
+    for dt in [0.1, 0.1, 0.05, 0.4, 0.025, 3.0, 0.1, 0.05, 0.7]:
+        system.v = system.v + rng.standard_normal(5)
+        r, energy = system.r, system.energy
+        du = system.advance(dt, np.zeros(5))
+        dr = system.r - r
+        stored = system.energy + system.r @ inverse @ system.r / 4
+        before = energy + r @ inverse @ r / 4
+        expected = -du @ system.C @ du / dt - drag / 4 * dr @ inverse @ dr
+        assert stored - before == pytest.approx(expected, abs=1e-11 * (1 + abs(before)))
+
+
+@pytest.mark.parametrize("rho", RHO)
 def test_velocity_update_is_that_of_the_accelerations(rho):
     """v_{n+1} = v_n + dt [(1-gamma) a_n + gamma a_{n+1}] + dt M^-1 c, also with a contact force."""
     system = Linear(GeneralizedAlpha(rho), seed=11, size=1)
@@ -159,10 +190,10 @@ def test_a_contact_force_is_an_impulse():
 
 
 def test_rayleigh_damping_in_the_weights():
-    """(1 - alpha_f) of the rate 2/dt, which is dv_{n+1}/du_{n+1}."""
+    """The mean velocity of the step is du/dt; its force counts as much as that of contact."""
     scheme, dt = GeneralizedAlpha(0.8), 1e-3
     plain, damped = scheme.weights(dt, 0.0, 0.0), scheme.weights(dt, 0.7, 2e-5)
-    rate = (1 - 4 / 9) * 2 / dt
+    rate = (1 - 1 / 3) / (2 * 11 / 36) / dt
     assert damped.mass - plain.mass == pytest.approx(0.7 * rate, rel=1e-9)
     assert damped.stiffness - plain.stiffness == pytest.approx(2e-5 * rate)
     assert (damped.interface, damped.contact) == (plain.interface, plain.contact)

@@ -80,10 +80,29 @@ def test_too_soft_for_its_weight() -> None:
 
 
 def test_too_soft_for_what_it_carries() -> None:
-    """Both press on the ground with 2680 x 9.81 x 0.375 Pa over a bottom of 0.5 m: 394362 Pa."""
-    with pytest.raises(SceneError, match=r"lower\.young: .* young >= 3\.94e\+05"):
-        parse_scene(changed(STACK, {"lower.young": 3.9e5}))
-    parse_scene(changed(STACK, {"lower.young": 3.95e5}))
+    """Both, 2680 x 9.81 x 0.75 N/m under 1 + 0.6 g, over a bottom of 0.5 m: 630979 Pa."""
+    with pytest.raises(SceneError, match=r"lower\.young: .* young >= 6\.31e\+05"):
+        parse_scene(changed(STACK, {"lower.young": 6.3e5}))
+    parse_scene(changed(STACK, {"lower.young": 6.32e5}))
+
+
+def test_too_soft_for_the_inertia_of_a_pulse() -> None:
+    """1 g of gravity, 1 g along x and 0.5 g upwards: 2.5 times the modulus that weight asks for."""
+    pulse = {"kind": "half_sine", "amplitude_g": 1.0, "duration": 0.1}
+    motion = {**pulse, "vertical": {**pulse, "amplitude_g": -0.5}}
+    with pytest.raises(SceneError, match=r"block\.young: .* young >= 1\.31e\+06"):
+        scene(block__young=1.3e6, motion=motion)
+    scene(block__young=1.32e6, motion=motion)
+
+
+def test_too_stiff_for_the_step() -> None:
+    """Cells of 1/16 m, 1e5 of them in 1 ms: c = 6.25e6 m/s, E = 2680 c^2 = 1.047e17 Pa."""
+    allowed = r"young <= 1\.05e\+17 \(100000 cells\), or model = \"rigid\""
+    with pytest.raises(SceneError, match=rf"sound crosses 1\.1e\+05 cells in .* {allowed}"):
+        scene(block__young=1.2e17)
+    assert scene(block__young=1.04e17).blocks[0].young == 1.04e17
+    with pytest.raises(SceneError, match=r"in a step of 0\.004 s"):
+        scene(block__young=1.04e17, time__adaptive=True)
 
 
 def test_a_plate_too_soft() -> None:

@@ -47,14 +47,22 @@ def test_a_failure_halves_and_the_grid_is_joined_again():
     assert steps[0.4] == steps[0.45] == pytest.approx(0.05)
     assert steps[0.5] == 0.1
     assert taken[-1][0] == pytest.approx(0.8)
-    # At 0.35 it climbs to 0.05, which fails again; then 0.025 twice.
+    # After two failures four steps have to succeed before 0.05 is tried again.
     assert steps[0.35] == steps[0.375] == pytest.approx(0.025)
-    assert ladder.rejected == 3
+    assert ladder.rejected == 2
+
+
+def test_steps_that_fail_again_and_again_are_tried_ever_less():
+    """Every step above 0.03 fails: tried after 2, 4, 8, ... 64 of 0.025, not after every second."""
+    ladder = Ladder(0.1, 100.0, 0.1 / 64)
+    taken = run(ladder, lambda time, step: step > 0.03)
+    assert {step for _, step in taken} == {0.025}
+    assert 4000 / Ladder.LONGEST_WAIT < ladder.rejected < 4000 / Ladder.LONGEST_WAIT + 10
 
 
 def test_a_longer_step_only_starts_on_its_own_grid():
     rng = np.random.default_rng(0)
-    taken = run(Ladder(1.0, 50.0, 1 / 32), lambda time, step: rng.random() < 0.6 and step > 1 / 32)
+    taken = run(Ladder(1.0, 500.0, 1 / 32), lambda time, step: rng.random() < 0.2 and step > 1 / 32)
     for time, step in taken:
         assert (time - step) / step == pytest.approx(round((time - step) / step), abs=1e-12)
     assert len({step for _, step in taken}) == 6

@@ -83,7 +83,7 @@ def strain_energy(thing: Thing, u: np.ndarray) -> float:
 
 def test_internal_force_is_the_derivative_of_the_strain_energy(thing):
     body = thing.body
-    body.begin(np.zeros(body.size), np.zeros(body.size), StrainWeights(1.0, 0.0))
+    body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
     for seed in range(3):
         u, v = thing.displacement(seed, 0.4), thing.direction(10 + seed)
         work = body.internal_force(u, static=True) @ v
@@ -99,15 +99,15 @@ def test_averaged_internal_force_works_exactly(thing):
     """F.(u_1 - u_0) with equal weights is the difference of strain energies (Simo and Tarnow)."""
     body = thing.body
     old, new = thing.displacement(1, 0.2), thing.displacement(2, 0.9)
-    body.begin(np.zeros(body.size), np.zeros(body.size), StrainWeights(1.0, 0.0))
+    body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
     change = strain_energy(thing, new) - strain_energy(thing, old)
-    body.begin(old, np.zeros(body.size), StrainWeights(0.5, 0.5))
+    body.begin(old, StrainWeights(0.5, 0.5))
     assert body.internal_force(new) @ (new - old) == pytest.approx(change, rel=1e-11)
 
 
 def test_stiffness_is_the_derivative_of_the_internal_force_at_rest(thing):
     body = thing.body
-    body.begin(np.zeros(body.size), np.zeros(body.size), StrainWeights(1.0, 0.0))
+    body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
     v = thing.direction(3)
     x, y = body.stiffness_matrix.createVecs()
     x.array[:] = v
@@ -116,37 +116,30 @@ def test_stiffness_is_the_derivative_of_the_internal_force_at_rest(thing):
     assert y.array == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
-def test_rate_of_strain(thing):
-    """`rate_energy` and the rate weight stand on dE/dt = sym(F^T grad v) at u_n.
+def test_work_of_the_viscous_force(thing):
+    """Over any rotation it takes beta_R int dE:C:dE/dt, and has the force of weights (1, -1)."""
+    body, dt = thing.body, 0.01
+    old, new = thing.displacement(4, 0.3), thing.displacement(5, 0.9)
+    body.begin(old, StrainWeights(0.5, 0.5))
+    body.internal_force(new)
+    viscous, loss = body.viscous_force(dt), body.damping.stiffness * body.increment_energy() / dt
+    assert viscous @ (new - old) == pytest.approx(loss, rel=1e-11)
+    body.begin(old, StrainWeights(1.0, -1.0))
+    expected = body.damping.stiffness / dt * body.internal_force(new)
+    assert viscous == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
-    With u_{n+1} = u_n + s v the increment of E is s dE/dt for small s, so that both increment
-    energies and the force of weights (0, 0, 1) follow from those of differences.
-    """
-    body = thing.body
-    u, v = thing.displacement(4, 0.3), thing.direction(5)
-    body.begin(u, v, StrainWeights(0.0, 0.0, 1.0))
 
-    def rate(s: float) -> float:
-        body.internal_force(u + s * v)
-        return body.rate_energy()
-
-    def force(s: float) -> np.ndarray:
-        """C:(E_{n+1} - E_n) with the gradient of (u_n + u_{n+1})/2."""
-        return body.internal_force(u + s * v)
-
-    def squared(s: float) -> float:
-        body.internal_force(u + s * v)
-        return body.increment_energy()
-
-    square = slope(rate)  # int dE/dt:C:dE/dt
-    assert square > 0
-    small = 1e-5
-    assert squared(small) / small**2 == pytest.approx(square, rel=1e-4)
-    viscous = body.internal_force(u)
-    body.begin(u, v, StrainWeights(1.0, -1.0, 0.0))
-    expected = slope(force)
-    assert viscous == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
-    assert viscous @ v == pytest.approx(square, rel=1e-8)
+def test_viscous_force_of_small_strains(thing):
+    """At rest it is beta_R K v."""
+    body, dt = thing.body, 1e-6
+    v = thing.direction(5)
+    body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
+    body.internal_force(dt * v)
+    viscous = body.viscous_force(dt)
+    x, y = body.stiffness_matrix.createVecs()
+    x.array[:] = body.damping.stiffness * v
+    body.stiffness_matrix.mult(x, y)
+    assert viscous == pytest.approx(y.array, abs=1e-5 * np.abs(viscous).max())
 
 
 def test_discrete_gradient_of_the_traction(thing):
