@@ -17,7 +17,7 @@ RUN echo 'Acquire::Check-Valid-Until "false";' > /etc/apt/apt.conf.d/90valid-unt
         python3-tqdm python3-tomli-w \
         libopenblas0-pthread openmpi-bin libopenmpi-dev g++ libc6-dev pkg-config \
         python3-dev python3-pip python3-setuptools python3-wheel \
-        python3-pytest python3-mypy \
+        python3-pytest python3-pytest-xdist python3-mypy \
         libgl1 libglx-mesa0 xvfb xauth fonts-dejavu-core \
         git make \
  && rm -rf /var/lib/apt/lists/*

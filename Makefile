@@ -15,7 +15,7 @@ demo:
 	./in-env python3 demos/free_rocking/free_rocking.py
 
 test:
-	./in-env python3 -m pytest tests
+	./in-env python3 -m pytest tests -n 2 --dist loadfile
 
 lint: $(RUFF)
 	$(RUFF) check .
