@@ -15,26 +15,12 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
+from solver.folders import claim_folder
 from solver.study.command import add_studies
 from solver.version import VERSION
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
-
-#: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
-LEFT_BEHIND = (
-    "history.csv",
-    "summary.json",
-    "run.log",
-    "open_in_paraview.py",
-    "fields*.pvd",
-    "fields*.pvtu",
-    "fields*.vtu",
-    *(
-        f"{name}.png"
-        for name in ("angle", "phase", "forces", "energy", "deformed", "overlay", "platform")
-    ),
-)
 
 
 class Parser(argparse.ArgumentParser):
@@ -239,23 +225,6 @@ def show_info(options: argparse.Namespace) -> int:
         width = max(len(name) for name, _ in lines) + 2
         sys.stdout.write("".join(f"{name:{width}}{value}\n" for name, value in lines))
     return 0
-
-
-def claim_folder(folder: Path, scene: Path, force: bool) -> None:
-    """Make the folder of a run, or refuse to write over what is there."""
-    target = folder / "scene.toml"
-    try:
-        if target.exists() and target.samefile(scene):
-            raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
-        folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()) and not force:
-            raise SceneError("-o", f"{folder}, which is in use", "an empty folder, or --force")
-        for pattern in LEFT_BEHIND:
-            for file in folder.glob(pattern):
-                file.unlink()
-    except OSError as error:
-        reason = (error.strerror or "unusable").lower()
-        raise SceneError("-o", f"{folder} ({reason})", "a folder that can be written") from error
 
 
 def _tell(line: str) -> None:

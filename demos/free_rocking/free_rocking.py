@@ -81,8 +81,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from solver import load_scene, simulate
-from solver.cli import claim_folder
 from solver.errors import RockslipError
+from solver.folders import claim_folder
+from solver.parallel import on_first_rank
 from solver.post import pictures
 from solver.post.deformed import draw_deformed
 from solver.post.report import report
@@ -105,15 +106,7 @@ SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
 # +
 def claim(folder: Path, comm: MPI.Intracomm) -> None:
     """Take a folder for a run on rank 0; where that fails, it fails on every rank."""
-    trouble = None
-    if comm.rank == 0:
-        try:
-            claim_folder(folder, SCENE, force=True)
-        except RockslipError as error:
-            trouble = error
-    trouble = comm.bcast(trouble)
-    if trouble is not None:
-        raise trouble
+    on_first_rank(comm, lambda: claim_folder(folder, SCENE, force=True))
 
 
 def rock(scene: Scene, folder: Path, comm: MPI.Intracomm = MPI.COMM_WORLD) -> None:

@@ -64,9 +64,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from solver import load_scene, simulate
-from solver.cli import claim_folder
 from solver.errors import RockslipError
 from solver.excitation.motion import base_motion
+from solver.folders import claim_folder
+from solver.parallel import on_first_rank
 from solver.post.runs import Run, read_run
 from solver.post.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.progress import Progress
@@ -105,15 +106,7 @@ def variants(scene: Scene) -> dict[str, Scene]:
 
 def claim(folder: Path, comm: MPI.Intracomm) -> None:
     """Take a folder for a run on rank 0; where that fails, it fails on every rank."""
-    trouble = None
-    if comm.rank == 0:
-        try:
-            claim_folder(folder, SCENE, force=True)
-        except RockslipError as error:
-            trouble = error
-    trouble = comm.bcast(trouble)
-    if trouble is not None:
-        raise trouble
+    on_first_rank(comm, lambda: claim_folder(folder, SCENE, force=True))
 
 
 def slide(scene: Scene, folder: Path, comm: MPI.Intracomm = MPI.COMM_WORLD) -> list[Path]:

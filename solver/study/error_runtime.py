@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
 
     if MPI.COMM_WORLD.rank != 0:
         return 0
-    from solver.cli import claim_folder
+    from solver.folders import claim_folder
     from solver.scene import load_scene, scene_to_toml
     from solver.study.error_runtime_beside import read_beside
     from solver.study.error_runtime_ladders import NAMES, check_names

@@ -70,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
 
 def prepare(options: argparse.Namespace) -> list[Case]:
     """The scenes that are asked for, and their folder; SceneError for what cannot be."""
+    from solver.folders import make_folder
     from solver.study.stability_families import FAMILIES, matrix
     from solver.study.stability_sampler import draw
 
@@ -83,14 +84,7 @@ def prepare(options: argparse.Namespace) -> list[Case]:
     cases = draw(options.random, options.seed) if options.random else matrix()
     if options.families:
         cases = [case for case in cases if case.family.startswith(tuple(options.families))]
-    folder: Path = options.output
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()) and not options.force:
-            raise SceneError("-o", f"{folder}, which is in use", "an empty folder, or --force")
-    except OSError as error:
-        reason = (error.strerror or "unusable").lower()
-        raise SceneError("-o", f"{folder} ({reason})", "a folder that can be written") from error
+    make_folder(options.output, force=options.force)
     return cases
 
 

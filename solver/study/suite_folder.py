@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError
+from solver.folders import make_folder, unusable_is_refused
 from solver.post.summary import write_json
 
 #: What a suite leaves; `--force` removes these, nothing else.
@@ -26,21 +27,15 @@ def claim(folder: Path, settings: Mapping[str, Any], *, force: bool, resume: boo
         force: Remove an earlier suite.
         resume: Go on with an earlier suite, which must be made from the same.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        used = any(folder.iterdir())
+    allowed = "an empty folder, --force, or --resume"
+    with unusable_is_refused(folder):
+        used = make_folder(folder, force=force or resume, allowed=allowed)
         if resume and used:
             _compare(folder, settings)
-        elif used and not force:
-            allowed = "an empty folder, --force, or --resume"
-            raise SceneError("-o", f"{folder}, which is in use", allowed)
         else:
             _clear(folder)
         write(folder / SETTINGS, settings)
         (folder / CASES).mkdir(exist_ok=True)
-    except OSError as error:
-        reason = (error.strerror or "unusable").lower()
-        raise SceneError("-o", f"{folder} ({reason})", "a folder that can be written") from error
 
 
 def finished(folder: Path) -> dict[str, dict[str, Any]]:

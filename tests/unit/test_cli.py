@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from solver import cli
 from solver.cli import main
 from solver.errors import NotConverged
+from solver.folders import LEFT_BEHIND
 
 SCENE = """
 title = "A block of granite"
@@ -295,7 +295,7 @@ def test_blas_is_read_from_the_loaded_files(tmp_path: Path) -> None:
 
 def test_files_that_a_new_run_removes_are_those_that_runs_leave() -> None:
     """A scene.toml is written over, not removed; folders of fields of any number of ranks go."""
-    assert "scene.toml" not in cli.LEFT_BEHIND
+    assert "scene.toml" not in LEFT_BEHIND
     names = ("fields000001.pvtu", "fields_p2_000001.vtu", "history.csv", "angle.png")
     for name in names:
-        assert any(Path(name).match(pattern) for pattern in cli.LEFT_BEHIND)
+        assert any(Path(name).match(pattern) for pattern in LEFT_BEHIND)
