@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from solver.arguments import add_overrides, add_scene
 from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
 from solver.folders import claim_folder
 from solver.study.command import add_studies
@@ -80,16 +81,8 @@ def build_parser() -> Parser:
     check = command("check", check_scene, "derived numbers, expected mode, mesh size; no solve")
     reference = command("reference", run_reference, "the rigid-body answer, with the same files")
     for scene_command in (run, check, reference):
-        scene_command.add_argument("scene", metavar="SCENE", type=Path, help="a TOML file")
-        scene_command.add_argument(
-            "--set",
-            dest="overrides",
-            metavar="KEY=VALUE",
-            nargs="+",
-            action="extend",
-            default=[],
-            help="set values of the scene, such as block.height=1.2",
-        )
+        add_scene(scene_command)
+        add_overrides(scene_command)
     for writing, default in ((run, "SCENE's name + .out"), (reference, "SCENE's name + .rigid")):
         writing.add_argument(
             "-o", "--output", metavar="DIR", type=Path, help=f"folder to write; default {default}"

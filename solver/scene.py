@@ -77,6 +77,7 @@ __all__ = [
     "parse_scene",
     "read_text",
     "scene_to_toml",
+    "set_values",
 ]
 
 
@@ -260,11 +261,22 @@ def parse_scene(
     tables = read_toml(content, source) if isinstance(content, str) else deepcopy(dict(content))
     if not tables:
         raise SceneError(source, "an empty scene", "at least [[block]] and [time]")
-    for text in overrides:
-        override(tables, text, known=[key_of(item) for item in fields(Scene)])
+    set_values(tables, overrides)
     _find_files(tables.get("motion"), "motion", folder)
     scene: Scene = from_table(Scene, tables)
     return scene
+
+
+def set_values(tables: dict[str, Any], overrides: Sequence[str]) -> None:
+    """Set values in the tables of a scene, which are changed in place.
+
+    Args:
+        tables: Plain tables as `tomllib` makes them.
+        overrides: As for `load_scene`.
+    """
+    known = [key_of(item) for item in fields(Scene)]
+    for text in overrides:
+        override(tables, text, known=known)
 
 
 def _find_files(motion: Any, where: str, folder: str | Path) -> None:

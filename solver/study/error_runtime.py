@@ -7,6 +7,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+from solver.arguments import add_overrides, add_scene
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 
 TEXT = "error against run time: ladders of step, tolerance, mesh, degree, points, rho_inf, model"
@@ -14,11 +15,8 @@ TEXT = "error against run time: ladders of step, tolerance, mesh, degree, points
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the study."""
-    parser.add_argument("scene", metavar="SCENE", type=Path, help="a TOML file")
-    parser.add_argument(
-        "--set", dest="overrides", metavar="KEY=VALUE", nargs="+", action="extend", default=[],
-        help="set values of the scene, such as time.step=5e-4",
-    )  # fmt: skip
+    add_scene(parser)
+    add_overrides(parser, example="time.step=5e-4")
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="default: SCENE's name + .errors"
     )

@@ -7,10 +7,11 @@ import re
 import sys
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from solver.arguments import add_overrides, add_scene
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ TEXT = "one scene under many motions side by side: records, tables, synthetic on
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the study."""
     add = parser.add_argument
-    add("scene", metavar="SCENE", type=Path, help="a TOML file; its motion and end are replaced")
+    add_scene(parser, text="a TOML file; its motion and end are replaced")
     add(
         *("--motions", "--motion"),
         metavar="MOTION",
@@ -33,15 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--count", type=int, metavar="N", help="number of synthetic motions, default 30")
     add("--seed", type=int, metavar="S", help="of the synthetic motions")
-    add(
-        "--set",
-        dest="overrides",
-        metavar="KEY=VALUE",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="set values of the scene, such as block.height=1.2",
-    )
+    add_overrides(parser)
     add(
         "--vary",
         metavar="KEY=V1,V2,...",
@@ -117,9 +110,8 @@ def run(options: argparse.Namespace) -> int:
 
 def prepare(options: argparse.Namespace) -> Plan:
     """Look at everything that can be refused before anything is run, and claim the folder."""
-    from solver.checking import key_of
-    from solver.overrides import override, read_toml
-    from solver.scene import Scene, parse_scene, read_text
+    from solver.overrides import read_toml
+    from solver.scene import parse_scene, read_text, set_values
     from solver.study.suite_case import variations
     from solver.study.suite_folder import claim, finished
     from solver.study.suite_motions import find_motions
@@ -127,8 +119,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     _check_numbers(options)
     path: Path = options.scene
     tables = read_toml(read_text(path), path.name)
-    for text in options.overrides:
-        override(tables, text, known=[key_of(item) for item in fields(Scene)])
+    set_values(tables, options.overrides)
     motions = find_motions(
         options.motions, tables.pop("motion", None), count=options.count, seed=options.seed
     )
