@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.post.summary import write_json
+from solver.study.columns import in_columns
 from solver.study.error_runtime_family import Trial
 from solver.study.error_runtime_findings import Findings
 
@@ -171,14 +172,6 @@ def _number(value: float, form: str) -> str:
     return "-" if math.isnan(value) else f"{value:{form}}"
 
 
-def _columns(lines: list[list[str]]) -> str:
-    """Words in columns, the first two to the left, the others to the right."""
-    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
-    written = []
-    for line in lines:
-        words = [
-            word.ljust(width) if k < 2 else word.rjust(width)
-            for k, (word, width) in enumerate(zip(line, widths, strict=True))
-        ]
-        written.append("  ".join(words).rstrip())
-    return "\n".join(written) + "\n"
+def _columns(table: list[list[str]]) -> str:
+    """The lines of a table, with words in its first two columns."""
+    return "\n".join(in_columns(table, left=2)) + "\n"

@@ -16,25 +16,34 @@ Changes = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
-    """One scene of the study.
+class Place:
+    """Where a scene stands in the study.
 
     Attributes:
         family: What is driven far.
         row: Value along the rows of the family's grid, in words.
         column: The same along its columns.
-        tables: The scene, as plain tables.
     """
 
     family: str
     row: str
     column: str
-    tables: Tables
 
     @property
     def name(self) -> str:
-        """The case in one line."""
+        """The scene in one line."""
         return ", ".join(part for part in (f"{self.family}: {self.row}", self.column) if part)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case(Place):
+    """One scene of the study.
+
+    Attributes:
+        tables: The scene, as plain tables.
+    """
+
+    tables: Tables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

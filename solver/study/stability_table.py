@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import astuple, fields
 
+from solver.study.columns import in_columns
 from solver.study.stability_verdict import Verdict
 
 #: Marks of the verdicts in the text: what held is shown by its energy gain instead.
@@ -56,14 +57,7 @@ def _grid(verdicts: Sequence[Verdict]) -> list[str]:
     cells = {(verdict.row, verdict.column): _cell(verdict) for verdict in verdicts}
     table = [["", *columns]]
     table += [[row, *(cells.get((row, column), "-") for column in columns)] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    return [
-        "  ".join(
-            word.rjust(width) if k else word.ljust(width)
-            for k, (word, width) in enumerate(zip(line, widths, strict=True))
-        )
-        for line in table
-    ]
+    return in_columns(table)
 
 
 def _cell(verdict: Verdict) -> str:

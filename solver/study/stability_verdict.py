@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.errors import SceneError
 from solver.scene import BlockSpec, Scene, parse_scene
-from solver.study.stability_matrix import Case
+from solver.study.stability_matrix import Case, Place
 
 if TYPE_CHECKING:
     from solver.simulate import Result
@@ -27,13 +27,10 @@ Word = Literal["holds", "refused", "failed"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verdict(Place):
     """What became of a scene.
 
     Attributes:
-        family: What is driven far.
-        row: Value along the rows of the family's grid.
-        column: Value along its columns.
         verdict: Whether it completed and kept its energy, or was refused by name, or neither.
         reason: Why it was refused, or what failed.
         energy_gain: Largest gain over the scale of energy.
@@ -47,9 +44,6 @@ class Verdict:
         seconds: Wall time with set-up.
     """
 
-    family: str
-    row: str
-    column: str
     verdict: Word
     reason: str = ""
     energy_gain: float = math.nan
@@ -73,11 +67,6 @@ class Verdict:
             reason=reason,
             seconds=seconds,
         )
-
-    @property
-    def name(self) -> str:
-        """The scene in one line."""
-        return ", ".join(part for part in (f"{self.family}: {self.row}", self.column) if part)
 
 
 def warm_up() -> None:

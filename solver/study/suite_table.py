@@ -8,6 +8,8 @@ import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from solver.study.columns import in_columns
+
 Row = Mapping[str, Any]
 
 #: Columns of the text: end of the name in the CSV, heading, factor, format; `NAME.` of a block.
@@ -58,7 +60,7 @@ def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
     table += [
         [_cell(row.get(key), factor, form) for key, _, factor, form in chosen] for row in rows
     ]
-    lines = _aligned(table)
+    lines = in_columns(table)
     means = [_sentence(mean, varied) for mean in ratios(rows, varied)]
     lines += ["", *means] if means else []
     lines += _remarks(rows, varied)
@@ -99,19 +101,6 @@ def _cell(value: Any, factor: float | None, form: str) -> str:
     if value is None:
         return "-"
     return str(value) if factor is None else format(factor * value, form)
-
-
-def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of a table: names to the left, numbers to the right."""
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = []
-    for row in table:
-        words = [
-            cell.ljust(width) if number == 0 else cell.rjust(width)
-            for number, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append("  ".join(words).rstrip())
-    return lines
 
 
 def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
