@@ -149,8 +149,9 @@ def _refined(scene: Scene, factor: float) -> Scene:
         return max(1, round(factor * count))
 
     def all_times(cells: Cells) -> Cells:
-        first, second, *third = map(times, cells)
-        return (first, second, *third)  # type: ignore[return-value]
+        if len(cells) == 2:
+            return times(cells[0]), times(cells[1])
+        return times(cells[0]), times(cells[1]), times(cells[2])
 
     blocks = tuple(replace(block, cells=all_times(block.cells)) for block in scene.blocks)
     ground = scene.foundation

@@ -100,9 +100,9 @@ def _on_processes(
         stack.callback(_end, workers)
         for worker in workers:
             worker.give(next(waiting, None))
-        while busy := {worker.connection: worker for worker in workers if worker.number >= 0}:
-            for ready in wait(list(busy)):
-                worker = busy[ready]  # type: ignore[index]
+        while busy := [worker for worker in workers if worker.number >= 0]:
+            ready = wait([worker.connection for worker in busy])
+            for worker in (worker for worker in busy if worker.connection in ready):
                 number, outcome = worker.number, worker.take()
                 if isinstance(outcome, ProcessEnded):
                     workers.remove(worker)
