@@ -10,11 +10,11 @@ Iterations do not depend on what else runs on the machine; seconds do.
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 from typing import Any
 
+from rows import write_table
 from tqdm import tqdm
 
 from solver.scene import load_scene
@@ -55,10 +55,7 @@ def main() -> int:
     exact = float(rows[0]["third_impact_s"])
     for row in rows:
         row["error_s"] = f"{float(row['third_impact_s']) - exact:.5f}"
-    with TABLE.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    write_table(TABLE, rows)
     sys.stdout.write(f"table in {TABLE}\n")
     return 0
 

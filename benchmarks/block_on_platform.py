@@ -11,20 +11,15 @@ that alternates with its full size; an elastic block rings after each stop, whic
 
 from __future__ import annotations
 
-import argparse
-import csv
 import itertools
 import math
-import os
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
+from rows import processes_wanted, side_by_side, write_table
 
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.scene import Scene, parse_scene
@@ -132,24 +127,10 @@ def points() -> Iterator[dict[str, Any]]:
 
 def main() -> int:
     """Run all; 0 where every run completed."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    processes = parser.parse_args().processes
-    grid, rows = list(points()), []
-    draft = TABLE.with_suffix(".part")
-    # MPI, which the solver starts, does not survive a fork.
-    with (
-        ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool,
-        draft.open("w", newline="", encoding="utf-8") as stream,
-    ):
-        for row in tqdm(pool.map(run, grid), total=len(grid), desc="platform"):
-            if not rows:
-                writer = csv.DictWriter(stream, fieldnames=list(row))
-                writer.writeheader()
-            writer.writerow(row)
-            stream.flush()
-            rows.append(row)
-    draft.replace(TABLE)
+    processes = processes_wanted(__doc__)
+    rows = write_table(
+        TABLE, side_by_side(run, list(points()), processes=processes, name="platform")
+    )
     failed = [row for row in rows if row["status"] != "completed"]
     sys.stdout.write(f"{len(rows) - len(failed)} of {len(rows)} runs; table in {TABLE}\n")
     return 1 if failed else 0

@@ -9,18 +9,13 @@ run a short form of it (tests/verification/test_free_rocking.py).
 
 from __future__ import annotations
 
-import argparse
-import csv
 import itertools
-import os
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
+from rows import processes_wanted, side_by_side, write_table
 
 from solver.scene import Scene, load_scene
 from solver.simulate import simulate
@@ -78,25 +73,10 @@ def holds(row: dict[str, Any]) -> bool:
 
 def main() -> int:
     """Run the grid; 0 where every run holds."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    processes = parser.parse_args().processes
-    points = list(settings())
-    rows = []
-    draft = TABLE.with_suffix(".part")
-    # MPI, which the solver starts, does not survive a fork.
-    with (
-        ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool,
-        draft.open("w", newline="", encoding="utf-8") as stream,
-    ):
-        for row in tqdm(pool.map(run, points), total=len(points), desc="energy grid"):
-            if not rows:
-                writer = csv.DictWriter(stream, fieldnames=list(row))
-                writer.writeheader()
-            writer.writerow(row)
-            stream.flush()
-            rows.append(row)
-    draft.replace(TABLE)
+    processes = processes_wanted(__doc__)
+    rows = write_table(
+        TABLE, side_by_side(run, list(settings()), processes=processes, name="energy grid")
+    )
     failed = [row for row in rows if not holds(row)]
     sys.stdout.write(f"{len(rows) - len(failed)} of {len(rows)} runs hold; table in {TABLE}\n")
     for row in failed:

@@ -11,7 +11,6 @@ thread: run it on a machine that is otherwise idle.
 from __future__ import annotations
 
 import argparse
-import csv
 import os
 import sys
 import tempfile
@@ -20,6 +19,7 @@ from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from rows import write_table
 from tqdm import tqdm
 
 from solver.scene import parse_scene
@@ -153,10 +153,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3)
     repeat = parser.parse_args().repeat
     table = [row for dimension in (2, 3) for row in rows(dimension, repeat)]
-    with TABLE.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, fieldnames=list(table[0]))
-        writer.writeheader()
-        writer.writerows(table)
+    write_table(TABLE, table)
     sys.stdout.write(f"{TABLE.read_text(encoding='utf-8')}table in {TABLE}\n")
 
 

@@ -12,13 +12,13 @@ MuJoCo 0.3 s at 1e-4 s, with errors of 1 % and 0.2 %.
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 import os
 import time
 from pathlib import Path
 
 import numpy as np
+from rows import write_table
 
 TABLE = Path(__file__).with_suffix(".csv")
 
@@ -34,11 +34,7 @@ def main() -> None:
     parser.add_argument("--interpreted", action="store_true", help="without numba")
     if parser.parse_args().interpreted:
         os.environ["ROCKSLIP_NO_NUMBA"] = "1"
-    rows = [run(step) for step in STEPS]
-    with TABLE.open("w", encoding="utf-8", newline="") as stream:
-        table = csv.DictWriter(stream, fieldnames=list(rows[0]))
-        table.writeheader()
-        table.writerows(rows)
+    write_table(TABLE, map(run, STEPS))
 
 
 def run(step: float) -> dict[str, str]:

@@ -13,18 +13,13 @@ keep part of it as vibration, and the block rebounds otherwise however stiff it 
 
 from __future__ import annotations
 
-import argparse
-import csv
-import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
+from rows import processes_wanted, side_by_side, write_table
 
 from solver.reference.housner import housner
 from solver.scene import Scene, load_scene, parse_scene
@@ -87,16 +82,8 @@ def distance(angle: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 def main() -> int:
     """Run all."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    processes = parser.parse_args().processes
-    # MPI, which the solver starts, does not survive a fork.
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        rows = list(tqdm(pool.map(run, POINTS), total=len(POINTS), desc="stiffness"))
-    with TABLE.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    processes = processes_wanted(__doc__)
+    write_table(TABLE, side_by_side(run, POINTS, processes=processes, name="stiffness"))
     sys.stdout.write(f"table in {TABLE}\n")
     return 0
 

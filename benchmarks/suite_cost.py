@@ -13,7 +13,6 @@ times are those of a machine that does nothing else.
 from __future__ import annotations
 
 import argparse
-import csv
 import statistics
 import sys
 from dataclasses import replace
@@ -21,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rows import write_table
 from tqdm import tqdm
 
 from solver.excitation.table1 import table1_suite
@@ -115,17 +115,10 @@ def main() -> int:
     options = parser.parse_args()
     exact = sliding_motions(options.motions, options.end)
     grid = [(model, step) for model in MODELS for step in STEPS]
-    draft = TABLE.with_suffix(".part")
-    with draft.open("w", newline="", encoding="utf-8") as stream:
-        writer: Any = None
-        for model, step in tqdm(grid, desc="cost"):
-            row = row_of(model, step, exact, options.end)
-            writer = writer or csv.DictWriter(stream, list(row), lineterminator="\n")
-            if stream.tell() == 0:
-                writer.writeheader()
-            writer.writerow(row)
-            stream.flush()
-    draft.replace(TABLE)
+    write_table(
+        TABLE,
+        (row_of(model, step, exact, options.end) for model, step in tqdm(grid, desc="cost")),
+    )
     sys.stdout.write(f"{len(grid)} rows of {len(exact)} motions each; table in {TABLE}\n")
     return 0
 
