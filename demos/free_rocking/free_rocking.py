@@ -88,6 +88,7 @@ from solver.post import pictures
 from solver.post.deformed import draw_deformed
 from solver.post.report import report
 from solver.post.runs import Run, read_run
+from solver.post.verdict import verdict
 from solver.progress import Progress
 from solver.reference.housner import RockingReference, housner
 from solver.scene import Scene
@@ -267,18 +268,6 @@ def checks(run: Run, reference: RockingReference) -> list[tuple[bool, str]]:
     ]
 
 
-def verdict(results: list[tuple[bool, str]]) -> int:
-    """Print the checks; returns the exit code."""
-    for good, line in results:
-        if good:
-            print(f"  holds: {line}")
-    failed = [line for good, line in results if not good]
-    if failed:
-        sys.stdout.flush()
-        print(f"free_rocking: check failed: {'; '.join(failed)}", file=sys.stderr)
-    return 1 if failed else 0
-
-
 def show(folder: Path, smaller: list[Path]) -> int:
     """Print, draw and check what stands in the folders; returns the exit code."""
     run = read_run(folder)
@@ -294,7 +283,7 @@ def show(folder: Path, smaller: list[Path]) -> int:
     print(f"in {folder}:")
     print(f"  history.csv, summary.json, {', '.join(file.name for file in files)}")
     print("  fields.pvd for ParaView: paraview --script=open_in_paraview.py\n")
-    return verdict(checks(run, reference))
+    return verdict("free_rocking", checks(run, reference))
 
 
 def complain(error: RockslipError) -> int:

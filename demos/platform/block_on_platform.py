@@ -70,6 +70,7 @@ from solver.folders import claim_folder
 from solver.parallel import on_first_rank
 from solver.post.runs import Run, read_run
 from solver.post.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
+from solver.post.verdict import verdict
 from solver.progress import Progress
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.scene import Scene
@@ -293,18 +294,6 @@ def _within(name: str, value: float, exact: float, band: float) -> tuple[bool, s
     return good, f"{name} {1e3 * value:.3f} mm, {1e3 * exact:.3f} mm within {band:.1%}"
 
 
-def verdict(results: list[tuple[bool, str]]) -> int:
-    """Print the checks; returns the exit code."""
-    for good, line in results:
-        if good:
-            print(f"  holds: {line}")
-    failed = [line for good, line in results if not good]
-    if failed:
-        sys.stdout.flush()
-        print(f"block_on_platform: check failed: {'; '.join(failed)}", file=sys.stderr)
-    return 1 if failed else 0
-
-
 def show(folders: list[Path]) -> int:
     """Print, draw and check what stands in the folders; returns the exit code."""
     runs = [read_run(folder) for folder in folders]
@@ -315,7 +304,7 @@ def show(folders: list[Path]) -> int:
     print(f"in {folder}:")
     print(f"  {file.name}, and history.csv, summary.json, fields.pvd of each run in")
     print(f"  {'; '.join(run.label for run in runs)}\n")
-    return verdict(checks(runs, answers))
+    return verdict("block_on_platform", checks(runs, answers))
 
 
 def complain(error: RockslipError) -> int:

@@ -63,6 +63,7 @@ from matplotlib.figure import Figure
 
 from solver.cli import main as rockslip
 from solver.post.style import BLUE, ORANGE, legend_above, new_figure, save
+from solver.post.verdict import verdict
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
@@ -186,25 +187,13 @@ def checks(rows: Rows) -> list[tuple[bool, str]]:
     return results
 
 
-def verdict(results: list[tuple[bool, str]]) -> int:
-    """Print the checks; returns the exit code."""
-    for good, line in results:
-        if good:
-            print(f"  holds: {line}")
-    failed = [line for good, line in results if not good]
-    if failed:
-        sys.stdout.flush()
-        print(f"platform_suite: check failed: {'; '.join(failed)}", file=sys.stderr)
-    return 1 if failed else 0
-
-
 def show(folder: Path) -> int:
     """Draw and check what stands in the folder of a suite; returns the exit code."""
     rows = read_table(folder)
     results = checks(rows)
     if completed(rows):
         print(f"\n{picture(rows, folder)}\n")
-    return verdict(results)
+    return verdict("platform_suite", results)
 
 
 def main(arguments: list[str] | None = None) -> int:

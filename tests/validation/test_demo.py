@@ -112,7 +112,7 @@ def test_each_check_can_fail(
     """One clear line, and an exit code that is not zero."""
     run = demo.read_run(folder)
     spoil(run.summary)
-    assert demo.verdict(demo.checks(run, demo.rigid(run.scene))) == 1
+    assert demo.verdict("free_rocking", demo.checks(run, demo.rigid(run.scene))) == 1
     line = capsys.readouterr().err
     assert line.startswith("free_rocking: check failed: ")
     assert line.count("\n") == 1

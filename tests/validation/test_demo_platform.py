@@ -141,7 +141,7 @@ def test_each_check_can_fail(
     """One clear line that names the run, and an exit code that is not zero."""
     run = demo.read_run(folders[3])
     spoil(run.summary)
-    assert demo.verdict(demo.checks([run], demo.references([run]))) == 1
+    assert demo.verdict("block_on_platform", demo.checks([run], demo.references([run]))) == 1
     line = capsys.readouterr().err
     assert line.startswith(f"block_on_platform: check failed: {NAMES[3]}: ")
     assert line.count("\n") == 1

@@ -97,7 +97,7 @@ def test_each_check_can_fail(
 ) -> None:
     rows = demo.read_table(folder)
     spoil(rows, demo)
-    assert demo.verdict(demo.checks(rows)) == 1
+    assert demo.verdict("platform_suite", demo.checks(rows)) == 1
     assert capsys.readouterr().err == f"platform_suite: check failed: {said}\n"
 
 
