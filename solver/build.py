@@ -16,9 +16,10 @@ from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
 from solver.arrangement import stands
-from solver.contact.carriers import Carrier, Face
+from solver.contact.carriers import Carrier
 from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.crossings import Crossings
+from solver.contact.face import Face
 from solver.contact.faces import ContactFaces, Contacts, FixedContacts
 from solver.contact.friction import FrictionLaw
 from solver.contact.interface import Interface

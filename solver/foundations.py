@@ -14,7 +14,8 @@ from geometry.foundation import Frame, Plate, RigidFoundation
 from geometry.frame_mesh import FrameCells, frame_mesh
 from geometry.mesh import plate_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Carrier, Face, Plane
+from solver.contact.carriers import Carrier, Plane
+from solver.contact.face import Face
 from solver.contact.surface import Facets, carrier_surface
 from solver.contact.surfaces import FixedPoints, NodePoints, RigidPoints
 from solver.mechanics.dense_body import Oscillator

@@ -20,9 +20,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.contact.carriers import DEEP, Face
+from solver.contact.carriers import Meshed
+from solver.contact.face import DEEP, Face
 from solver.contact.outline import Outline
-from solver.contact.seats import EdgeSpots, Seat, in_frames, in_space, spread
+from solver.contact.seats import EdgeSpots, Seat, in_frames, in_space
 from solver.contact.surfaces import Seen
 
 Array = NDArray[np.float64]
@@ -49,7 +50,7 @@ ROUNDS, SETTLED = 6, 1e-13
 part of a segment by which a round has to move it for another one."""
 
 
-class Crossings:
+class Crossings(Meshed):
     """Where the four edges of a lower face are crossed by those of an upper one, all 16 pairs.
 
     Attributes:
@@ -59,7 +60,6 @@ class Crossings:
             energy; 0 for others, (16,), m.
     """
 
-    turns = True
     count = 16
 
     def __init__(self, upper: Outline, lower: Outline, top: Face, bottom: Face):
@@ -245,18 +245,6 @@ class Crossings:
     def lapse(self, old: Seat, new: Seat, force: Array) -> float:
         """Nothing: the work of the vectors is exact."""
         return 0.0
-
-    def react(self, old: Seat, new: Seat, vectors: Array) -> Array | None:
-        """Forces on the nodes of the lower outline."""
-        if not vectors.any():
-            return None
-        assert old.foot is not None and new.foot is not None
-        return spread(old.foot, new.foot, -vectors, self.points.count)
-
-    def carried(self, seat: Seat, values: Array) -> Array:
-        """What vectors of the lower outline's nodes are at the crossings."""
-        assert seat.foot is not None
-        return seat.foot.carried(values)
 
     def off(self, seat: Seat) -> Mask | None:
         """Pairs that do not cross are not eligible; none of the others is beyond an edge."""

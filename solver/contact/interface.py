@@ -23,7 +23,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from solver.contact.carriers import DEEP, Carrier, Face
+from solver.contact.carriers import Carrier
+from solver.contact.face import DEEP, Face
 from solver.contact.friction import Bounds, FrictionLaw
 from solver.contact.points import SurfaceState
 from solver.contact.seats import Seat

@@ -20,6 +20,7 @@ from solver.mechanics.material import Material, hooke
 from solver.parallel import Layer
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 DENSE_ENTRIES = 50_000
 
@@ -81,38 +82,21 @@ class ContactPoints:
         self.layer, self.material, self.size = layer, material, size
         self._moduli = material.lame, material.shear
         self.node_positions = table.node_positions
-        count, dimension = table.position.shape
-        if merge:
-            keys = np.column_stack([table.tag, np.round(table.position / size, 9)])
-            _, first, point = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-        else:
-            first = point = np.arange(count)
-        point = point.ravel()
-        self.count, self.dimension = len(first), dimension
+        self.dimension = dimension = table.position.shape[1]
+        first, point = _merged(table, size) if merge else _apart(table)
+        self.count = len(first)
         self.weight: Array = np.asarray(np.bincount(point, table.weight), dtype=np.float64)
-        share = table.weight / self.weight[point]
-        average = sp.csr_matrix((share, (point, np.arange(count))), shape=(self.count, count))
+        average = _averages(table, point, self.weight)
         self.reference: Array = table.position[first]
         self.tag = table.tag[first]
         self.normal = average @ table.normal
         self.gamma_h: Array = gamma * material.longitudinal * degree**2 / (average @ table.size)
         self._normal = table.normal
         self._normal_row, self._normal_column = table.normal[:, None, :], table.normal[:, :, None]
-        rows = np.repeat(np.arange(count), table.nodes.shape[1])
-        shape = (count, layer.size)
-        values = average @ sp.csr_matrix(
-            (table.values.ravel(), (rows, table.nodes.ravel())), shape=shape
-        )
+        values = average @ _node_rows(table, table.values, layer)
         values.data[np.abs(values.data) < 1e-14] = 0.0  # what tabulation leaves at other nodes
         values.eliminate_zeros()
-        directions = [
-            sp.csr_matrix(
-                (table.gradients[:, :, j].ravel(), (rows, table.nodes.ravel())), shape=shape
-            )
-            for j in range(dimension)
-        ]
-        order = np.arange(count * dimension).reshape(dimension, count).T.ravel()
-        gradient = sp.vstack(directions).tocsr()[order]
+        gradient = _gradient_rows(table, layer)
         self._sparse = average, values, gradient
         self._average, self._average_T = compact(average), compact(average.T)
         self.values, self.values_T = compact(values), compact(values.T)
@@ -185,6 +169,41 @@ class ContactPoints:
     def position_rows(self) -> sp.csr_matrix:
         """Positions as a linear map of the displacements, (points d, nodes d)."""
         return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension)))
+
+
+def _merged(table: Evaluations, size: float) -> tuple[Indices, Indices]:
+    """The first evaluation of each point and the point of each evaluation: those at one place."""
+    keys = np.column_stack([table.tag, np.round(table.position / size, 9)])
+    _, first, point = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return first, point.ravel()
+
+
+def _apart(table: Evaluations) -> tuple[Indices, Indices]:
+    """The same where every evaluation is a point of its own."""
+    each = np.arange(len(table.position))
+    return each, each
+
+
+def _averages(table: Evaluations, point: Indices, weight: Array) -> sp.csr_matrix:
+    """Averages over the evaluations that meet in a point, (points, evaluations)."""
+    each = np.arange(len(point))
+    share = table.weight / weight[point]
+    return sp.csr_matrix((share, (point, each)), shape=(len(weight), len(point)))
+
+
+def _node_rows(table: Evaluations, factors: Array, layer: Layer) -> sp.csr_matrix:
+    """Factors at the nodes of each evaluation as rows over the layer, (evaluations, nodes)."""
+    count, nodes = table.nodes.shape
+    rows = np.repeat(np.arange(count), nodes)
+    return sp.csr_matrix((factors.ravel(), (rows, table.nodes.ravel())), shape=(count, layer.size))
+
+
+def _gradient_rows(table: Evaluations, layer: Layer) -> sp.csr_matrix:
+    """Derivatives at the evaluations, (evaluations d, nodes): d rows for each evaluation."""
+    count, dimension = table.position.shape
+    directions = [_node_rows(table, table.gradients[:, :, j], layer) for j in range(dimension)]
+    order = np.arange(count * dimension).reshape(dimension, count).T.ravel()
+    return sp.vstack(directions).tocsr()[order]
 
 
 def extent(domain: mesh.Mesh) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.build import Assembly, Member
-from solver.contact.carriers import Face
+from solver.contact.face import Face
 from solver.contact.interface import Key, Memory
 from solver.contact.seats import in_space
 from solver.contact.surfaces import NitschePoints

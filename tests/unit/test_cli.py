@@ -159,7 +159,9 @@ def test_a_scene_is_never_written_over(scene: Path, capsys: Captured) -> None:
 
 
 def test_a_folder_that_cannot_be_made(scene: Path, capsys: Captured) -> None:
-    refused(["reference", "granite.toml", "-o", "granite.toml/below"], capsys)
+    line = refused(["reference", "granite.toml", "-o", "granite.toml/below"], capsys)
+    got = "granite.toml/below (not a directory)"
+    assert line == f"rockslip: -o: got {got}, allowed a folder that can be written\n"
 
 
 @pytest.mark.serial

@@ -16,7 +16,7 @@ import pytest
 from geometry.disc_mesh import disc_mesh
 from geometry.mesh import move
 from geometry.tags import FacetTag
-from solver.contact.carriers import Face
+from solver.contact.face import Face
 from solver.contact.faces import ContactFaces
 from solver.contact.friction import FrictionLaw
 from solver.contact.surface import carrier_surface

@@ -18,7 +18,7 @@ from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Face
+from solver.contact.face import Face
 from solver.contact.faces import ContactFaces
 from solver.contact.friction import FrictionLaw
 from solver.contact.surface import carrier_surface

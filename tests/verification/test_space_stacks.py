@@ -14,9 +14,9 @@ from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.build import build, initial_state, rim
-from solver.contact.carriers import Face
 from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.crossings import Crossings
+from solver.contact.face import Face
 from solver.contact.friction import FrictionLaw
 from solver.contact.outline import Outline
 from solver.contact.surface import carrier_surface

@@ -15,7 +15,7 @@ from geometry.block import Block
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Face
+from solver.contact.face import Face
 from solver.contact.friction import FrictionLaw
 from solver.contact.interface import Interface
 from solver.contact.points import contact_points
