@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from scenes import SHORT_GRANITE
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 
@@ -31,3 +32,14 @@ def records() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no recorded ground motions in {folder}")
     return folder
+
+
+@pytest.fixture
+def granite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The scene `SHORT_GRANITE` as a file in the current folder, and no mpirun around it."""
+    for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "granite.toml"
+    file.write_text(SHORT_GRANITE)
+    return file

@@ -10,28 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import GRANITE
 
 from solver.post.history import History
 
 ROOT = Path(__file__).parents[2]
 
-SCENE = """
-[[block]]
-width = 0.25
-height = 1.0
-thickness = 0.75
-mass = 503.0
-young = 5.0e10
-poisson = 0.2
-tilt_deg = 3.0
-[contact]
-friction = 0.7
-[time]
-end = 3.0
-step = 1.0e-3
-[output]
-every = 0.1
-"""
+SCENE = GRANITE + "[time]\nend = 3.0\nstep = 1.0e-3\n[output]\nevery = 0.1\n"
 
 
 def rockslip_on(ranks: int, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

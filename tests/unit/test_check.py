@@ -8,41 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from scenes import SHORT_GRANITE
 
 from solver.cli import main
-
-SCENE = """
-title = "A block of granite"
-[[block]]
-width = 0.25
-height = 1.0
-thickness = 0.75
-mass = 503.0
-young = 5.0e10
-poisson = 0.2
-tilt_deg = 3.0
-[contact]
-friction = 0.7
-[time]
-end = 0.3
-step = 0.001
-"""
 
 Captured = pytest.CaptureFixture[str]
 
 
-@pytest.fixture
-def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A scene in the current folder, and no mpirun around it."""
-    for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
-    file = tmp_path / "granite.toml"
-    file.write_text(SCENE)
-    return file
-
-
-def test_check_tells_the_numbers_of_the_paper_s_block(scene: Path, capsys: Captured) -> None:
+def test_check_tells_the_numbers_of_the_paper_s_block(granite: Path, capsys: Captured) -> None:
     """R, alpha, p and e as in verification.md D.2."""
     assert main(["check", "granite.toml"]) == 0
     text = " ".join(capsys.readouterr().out.split())
@@ -58,10 +31,10 @@ def test_check_tells_the_numbers_of_the_paper_s_block(scene: Path, capsys: Captu
         "300 steps of 0.001 s",
     ):
         assert part in text
-    assert list(scene.parent.iterdir()) == [scene]
+    assert list(granite.parent.iterdir()) == [granite]
 
 
-def test_check_counts_other_meshes_and_motions(scene: Path, capsys: Captured) -> None:
+def test_check_counts_other_meshes_and_motions(granite: Path, capsys: Captured) -> None:
     words = ["block.cell=triangle", "block.degree=2", "block.cells=[2, 3]", "block.tilt_deg=0"]
     motion = ["motion={kind='sine', amplitude_g=0.4, period=0.5}", "contact.friction=0.2"]
     assert main(["check", "granite.toml", "--set", *words, "--set", *motion]) == 0
@@ -87,7 +60,7 @@ def checked(captured: Captured, *words: str) -> str:
     return " ".join(captured.readouterr().out.split())
 
 
-def test_check_tells_of_a_platform(scene: Path, capsys: Captured) -> None:
+def test_check_tells_of_a_platform(granite: Path, capsys: Captured) -> None:
     words = "foundation={kind='oscillator', mass_ratio=2.0, period=0.5, damping_ratio=0.05}"
     text = checked(capsys, words, "block.tilt_deg=0")
     for part in (
@@ -101,7 +74,7 @@ def test_check_tells_of_a_platform(scene: Path, capsys: Captured) -> None:
 
 
 def test_check_reports_the_period_of_meshed_foundations(
-    scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+    granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     module: Any = types.ModuleType("solver.foundations")
     module.natural_period = lambda asked: 0.25 if asked.foundation.kind == "frame" else 0.51
@@ -163,14 +136,14 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
 
 
 def test_check_without_dolfinx_says_what_is_missing(
-    scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+    granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "solver.foundations", None)
     assert main(["check", "granite.toml", "--set", *FRAME]) == 4
     assert "natural period" in capsys.readouterr().err
 
 
-def test_check_in_space_and_of_rigid_blocks(scene: Path, capsys: Captured) -> None:
+def test_check_in_space_and_of_rigid_blocks(granite: Path, capsys: Captured) -> None:
     text = checked(capsys, "dimension=3", "block.velocity=[0.1, 0, -1]")
     assert "slenderness along y 0.64350 rad" in text
     assert "velocity 0.1 0 -1 m/s" in text
@@ -184,7 +157,7 @@ def test_check_in_space_and_of_rigid_blocks(scene: Path, capsys: Captured) -> No
     assert "mesh none: rigid, 3 unknowns" in checked(capsys, *words)
 
 
-def test_check_of_a_stack_with_motions(scene: Path, capsys: Captured) -> None:
+def test_check_of_a_stack_with_motions(granite: Path, capsys: Captured) -> None:
     upper = """
 [[block]]
 name = "upper"
@@ -196,7 +169,7 @@ mass = 100.0
 model = "rigid"
 friction = 0.2
 """
-    scene.write_text(SCENE.replace("[contact]", f"{upper}[contact]"))
+    granite.write_text(SHORT_GRANITE.replace("[contact]", f"{upper}[contact]"))
     heave = "motion.vertical={kind='ricker', amplitude_g=-0.3, frequency=2.0}"
     text = checked(capsys, heave, "upper.angular_velocity=2")
     for part in (
@@ -211,9 +184,9 @@ friction = 0.2
     assert "frequency p" not in checked(capsys, "gravity=0")
 
 
-def test_check_of_a_record(scene: Path, capsys: Captured) -> None:
+def test_check_of_a_record(granite: Path, capsys: Captured) -> None:
     """1 m/s2 for 4 s: its measures are known."""
-    (scene.parent / "push.txt").write_text("units: m/s2\n" + "1\n" * 401)
+    (granite.parent / "push.txt").write_text("units: m/s2\n" + "1\n" * 401)
     record = "kind='record', file='push.txt', dt=0.01"
     text = checked(capsys, f"motion={{{record}, vertical={{{record}, scale=-0.5, start=0.0123}}}}")
     for part in (
@@ -230,8 +203,8 @@ def test_check_of_a_record(scene: Path, capsys: Captured) -> None:
     assert "steps 0.003 s does not divide 0.01 s: they take the mean acceleration" in text
 
 
-def test_check_of_tables_and_pulses(scene: Path, capsys: Captured) -> None:
-    (scene.parent / "table.csv").write_text("1 0\n2 0.5\n4 0\n")
+def test_check_of_tables_and_pulses(granite: Path, capsys: Captured) -> None:
+    (granite.parent / "table.csv").write_text("1 0\n2 0.5\n4 0\n")
     text = checked(capsys, "motion={kind='table', file='table.csv'}")
     for part in (
         "PGA 0.5 g = 4.905 m/s2 samples 3, 1 to 2 s apart, 3 s long, from 1 s",
@@ -248,9 +221,9 @@ def test_check_of_tables_and_pulses(scene: Path, capsys: Captured) -> None:
     assert ", 0 m/s in the end" in text
 
 
-def test_check_of_a_bad_record(scene: Path, capsys: Captured) -> None:
+def test_check_of_a_bad_record(granite: Path, capsys: Captured) -> None:
     """One line that names file and line, or the key; exit code 2."""
-    file = scene.parent / "bad.AT2"
+    file = granite.parent / "bad.AT2"
     file.write_text("A\nB\nUNITS OF G\nNPTS= 3, DT= .01\n1 2\n")
     words = ["check", "granite.toml", "--set", "motion={kind='record', file='bad.AT2'}"]
     assert main(words) == 2

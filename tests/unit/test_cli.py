@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import types
@@ -10,42 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import outside_mpirun
+from scenes import SHORT_GRANITE
 
 from solver.cli import main
 from solver.errors import NotConverged
 from solver.folders import LEFT_BEHIND
 
-SCENE = """
-title = "A block of granite"
-[[block]]
-width = 0.25
-height = 1.0
-thickness = 0.75
-mass = 503.0
-young = 5.0e10
-poisson = 0.2
-tilt_deg = 3.0
-[contact]
-friction = 0.7
-[time]
-end = 0.3
-step = 0.001
-"""
-
 HEAVY = ("dolfinx", "gmsh", "matplotlib", "mpi4py", "petsc4py", "pyvista")
 
 Captured = pytest.CaptureFixture[str]
-
-
-@pytest.fixture
-def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A scene in the current folder, and no mpirun around it."""
-    for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
-    file = tmp_path / "granite.toml"
-    file.write_text(SCENE)
-    return file
 
 
 @pytest.fixture
@@ -82,7 +55,7 @@ def refused(arguments: list[str], captured: Captured) -> str:
     return output.err
 
 
-def test_without_arguments_it_helps(scene: Path, capsys: Captured) -> None:
+def test_without_arguments_it_helps(granite: Path, capsys: Captured) -> None:
     assert main([]) == 0
     text = capsys.readouterr().out
     for word in ("run", "check", "reference", "plot", "info", "Exit codes"):
@@ -107,34 +80,34 @@ def test_without_arguments_it_helps(scene: Path, capsys: Captured) -> None:
     ],
 )
 def test_bad_input_is_one_line(
-    scene: Path, capsys: Captured, arguments: list[str], parts: list[str]
+    granite: Path, capsys: Captured, arguments: list[str], parts: list[str]
 ) -> None:
     if arguments[0] == "run":
         pytest.importorskip("mpi4py")
     line = refused(arguments, capsys)
     for part in parts[-1:] if arguments[-1] == "." else parts:
         assert part in line
-    assert list(scene.parent.iterdir()) == [scene]
+    assert list(granite.parent.iterdir()) == [granite]
 
 
-def test_reference_and_its_folder(scene: Path, capsys: Captured) -> None:
+def test_reference_and_its_folder(granite: Path, capsys: Captured) -> None:
     assert main(["reference", "granite.toml"]) == 0
     text = capsys.readouterr().out
     assert "Housner 1963" in text
     assert "1 impact at 0.1916 s" in text
-    folder = scene.parent / "granite.rigid"
+    folder = granite.parent / "granite.rigid"
     names = {file.name for file in folder.iterdir()}
     assert names == {"history.csv", "scene.toml", "summary.json"}
     # what it wrote is a scene that means the same
     before = (folder / "history.csv").read_text()
     assert main(["reference", "granite.rigid/scene.toml", "-o", "again", "-q"]) == 0
     assert capsys.readouterr().out == ""
-    assert (scene.parent / "again" / "history.csv").read_text() == before
+    assert (granite.parent / "again" / "history.csv").read_text() == before
 
 
-def test_an_earlier_run_is_kept_unless_forced(scene: Path, capsys: Captured) -> None:
+def test_an_earlier_run_is_kept_unless_forced(granite: Path, capsys: Captured) -> None:
     assert main(["reference", "granite.toml", "-q"]) == 0
-    folder = scene.parent / "granite.rigid"
+    folder = granite.parent / "granite.rigid"
     stamp = (folder / "history.csv").read_text()
     mine = folder / "notes.txt"
     mine.write_text("mine")
@@ -148,17 +121,17 @@ def test_an_earlier_run_is_kept_unless_forced(scene: Path, capsys: Captured) -> 
     assert not (folder / "fields_p0_000001.vtu").exists()
 
 
-def test_a_scene_is_never_written_over(scene: Path, capsys: Captured) -> None:
-    folder = scene.parent / "here"
+def test_a_scene_is_never_written_over(granite: Path, capsys: Captured) -> None:
+    folder = granite.parent / "here"
     folder.mkdir()
     own = folder / "scene.toml"
-    own.write_text(SCENE)
+    own.write_text(SHORT_GRANITE)
     line = refused(["reference", str(own), "-o", "here", "--force"], capsys)
     assert "holds the scene itself" in line
-    assert own.read_text() == SCENE
+    assert own.read_text() == SHORT_GRANITE
 
 
-def test_a_folder_that_cannot_be_made(scene: Path, capsys: Captured) -> None:
+def test_a_folder_that_cannot_be_made(granite: Path, capsys: Captured) -> None:
     line = refused(["reference", "granite.toml", "-o", "granite.toml/below"], capsys)
     got = "granite.toml/below (not a directory)"
     assert line == f"rockslip: -o: got {got}, allowed a folder that can be written\n"
@@ -173,7 +146,7 @@ class TestRun:
         pytest.importorskip("mpi4py")
 
     def test_what_the_solver_is_asked(
-        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
+        self, granite: Path, calls: list[dict[str, Any]], capsys: Captured
     ) -> None:
         words = ["run", "granite.toml", "--set", "block.height=1.2", "-q", "--"]
         assert main([*words, "-rockslip_snes_monitor", "-rockslip_snes_rtol", "1e-9"]) == 0
@@ -189,7 +162,7 @@ class TestRun:
         assert output.out == output.err == ""
 
     def test_what_it_says_at_the_end(
-        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
+        self, granite: Path, calls: list[dict[str, Any]], capsys: Captured
     ) -> None:
         assert main(["run", "granite.toml", "-o", "there", "-v"]) == 0
         assert "rockslip plot there" in capsys.readouterr().out
@@ -197,7 +170,7 @@ class TestRun:
         assert capsys.readouterr().err == "a line\n"
 
     def test_a_folder_in_use_is_refused_before_computing(
-        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured
+        self, granite: Path, calls: list[dict[str, Any]], capsys: Captured
     ) -> None:
         assert main(["run", "granite.toml", "-q"]) == 0
         assert "in use" in refused(["run", "granite.toml"], capsys)
@@ -208,7 +181,7 @@ class TestRun:
         ("title", "code"), [("interrupted", 130), ("not converged", 3), ("raises", 3)]
     )
     def test_exit_codes(
-        self, scene: Path, calls: list[dict[str, Any]], capsys: Captured, title: str, code: int
+        self, granite: Path, calls: list[dict[str, Any]], capsys: Captured, title: str, code: int
     ) -> None:
         assert main(["run", "granite.toml", "--set", f"title='{title}'"]) == code
         output = capsys.readouterr()
@@ -218,14 +191,14 @@ class TestRun:
             assert title in output.out
 
     def test_a_solver_that_cannot_be_imported(
-        self, scene: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+        self, granite: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
     ) -> None:
         monkeypatch.setitem(sys.modules, "solver.simulate", None)
         assert main(["run", "granite.toml"]) == 4
         assert "in-env" in capsys.readouterr().err
 
 
-def test_light_commands_import_nothing_heavy(scene: Path) -> None:
+def test_light_commands_import_nothing_heavy(granite: Path) -> None:
     """Neither `check` nor `reference` waits for dolfinx."""
     for words in ("'check', 'granite.toml'", "'reference', 'granite.toml', '-q'"):
         code = (
@@ -236,7 +209,7 @@ def test_light_commands_import_nothing_heavy(scene: Path) -> None:
         assert done.stderr.strip() == ""
 
 
-def test_python_m_solver_is_the_command(scene: Path) -> None:
+def test_python_m_solver_is_the_command(granite: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "solver", "--version"], capture_output=True, text=True
     )
@@ -245,7 +218,7 @@ def test_python_m_solver_is_the_command(scene: Path) -> None:
 
 
 def test_other_ranks_keep_silent(
-    scene: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+    granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "1")
     assert main(["check", "granite.toml"]) == 0
@@ -255,21 +228,22 @@ def test_other_ranks_keep_silent(
         main(["walk"])
     output = capsys.readouterr()
     assert output.out == output.err == ""
-    assert list(scene.parent.iterdir()) == [scene]
+    assert list(granite.parent.iterdir()) == [granite]
 
 
 @pytest.mark.serial
 @pytest.mark.mpi
-def test_bad_input_on_two_ranks_is_one_line(scene: Path) -> None:
+def test_bad_input_on_two_ranks_is_one_line(granite: Path) -> None:
     """Every rank stops, one speaks: a scene that is missing, and one with a bad value."""
     pytest.importorskip("mpi4py")
-    outside = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
     for words in (["absent.toml"], ["granite.toml", "--set", "block.poisson=0.5"]):
         command = ["mpirun", "-n", "2", sys.executable, "-m", "solver", "run", *words]
-        done = subprocess.run(command, env=outside, capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            command, env=outside_mpirun(), capture_output=True, text=True, timeout=60
+        )
         assert done.returncode == 2
         assert done.stderr.count("rockslip:") == 1
-    assert list(scene.parent.iterdir()) == [scene]
+    assert list(granite.parent.iterdir()) == [granite]
 
 
 def test_info_names_what_matters(capsys: Captured) -> None:

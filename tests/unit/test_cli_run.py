@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -13,38 +12,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from processes import outside_mpirun
+from scenes import GRANITE
 
 from solver.post.history import History
 
-SCENE = """
-title = "A block of granite"
-[[block]]
-width = 0.25
-height = 1.0
-thickness = 0.75
-mass = 503.0
-young = 5.0e10
-poisson = 0.2
-tilt_deg = 3.0
-[contact]
-friction = 0.7
-[time]
-end = 0.03
-step = 0.001
-[output]
-every = 0.01
-"""
-
+SCENE = GRANITE + "[time]\nend = 0.03\nstep = 0.001\n[output]\nevery = 0.01\n"
 BLOCK = SCENE[SCENE.index("[[block]]") : SCENE.index("[contact]")]
 
 COMMAND = [sys.executable, "-m", "solver"]
 
 pytestmark = pytest.mark.serial
-
-
-def environment() -> dict[str, str]:
-    """That of this process, outside of any mpirun around it."""
-    return {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
 
 
 def rockslip(folder: Path, *words: str, ranks: int = 1) -> subprocess.CompletedProcess[str]:
@@ -53,7 +31,7 @@ def rockslip(folder: Path, *words: str, ranks: int = 1) -> subprocess.CompletedP
     return subprocess.run(
         [*launcher, *COMMAND, *words],
         cwd=folder,
-        env=environment(),
+        env=outside_mpirun(),
         capture_output=True,
         text=True,
         timeout=120,
@@ -231,7 +209,7 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
     process = subprocess.Popen(
         [*launcher, *COMMAND, *words],
         cwd=folder,
-        env=environment(),
+        env=outside_mpirun(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

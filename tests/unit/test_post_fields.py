@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import types
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from processes import outside_mpirun
 
 from solver.post.paraview import paraview_script
 
@@ -67,9 +67,9 @@ def python(code: str, *arguments: object, ranks: int) -> None:
     command = [sys.executable, "-c", code, *map(str, arguments)]
     if ranks > 1:
         command = ["mpirun", "-n", str(ranks), *command]
-    # not taken for a rank of the run that this test may be part of
-    outside = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
-    done = subprocess.run(command, env=outside, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        command, env=outside_mpirun(), capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0, done.stderr
 
 
