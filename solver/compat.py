@@ -38,7 +38,7 @@ class PackedForm:
     def vector(self, target: NDArray[np.float64]) -> None:
         """Assemble into `target` (owned and ghost entries), which is overwritten."""
         target[:] = 0
-        fem.assemble_vector(target, self.form, self.constants, self._coefficients())
+        cpp.fem.assemble_vector(target, self.form._cpp_object, self.constants, self._coefficients())
 
     def matrix(self) -> PETSc.Mat:
         """Assemble a PETSc matrix."""

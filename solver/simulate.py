@@ -14,6 +14,7 @@ from mpi4py import MPI
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.garbage import rarely_collected
 from solver.info import versions
 from solver.interruption import Interruption
 from solver.post.history import History, scene_columns
@@ -150,7 +151,8 @@ def simulate(
         files.start(history, engine.open_fields, engine.description)
         desk = Desk(scene, history, files, interruption, progress)
         ready, written = time.perf_counter(), files.output_seconds
-        status, reason = engine.loop(desk)
+        with rarely_collected():
+            status, reason = engine.loop(desk)
         loop = time.perf_counter() - ready - (files.output_seconds - written)
         cost = {
             "wall_s": loop,

@@ -16,7 +16,7 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from solver.contact.facets import Evaluations, evaluate_facets, gather
-from solver.mechanics.material import Material, hooke
+from solver.mechanics.material import Material
 from solver.parallel import Layer
 
 Array = NDArray[np.float64]
@@ -80,7 +80,6 @@ class ContactPoints:
             merge: Whether evaluations of one face at one place are one point.
         """
         self.layer, self.material, self.size = layer, material, size
-        self._moduli = material.lame, material.shear
         self.node_positions = table.node_positions
         self.dimension = dimension = table.position.shape[1]
         first, point = _merged(table, size) if merge else _apart(table)
@@ -92,7 +91,8 @@ class ContactPoints:
         self.normal = average @ table.normal
         self.gamma_h: Array = gamma * material.longitudinal * degree**2 / (average @ table.size)
         self._normal = table.normal
-        self._normal_row, self._normal_column = table.normal[:, None, :], table.normal[:, :, None]
+        self._drawing = material.drawing(table.normal)
+        self._twice_drawing = 2 * self._drawing
         values = average @ _node_rows(table, table.values, layer)
         values.data[np.abs(values.data) < 1e-14] = 0.0  # what tabulation leaves at other nodes
         values.eliminate_zeros()
@@ -112,7 +112,7 @@ class ContactPoints:
         twice += gradient
         twice += transposed
         deformation = gradient + self._identity
-        drawn = hooke(twice, *self._moduli) @ self._normal_column
+        drawn = self._drawing @ twice.reshape(-1, d * d, 1)
         return SurfaceState(
             position=self.reference + self.values @ displacement,
             traction=self._average @ (deformation @ drawn)[:, :, 0],
@@ -137,12 +137,11 @@ class ContactPoints:
         deformation *= 0.5
         drawn = old.drawn + new.drawn
         drawn *= 0.5
-        each = self._average_T @ vector
-        pulled = (each[:, None, :] @ deformation).swapaxes(1, 2) * self._normal_row
-        inner = hooke(pulled + pulled.swapaxes(1, 2), *self._moduli)
+        each = (self._average_T @ vector)[:, None, :]
+        inner = (each @ deformation @ self._twice_drawing).reshape(-1, d, d)
         # Transposed: the rows are directions of the gradient.
         outer = inner @ deformation.swapaxes(1, 2)
-        outer += drawn * each[:, None, :]
+        outer += drawn * each
         return self._gradient_T @ outer.reshape(-1, d)
 
     def traction_rows(self) -> sp.csr_matrix:

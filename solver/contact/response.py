@@ -242,5 +242,5 @@ class DenseResponse:
 
     def respond(self, near: Near, force: Array, weight: float) -> Array | None:
         """Correction for forces at the near points of the last `couple`."""
-        change = weight * np.einsum("md,mdu->u", force, self._J) / self.tangent
+        change = weight * (force.ravel() @ self._J.reshape(force.size, -1)) / self.tangent
         return change[self.body.own]

@@ -142,7 +142,7 @@ class RigidPoints:
         assert isinstance(old, Placed) and isinstance(new, Placed)
         assert old.pose is not None and new.pose is not None
         rows = self.body.increment_rows(self.reference, old.pose, new.pose)
-        target += np.einsum("nd,ndk->k", force, rows)[self.body.own]
+        target += (force.ravel() @ rows.reshape(force.size, -1))[self.body.own]
 
 
 class NitschePoints:

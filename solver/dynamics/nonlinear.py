@@ -179,7 +179,8 @@ class NonlinearSolver:
         self.snes.setTolerances(atol=self._tolerance or tolerance)
         self._x.array[:] = unknowns
         self._correction.trouble = None
-        self.snes.solve(None, self._x)
+        with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
+            self.snes.solve(None, self._x)
         code = self.snes.getConvergedReason()
         trouble = self._correction.trouble
         reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")

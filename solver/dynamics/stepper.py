@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,14 @@ class Stepper:
             petsc_options: Options for SNES.
         """
         self.system, self.scheme, self._contacts = system, scheme, tuple(contacts)
-        self.gravity, self._ground = gravity, ground
+        self.gravity = gravity
+        motion = ground or GroundMotion((None,) * system.dimension)
+        # A step asks several times for the same.
+        self.base = lru_cache(maxsize=4)(motion.acceleration)
+        """Acceleration of the ground at a time, (d,), m/s2."""
+        self.mean_base = lru_cache(maxsize=4)(motion.mean)
+        """Mean acceleration of the ground over a step: its start and length, m/s2."""
+        self._weights = lru_cache(lambda dt: [body.weights(scheme, dt) for body in system.bodies])
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(system.dimension)
         # A step may go without its velocity solve: it is not worth the slow methods.
@@ -110,18 +118,6 @@ class Stepper:
         rotation = system.rotation(u, link.body)
         carried = system.part(u, link.carrier)
         return link.interface.start(system.part(u, link.body), carried, rotation)
-
-    def base(self, time: float) -> Array:
-        """Acceleration of the ground, m/s2."""
-        if self._ground is None:
-            return np.zeros(self.system.dimension)
-        return self._ground.acceleration(time)
-
-    def mean_base(self, time: float, dt: float) -> Array:
-        """Mean acceleration of the ground over a step, m/s2."""
-        if self._ground is None:
-            return np.zeros(self.system.dimension)
-        return self._ground.mean(time, dt)
 
     def interface_energy(self, state: State) -> float:
         """Energy stored in all interfaces, J."""
@@ -274,7 +270,7 @@ class Stepper:
         drift = state.u + dt * state.v
         balance = Balance(
             contact=state.contacts,
-            weights=[body.weights(scheme, dt) for body in system.bodies],
+            weights=self._weights(dt),
             constant=constant,
             load=load,
             drift=drift,

@@ -101,6 +101,7 @@ class ElasticBody:
         self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
         self._forces = self._buffer.array
         self._factorizations: dict[TangentWeights, Factorization] = {}
+        self._rounding: tuple[TangentWeights, Array] | None = None
         self._spring, self._dashpot = self._spread(domain, spring)
         self.factorizations = 0
         """How many tangents were factorized so far."""
@@ -327,12 +328,14 @@ class ElasticBody:
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
-        node_mass = self.mass * self.dimension / self.unknowns
-        # Small and thin cells are stiff, and so are damped ones in short steps.
-        terms = 0.28 if self.dimension == 2 else 0.7  # more nodes make more round-off
-        stiffness = terms * max(1.0, weights.stiffness) * self._diagonal
-        stiffness += 0.1 * weights.mass * node_mass
-        return float(np.finfo(float).eps) ** 2 * float(np.sum((stiffness * u) ** 2))
+        if self._rounding is None or self._rounding[0] is not weights:
+            node_mass = self.mass * self.dimension / self.unknowns
+            # Small and thin cells are stiff, and so are damped ones in short steps.
+            terms = 0.28 if self.dimension == 2 else 0.7  # more nodes make more round-off
+            stiffness = terms * max(1.0, weights.stiffness) * self._diagonal
+            stiffness += 0.1 * weights.mass * node_mass
+            self._rounding = weights, (float(np.finfo(float).eps) * stiffness) ** 2
+        return float(self._rounding[1] @ u**2)
 
     def strain_energy(self) -> float:
         """Integral of E:C:E/2 over this rank's cells, J, at the displacement last assigned."""

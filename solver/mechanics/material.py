@@ -52,21 +52,17 @@ class Material:
         """The material of a plate of this thickness: forces per metre become whole forces."""
         return replace(self, young=self.young * thickness, density=self.density * thickness)
 
-    def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """S = lambda tr(E) I + 2 mu E for strains (..., d, d)."""
-        return hooke(2 * strain, self.lame, self.shear)
+    def drawing(self, normal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rows D with S N = D (2 E) for normals N (n, d), the strain's entries in one: (n, d, d d).
 
-
-def hooke(twice: NDArray[np.float64], lame: float, shear: float) -> NDArray[np.float64]:
-    """S = lambda tr(E) I + 2 mu E of twice the strain, 2 E, (..., d, d)."""
-    stress = shear * twice
-    trace = twice[..., 0, 0] + twice[..., 1, 1]
-    if twice.shape[-1] == 3:
-        trace += twice[..., 2, 2]
-    trace *= 0.5 * lame
-    for i in range(twice.shape[-1]):
-        stress[..., i, i] += trace
-    return stress
+        D is symmetric in the strain's indices, so that D^T gives symmetric matrices.
+        """
+        count, d = normal.shape
+        identity = np.eye(d)
+        shared = np.einsum("ik,nl->nikl", identity, normal)
+        rows = self.shear * (shared + shared.swapaxes(2, 3))
+        rows += self.lame * normal[:, :, None, None] * identity
+        return np.asarray(0.5 * rows.reshape(count, d, d * d))
 
 
 def green_strain(gradient: Any) -> Any:

@@ -107,6 +107,7 @@ class BlockObserver:
         self._slip = np.zeros(stepper.system.dimension - 1)
         self._interface = self._link.interface
         self._home = self._first_home(state)
+        self._homes: tuple[bytes, Array] | None = None
         self._corners = self._bottom()
 
     @property
@@ -150,6 +151,7 @@ class BlockObserver:
         link, memory = self._link, state.contacts[self._member.contacts[0]]
         if link.interface is not self._interface:
             self._interface = link.interface
+            self._homes = None
             self._corners = self._bottom()
         self._slip = self._slipped(memory)
         seat = link.interface.carrier.seat(self._corner_positions(state), memory.seat.carrier)
@@ -228,13 +230,21 @@ class BlockObserver:
         Home is where a point belongs at the start, for points of other faces where it has
         to be for the slip not to jump when they first touch.
         """
-        keys, place = self._interface.keys(), memory.seat.place
-        touching = self._touching(memory)
+        place, touching = memory.seat.place, self._touching(memory)
+        which = touching.tobytes()
+        if self._homes is None or self._homes[0] != which:
+            self._settle(place, touching)
+            keys = self._interface.keys()
+            self._homes = which, np.array([self._home[keys[q]] for q in touching])
+        return np.asarray((place[touching, 1:] - self._homes[1]).mean(axis=0))
+
+    def _settle(self, place: Array, touching: NDArray[np.int64]) -> None:
+        """Find homes for points that touch for the first time."""
+        keys = self._interface.keys()
         known = [place[q, 1:] - self._home[keys[q]] for q in touching if keys[q] in self._home]
         slip = sum(known) / len(known) if known else self._slip
         for q in touching:
             self._home.setdefault(keys[q], place[q, 1:] - slip)
-        return np.asarray(slip)
 
 
 class PlatformObserver:
