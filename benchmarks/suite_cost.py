@@ -6,8 +6,9 @@ The platform of the paper (mass ratio 2, period 0.5 s, xi 0.05, friction 0.2) un
 synthetic motions in which the block slides, in steps of 1e-2 to 2e-4 s: a rigid block, an elastic
 one on the oscillator, an elastic one on a meshed plate on rollers. Writes
 `benchmarks/suite_cost.csv`, a row for each model and step: errors of the peak drift against the
-closed form of the rigid block, and the median time of the loop. One run after the other: their
-times are those of a machine that does nothing else.
+closed form of the rigid block, and the median time of the loop; and
+`docs/pictures/suite_cost.png`, which shows them. One run after the other: their times are those of
+a machine that does nothing else.
 """
 
 from __future__ import annotations
@@ -20,16 +21,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from rows import write_table
 from tqdm import tqdm
 
 from solver.excitation.table1 import table1_suite
+from solver.post.style import colour, legend_above, new_figure, save
 from solver.reference.answer import reference_history
 from solver.scene import Scene, parse_scene
 from solver.simulate import simulate
 from solver.specs import SyntheticSpec
 
 TABLE = Path(__file__).with_suffix(".csv")
+PICTURE = TABLE.parents[1] / "docs" / "pictures" / "suite_cost.png"
 
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4)
 FRICTION = 0.2
@@ -107,6 +111,23 @@ def row_of(model: str, step: float, exact: dict[int, float], end: float) -> dict
     }
 
 
+def drawn(rows: list[dict[str, Any]], end: float) -> Figure:
+    """Mean error against time in the loop, a line for each model."""
+    figure = new_figure(3.2)
+    axes = figure.subplots()
+    for number, model in enumerate(MODELS):
+        own = [row for row in rows if row["model"] == model]
+        at = [[float(row[key]) for row in own] for key in ("loop_s", "mean_error")]
+        axes.plot(*at, "o-", color=colour(number), markersize=4, label=model)
+        for row, time, error in zip(own, *at, strict=True):
+            axes.annotate(f"{row['step_s']:g} s", (time, error), (4, 3), textcoords="offset points",
+                          fontsize=6)  # fmt: skip
+    axes.set(xscale="log", yscale="log", ylabel="error of the peak drift")
+    axes.set_xlabel(f"time in the loop for {end:g} s of motion (s)")
+    legend_above(figure)
+    return figure
+
+
 def main() -> int:
     """Run all."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -115,10 +136,11 @@ def main() -> int:
     options = parser.parse_args()
     exact = sliding_motions(options.motions, options.end)
     grid = [(model, step) for model in MODELS for step in STEPS]
-    write_table(
+    rows = write_table(
         TABLE,
         (row_of(model, step, exact, options.end) for model, step in tqdm(grid, desc="cost")),
     )
+    save(lambda: drawn(rows, options.end), PICTURE)
     sys.stdout.write(f"{len(grid)} rows of {len(exact)} motions each; table in {TABLE}\n")
     return 0
 
