@@ -93,15 +93,21 @@ def newton(system: LocalSystem, f: Array, line: Line, *, halvings: int = HALVING
         target = _linearised(system, trial, line)
         if target is None:
             return None
-        f, trial, nearest = _searched(system, line, f, target, nearest, halvings)
+        found = _searched(system, line, f, target, nearest, halvings)
+        if found is None:
+            return None
+        f, trial, nearest = found
     return None
 
 
 def _searched(
     system: LocalSystem, line: Line, f: Array, target: Array, nearest: Array, halvings: int
-) -> tuple[Array, Array, Array]:
-    """The force between f and its target that leaves enough less, else the least; P of it too."""
-    before, least = float(np.linalg.norm(f - nearest)), np.inf
+) -> tuple[Array, Array, Array] | None:
+    """The force between f and its target that leaves enough less, else the least; P of it too.
+
+    None where no number is left: forces beyond all bounds, of an iteration that diverges.
+    """
+    before, least, best = float(np.linalg.norm(f - nearest)), np.inf, None
     for k in range(halvings + 1):
         step = 0.5**k
         force = f + step * (target - f)

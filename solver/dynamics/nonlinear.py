@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 ROUND_OFF = 50.0
 """A residual within this factor of its tolerance that no longer falls is round-off."""
 
+GROWN = 1e8
+"""A residual that grew by this factor does not fall again (of those that did: by 140 at most)."""
+
 REASONS = {
     2: "residual below its absolute tolerance",
     3: "residual below its relative tolerance",
@@ -152,6 +155,8 @@ class NonlinearSolver:
             return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
         if iterations == 0:
             return 0  # forces that balance need not obey the contact law of this step
+        if residual > GROWN * max(self._first, atol):
+            return int(PETSc.SNES.ConvergedReason.DIVERGED_DTOL)
         if residual <= atol:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
         if residual <= rtol * self._first:

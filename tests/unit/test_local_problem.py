@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import nnls
 
 from solver.contact.friction import Bounds
-from solver.contact.local_disc import DiscSolver
+from solver.contact.local_disc import DiscSolver, newton
 from solver.contact.local_plane import PlaneSolver
 from solver.contact.local_problem import (
     LocalProblem,
@@ -390,3 +390,12 @@ def test_without_patience_a_hard_case_is_given_up(d):
     for patience in (0, 1):  # Newton's method alone, and with the first method behind it
         with pytest.raises(NoContactSolution, match=f"{points} points"):
             LocalProblem(d, patience=patience).solve(W, q, np.zeros_like(q), bounds)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_newton_gives_up_forces_beyond_all_numbers(d):
+    """Those of an iteration that diverges: their squares are infinite."""
+    W, q = easy(900, 4, d)
+    system = LocalSystem(W, 1e200 * q, diagonal_scaling(W), Bounds.uniform(0.5, 4))
+    with np.errstate(over="ignore", invalid="ignore"):
+        assert newton(system, np.zeros_like(q), system.coulomb) is None
