@@ -1,4 +1,4 @@
-"""Generalized-alpha with contact impulses outside the average: coefficients, pure numbers.
+"""Generalized-alpha with impulses outside the average: coefficients, pure numbers.
 
 The weights `alpha_m`, `alpha_f` are those of the OLD state (Chung and Hulbert 1993). Unlike there,
 beta = gamma_n/2, which makes
@@ -8,8 +8,10 @@ beta = gamma_n/2, which makes
 hold for every rho_inf, so that the work of any force against u_{n+1} - u_n is the change of kinetic
 energy it causes. The contact force c acts at t_{n+1} alone and its impulse is not carried over
 (after Chen, Acary, Virlez and Bruls 2013, and Kane et al. 1999): it moves u by dt^2/2 M^-1 c and v
-by dt M^-1 c. Damping forces do the same, taken at the mean velocity of the step, du/dt with
-du = u_{n+1} - u_n: in the average of forces, velocities that jump would give energy back.
+by dt M^-1 c. Loads do the same, with their mean over the step: the inertia forces that are carried
+over would follow a jump of the load only in several steps. So do damping forces, taken at the mean
+velocity of the step, du/dt with du = u_{n+1} - u_n: in the average of forces, velocities that jump
+would give energy back.
 """
 
 from __future__ import annotations

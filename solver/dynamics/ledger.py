@@ -41,7 +41,7 @@ def _present(force: Array | None) -> Array:
 class StepLedger:
     """Energies of the new state before the velocity solve; what damping and averaging took.
 
-    With r = M a + F - f a step loses skew du.dr to the averaging of forces, and du.C du/dt to
+    With r = p + F a step loses skew du.dr to the averaging of forces, and du.C du/dt to
     damping.
     """
 
@@ -89,9 +89,7 @@ class StepLedger:
     def _booked(self, total: Array) -> Exchange:
         """The exchange, from sums over all ranks."""
         stepper, old, new = self._stepper, self._old, self._new
-        moved = total[6:]
-        before, after = stepper.base(old.time), stepper.base(new.time)
-        increment = float(total[3] + moved @ (after - before))
+        moved, increment = total[6:], float(total[3])
         for link, first, last in zip(stepper.links, old.contacts, new.contacts, strict=True):
             increment -= link.interface.theta_increment(first, last)
         return Exchange(

@@ -21,7 +21,7 @@ class State:
         time: t_n, s.
         u: Displacement of the owned unknowns of all bodies, m.
         v: Velocity, m/s.
-        p: Inertia force M a without that of the contact impulse, N.
+        p: Inertia force M a without that of the impulses, which are contact, loads and damping, N.
         contacts: Memory of each interface.
         kinetic: Kinetic energy, J.
         strain: Strain energy, J.

@@ -125,7 +125,7 @@ class Stepper:
         return sum(link.interface.energy(memory) for link, memory in pairs)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
-        """A state whose inertia balances loads and stresses without contact forces (r_0 = 0)."""
+        """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
         for contact in self._contacts:
             if contact.carrier is not None:
                 contact.surface.turn(self.system.rotation(u, contact.carrier))
@@ -202,7 +202,7 @@ class Stepper:
         ]
 
     def _consistent(self, state: State) -> State:
-        """Fill in p_0 = f - F(u_0) and the energies of a state."""
+        """Fill in p_0 = -F(u_0) and the energies of a state."""
         system = self.system
         forces = np.zeros(system.size)
         for body, own in zip(system.bodies, system.slices, strict=True):
@@ -221,24 +221,17 @@ class Stepper:
                     contact_weight=1.0,
                     sign=-1.0,
                 )
-        state.p = self._load(state.time) - forces
-        state.p[system.fixed] = 0.0
+        forces[system.fixed] = 0.0
+        state.p = -forces
         state.kinetic, state.strain, state.spring = energies(system, state)
         return state
 
-    def _load(self, time: float) -> Array:
-        """Body forces of gravity and of the accelerated ground, N."""
-        return (self.gravity - self.base(time)) @ self.system.directional_mass
+    def _load(self, time: float, dt: float) -> Array:
+        """Body forces of gravity and of the accelerated ground, mean over a step, N.
 
-    def _step_load(self, time: float, dt: float) -> Array:
-        """Body forces of a step: those of its end and its start, weighted, N.
-
-        Of the ground they are m times mean + (1/2 - alpha_f) change of its acceleration: the
-        weighted ones where that is linear over the step; elsewhere no impulse goes missing.
+        From the ground's velocity: no impulse goes missing, whatever the step.
         """
-        change = self.base(time + dt) - self.base(time)
-        ground = self.mean_base(time, dt) + self.scheme.skew * change
-        return (self.gravity - ground) @ self.system.directional_mass
+        return (self.gravity - self.mean_base(time, dt)) @ self.system.directional_mass
 
     def _solved(self, balance: Balance, guess: Array) -> Solution:
         """Solve, or say why not."""
@@ -258,7 +251,7 @@ class Stepper:
         scheme, system = self.scheme, self.system
         self._turn(state, dt)
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
-        load = self._step_load(state.time, dt)
+        load = scheme.contact_weight * self._load(state.time, dt)
         constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
         for body, own in zip(system.bodies, system.slices, strict=True):
             body.begin_step(state.u[own], scheme, dt)
@@ -295,6 +288,7 @@ class Stepper:
             for force in (body.viscous_force(dt), body.drag(mean[own])):
                 if force is not None:
                     p[own] += 0.5 / scheme.beta * force
+        p -= 0.5 / scheme.beta * self._load(state.time, dt)
         contacts, friction, lost = [], 0.0, 0.0
         for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True):
             add_contact_forces(

@@ -146,3 +146,16 @@ def test_the_ground_is_found_in_pieces(noise: Path) -> None:
         np.testing.assert_allclose(motion.acceleration(0.007 * k), at[k], atol=1e-14)
         np.testing.assert_allclose(motion.mean(0.007 * k, 0.007), mean[k], atol=1e-12)
     assert mean[:, 0].sum() * 0.007 == pytest.approx(0.3 * 0.981, rel=1e-12)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
+def test_a_ground_that_jumps_is_followed_at_once(noise: Path, rho: float) -> None:
+    """Within a step: its whole impulse, and no energy lost or gained in time stepping."""
+    pulse = {"kind": "rectangular", "amplitude_g": 1.0, "duration": 0.1053, "start": 0.0233}
+    timing = {"end": 0.15, "step": 0.01, "rho_inf": rho}
+    result = simulate(scene(noise, 0.01, "elastic", motion=pulse, time=timing))
+    history, energy = result.history, result.summary["energy"]
+    speed = np.diff(history["block.centre_x_m"]) / 0.01
+    assert speed[-2:] == pytest.approx(-0.1053 * 9.81, rel=1e-9)
+    assert np.abs(history["energy.numerical_J"]).max() < 1e-8 * energy["scale_J"]
+    assert energy["largest_gain_fraction"] < 1e-9

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from solver.build import Assembly, build, initial_state
 from solver.dynamics.state import State
-from solver.mechanics.dense_body import DenseBody
 from solver.reference.sliding import sliding
 from solver.scene import Scene, parse_scene
 from solver.simulate import simulate
@@ -80,22 +79,13 @@ def test_stacks_make_no_energy(models: tuple[str, ...], slender: bool) -> None:
 class Balance:
     """Momentum of each block against the forces that contact puts on it, from the scheme alone.
 
-    With P the sum of the scheme's inertia force over a block, (1 - alpha_m) P_{n+1} + alpha_m P_n
-    is its averaged weight in the accelerated ground, and its displacement in a step obeys
-    m (du - dt v_n) = dt^2 [beta P_{n+1} + (1/2 - beta) P_n + c_{n+1}/2].
+    The displacement of a block in a step obeys m (du - dt v_n) = dt^2/2 (f + c_{n+1}), with f its
+    mean weight in the accelerated ground.
     """
 
-    def __init__(self, assembly: Assembly, state: State):
-        self.stepper, self.scheme = assembly.stepper, assembly.stepper.scheme
+    def __init__(self, assembly: Assembly):
+        self.stepper = assembly.stepper
         self.system = self.stepper.system
-        self.p = [self.total(state.p, k) for k in range(len(self.system.bodies))]
-
-    def total(self, vector: Array, body: int) -> Array:
-        """Sum of a force over a body."""
-        part, member = vector[self.system.slices[body]], self.system.bodies[body]
-        if isinstance(member, DenseBody):
-            return part[:2].copy()
-        return part.reshape(-1, 2).sum(axis=0)
 
     def momentum(self, vector: Array, body: int) -> Array:
         """Of a displacement or velocity, times mass."""
@@ -104,16 +94,12 @@ class Balance:
 
     def needed(self, old: State, new: State, dt: float) -> list[Array]:
         """Contact force that each block needs to have moved as it did."""
-        am, beta = self.scheme.alpha_m, self.scheme.beta
         base = self.stepper.mean_base(old.time, dt)
-        base += self.scheme.skew * (self.stepper.base(new.time) - self.stepper.base(old.time))
         forces = []
         for k, body in enumerate(self.system.bodies):
             weight = body.mass * (self.stepper.gravity - base)
-            before, after = self.p[k], (weight - am * self.p[k]) / (1 - am)
-            self.p[k] = after
             moved = self.momentum(new.u - old.u - dt * old.v, k)
-            forces.append(2 * (moved / dt**2 - beta * after - (0.5 - beta) * before))
+            forces.append(2 * moved / dt**2 - weight)
         return forces
 
     def given(self, old: State, new: State) -> list[Array]:
@@ -133,7 +119,7 @@ def imbalance(run: Scene) -> float:
     """Largest difference between the forces that blocks get and need, over their weight."""
     assembly = build(run)
     state, _ = initial_state(run, assembly)
-    balance, dt, largest = Balance(assembly, state), run.time.step, 0.0
+    balance, dt, largest = Balance(assembly), run.time.step, 0.0
     for _ in range(100):
         new, _ = assembly.stepper.advance(state, dt)
         given, needed = balance.given(state, new), balance.needed(state, new, dt)
