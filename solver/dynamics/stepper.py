@@ -57,10 +57,9 @@ class Stepper:
         self.system, self.scheme, self._contacts = system, scheme, tuple(contacts)
         self.gravity = gravity
         motion = ground or GroundMotion((None,) * system.dimension)
-        # A step asks several times for the same.
-        self.base = lru_cache(maxsize=4)(motion.acceleration)
+        self.base = motion.acceleration
         """Acceleration of the ground at a time, (d,), m/s2."""
-        self.mean_base = lru_cache(maxsize=4)(motion.mean)
+        self.mean_base = lru_cache(maxsize=1)(motion.mean)  # a step asks several times
         """Mean acceleration of the ground over a step: its start and length, m/s2."""
         self._weights = lru_cache(lambda dt: [body.weights(scheme, dt) for body in system.bodies])
         self.velocity_solve = velocity_solve
