@@ -155,8 +155,6 @@ class NonlinearSolver:
             return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
         if iterations == 0:
             return 0  # forces that balance need not obey the contact law of this step
-        if residual > GROWN * max(self._first, atol):
-            return int(PETSc.SNES.ConvergedReason.DIVERGED_DTOL)
         if residual <= atol:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
         if residual <= rtol * self._first:
@@ -164,6 +162,8 @@ class NonlinearSolver:
         stands_still = iterations > 1 and residual > 0.5 * before and residual < ROUND_OFF * atol
         if correction <= stol * unknowns or stands_still:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE)
+        if residual > GROWN * self._first > GROWN * atol:  # grown from more than round-off
+            return int(PETSc.SNES.ConvergedReason.DIVERGED_DTOL)
         return 0
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
