@@ -226,16 +226,17 @@ class Interface:
         face of a corner.
 
         Returns:
-            Interface energy lost by the exchange (weights differ), J; added to what contact
-            dissipates.
+            Interface energy lost by the exchange (weights and tractions differ), J; added to what
+            contact dissipates.
         """
+        before, turns = self.energy(memory), False
         if isinstance(self.carrier, Face) and carrier_rotation is not None:
             self.carrier.turn(carrier_rotation)
             memory.seat = self.carrier.seat(memory.surface.position, memory.seat.carrier)
+            turns = self.theta != 1
         eligible = self.eligible(rotation, memory.seat) & ~self._beside(memory)
         if np.array_equal(eligible, memory.eligible):
-            return 0.0
-        before = self.energy(memory)
+            return before - self.energy(memory) if turns else 0.0
         y = self.augmented(memory.surface, memory.seat)
         for corner in self._corners:
             new = corner[eligible[corner]]
@@ -305,12 +306,24 @@ class Interface:
         return pull
 
     def energy(self, memory: Memory) -> float:
-        """Energy of the interface, sum of w (l^2 - theta T^2)/(2 gamma_h), J."""
+        """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.
+
+        For theta = 1 all that the law stores; for others all that any energy can: f.dT/gamma_h is
+        half the change of f.T/gamma_h but for the circulation (f.dT - T.df)/(2 gamma_h).
+        """
         stored = 0.5 * float(np.sum(memory.force**2 * self.softness[:, None]))
-        if self.theta and isinstance(memory.surface, SurfaceState):
-            tractions = np.sum(memory.surface.traction**2, axis=1)
-            stored -= 0.5 * self.theta * float(tractions @ (self.weight * self.inverse_gamma))
+        if isinstance(memory.surface, SurfaceState):
+            scaled = self._gamma_column * memory.surface.traction
+            if self.theta:
+                pulled = self._weight_column * memory.surface.traction
+                stored -= 0.5 * self.theta * float(np.sum(pulled * scaled))
+            if self.theta != 1:
+                stored -= 0.5 * (1 - self.theta) * self._work(memory.force, scaled)
         return stored
+
+    def _work(self, force: Array, moved: Array) -> float:
+        """Sum of forces in the frame of the carrier times vectors in space, J."""
+        return float(np.sum(force * (moved @ self.carrier.frame.T)))
 
     def theta_increment(self, old: Memory, new: Memory) -> float:
         """Theta sum of w |T_{n+1} - T_n|^2/gamma_h, J: its part in the numerical dissipation."""
@@ -327,7 +340,8 @@ class Interface:
 
         Friction is minus the work of the tangential forces on the anchors. What contact takes is
         the work of the point forces against y that is neither stored in the interface nor lost in
-        friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never negative.
+        friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never negative. For others the
+        circulation of `energy` comes in, of either sign.
 
         Args:
             old: Memory at t_n.
@@ -345,10 +359,10 @@ class Interface:
         contact -= self.carrier.lapse(old.seat, seat, force)
         if self.theta != 1 and isinstance(surface, SurfaceState):
             assert isinstance(old.surface, SurfaceState)
-            change = (surface.traction - old.surface.traction) @ self.carrier.frame.T
-            contact -= (1 - self.theta) * float(
-                np.sum(force * change * self.inverse_gamma[:, None])
-            )
+            before = self._gamma_column * old.surface.traction
+            after = self._gamma_column * surface.traction
+            ends = self._work(force, after) + self._work(old.force, before)
+            contact -= (1 - self.theta) * (0.5 * ends - self._work(force, before))
         slipped, broken = old.slipped, old.broken
         if not self.law.constant:
             slipped = self.at_bound(force, bounds)

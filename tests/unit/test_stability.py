@@ -71,6 +71,14 @@ def _word(case: Case) -> str:
     return "fine"
 
 
+@pytest.mark.parametrize("number", [35, 77, 113, 115, 129])
+def test_random_scenes_that_gained_energy(number: int) -> None:
+    """Ground motions of few steps with rho_inf below 1; theta -1 with much load on few points."""
+    verdict = judge(draw(number + 1, 33)[number], 60.0)
+    assert (verdict.verdict, verdict.reason) == ("holds", "")
+    assert verdict.energy_gain < 1e-6
+
+
 def test_too_soft_for_its_weight() -> None:
     """rho g H = 2680 x 9.81 x 1 Pa over 5 %: 525828 Pa."""
     assert scene(block__young=5.26e5).blocks[0].young == 5.26e5
