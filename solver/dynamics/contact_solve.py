@@ -40,14 +40,15 @@ SOFTENING = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Balance:
-    """The balance of forces to be solved for u: internal + mass M (u - drift) + constant = contact.
+    """What is solved for u: internal forces + mass M (u - start - way) + constant = contact.
 
     Attributes:
         contact: Memory of each interface that the step starts from.
         weights: Of the tangent of each body.
         constant: Loads, inertia of the old state (owned unknowns), N.
         load: The loads alone; a residual is small or large in relation to them.
-        drift: u_n + dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
+        start: u_n, m.
+        way: dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
         step: dt, s, for the speed of slip; infinite in equilibrium.
         glued: Whether closed points hold any friction.
     """
@@ -56,7 +57,8 @@ class Balance:
     weights: Sequence[TangentWeights]
     constant: Array
     load: Array
-    drift: Array | None
+    start: Array
+    way: Array | None
     step: float = np.inf
     glued: bool = False
 
@@ -98,7 +100,7 @@ class ContactSolve:
     def solve(self, balance: Balance, guess: Array) -> Solution:
         """Solve a balance from a guess of the displacement and the last point forces."""
         self._balance, points = balance, self._points
-        static = balance.drift is None
+        static = balance.way is None
         points.begin(balance.contact, guess, step=balance.step, static=static, glued=balance.glued)
         last, self._response = self._response, self._responses_for(tuple(balance.weights))
         pairs = zip(self._response, self.system.slices, strict=True)
@@ -141,9 +143,10 @@ class ContactSolve:
     def _residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces."""
         balance, system = self._balance, self.system
-        static = balance.drift is None
+        static = balance.way is None
         residual = balance.constant.copy()
-        travel = None if balance.drift is None else u - balance.drift
+        # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
+        travel = None if balance.way is None else u - balance.start - balance.way
         for body, own, weights in zip(system.bodies, system.slices, balance.weights, strict=True):
             part = residual[own]
             internal = body.internal_force(u[own], static=static)
@@ -182,7 +185,7 @@ class ContactSolve:
         """Subtract the forces of an interface on both its bodies."""
         points, balance = self._points, self._balance
         link, memory, seen = points.links[number], balance.contact[number], points.seen[number]
-        if balance.drift is None:
+        if balance.way is None:
             memory = replace(memory, surface=seen[0], seat=seen[1])
         weights = balance.weights[link.body or 0]
         add_contact_forces(

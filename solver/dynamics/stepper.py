@@ -173,7 +173,8 @@ class Stepper:
             weights=self._static_weights(steady),
             constant=-total,
             load=total,
-            drift=None,
+            start=u,
+            way=None,
             glued=glued,
         )
         solution = self._solved(balance, u)
@@ -259,16 +260,17 @@ class Stepper:
                 constant[own] += scheme.contact_weight * drag
             if spring is not None:
                 constant[own] += af * spring
-        drift = state.u + dt * state.v
+        way = dt * state.v
         balance = Balance(
             contact=state.contacts,
             weights=self._weights(dt),
             constant=constant,
             load=load,
-            drift=drift,
+            start=state.u,
+            way=way,
             step=dt,
         )
-        solution = self._solved(balance, drift)
+        solution = self._solved(balance, state.u + way)
         new, exchange = self._update(state, dt, solution)
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from geometry.tags import FacetTag
 from solver.build import build, initial_state
 from solver.contact.interface import carry_over
+from solver.post.energy import ledger_error
 from solver.reference.housner import housner
 from solver.scene import Scene, parse_scene
 from solver.simulate import Result, simulate
@@ -219,3 +220,15 @@ def test_slip_is_continuous_from_pivot_to_pivot(run: Result) -> None:
     late = (run.history["time_s"][1:] > 2.5) & closed[1:] & closed[:-1]
     assert late.sum() > 300
     assert np.abs(np.diff(run.history["block.slip_m"])[late]).max() < 2e-5
+
+
+def test_digits_last_far_from_the_origin() -> None:
+    """Turning in free flight, 50 m away: inertia is not a difference of large displacements."""
+    block = {"width": 0.2, "height": 0.2, "density": 1000.0, "young": 1e7, "poisson": 0.2}
+    block |= {"velocity": [0.0, 100.0], "angular_velocity": 2.0, "cells": [2, 2]}
+    timing = {"end": 0.5, "step": 1e-3}
+    contact = {"friction": 0.5}
+    tables = {"block": [block], "contact": contact, "time": timing, "gravity": 0.0}
+    history = simulate(parse_scene(tables)).history
+    moving = history["energy.kinetic_J"][0]
+    assert np.abs(ledger_error(history)).max() < 1e-13 * moving
