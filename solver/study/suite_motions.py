@@ -47,7 +47,8 @@ def find_motions(
 
     Args:
         words: Files, folders, `@` and a file with names of files, "synthetic"; none: "synthetic".
-        motion: The `[motion]` of the scene: where it has a file, its other keys hold for all files.
+        motion: The `[motion]` of the scene: where it is one with a file, or says no kind (a record
+            then), its other keys hold for all files.
         count: Number of synthetic motions; None: 30.
         seed: Of the synthetic motions; None: the default one.
 
@@ -60,7 +61,8 @@ def find_motions(
             if value is not None:
                 raise SceneError(option, f"{value}", f"nothing without --motions {SYNTHETIC}")
     kept = dict(motion) if isinstance(motion, Mapping) else {}
-    kept = kept if kept.get("kind") in WITH_FILE else {"kind": WITH_FILE[0]}
+    record = {"kind": WITH_FILE[0]}
+    kept = record | kept if kept.get("kind", WITH_FILE[0]) in WITH_FILE else record
     found: list[SuiteMotion] = []
     for word in words:
         if word == SYNTHETIC:

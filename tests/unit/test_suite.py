@@ -301,6 +301,8 @@ def test_motions_are_found_in_all_ways(here: Path) -> None:
     own = {"kind": "table", "units": "m/s2", "file": "x"}
     (only,) = find_motions(["motions/bad.csv"], own, count=None, seed=None)
     assert only.table == own | {"file": str(here / "motions" / "bad.csv")}
+    (only,) = find_motions(["motions/bad.csv"], {"units": "g"}, count=None, seed=None)
+    assert (only.table["kind"], only.table["units"]) == ("record", "g")
     (here / "list.txt").write_text("motions/weak.csv\nmotions/week.csv\n")
     with pytest.raises(SceneError, match=r"list\.txt: line 2: got motions/week"):
         find_motions(["@list.txt"], None, count=None, seed=None)
