@@ -229,14 +229,13 @@ class Interface:
             Interface energy lost by the exchange (weights and tractions differ), J; added to what
             contact dissipates.
         """
-        before, turns = self.energy(memory), False
+        exchanged = 0.0
         if isinstance(self.carrier, Face) and carrier_rotation is not None:
-            self.carrier.turn(carrier_rotation)
-            memory.seat = self.carrier.seat(memory.surface.position, memory.seat.carrier)
-            turns = self.theta != 1
+            exchanged = self._turn_face(self.carrier, memory, carrier_rotation)
         eligible = self.eligible(rotation, memory.seat) & ~self._beside(memory)
         if np.array_equal(eligible, memory.eligible):
-            return before - self.energy(memory) if turns else 0.0
+            return exchanged
+        before = self.energy(memory)
         y = self.augmented(memory.surface, memory.seat)
         for corner in self._corners:
             new = corner[eligible[corner]]
@@ -246,7 +245,17 @@ class Interface:
         lost = np.flatnonzero(~eligible)
         memory.force[lost], memory.anchor[lost] = 0.0, y[lost, 1:]
         memory.eligible = eligible
-        return before - self.energy(memory)
+        return exchanged + before - self.energy(memory)
+
+    def _turn_face(self, face: Face, memory: Memory, rotation: Array) -> float:
+        """Turn the frame of a face, and forces with it; the energy lost against tractions, J.
+
+        Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
+        """
+        before = 0.0 if self.theta == 1 else self.energy(memory)
+        face.turn(rotation)
+        memory.seat = face.seat(memory.surface.position, memory.seat.carrier)
+        return 0.0 if self.theta == 1 else before - self.energy(memory)
 
     def _move(self, memory: Memory, y: Array, old: int, new: int) -> None:
         """The force at a corner to the point of its other face."""

@@ -251,8 +251,9 @@ class Stepper:
         scheme, system = self.scheme, self.system
         self._turn(state, dt)
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
-        load = scheme.contact_weight * self._load(state.time, dt)
-        constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - load
+        load = self._load(state.time, dt)
+        weighted = scheme.contact_weight * load
+        constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - weighted
         for body, own in zip(system.bodies, system.slices, strict=True):
             body.begin_step(state.u[own], scheme, dt)
             drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
@@ -265,18 +266,20 @@ class Stepper:
             contact=state.contacts,
             weights=self._weights(dt),
             constant=constant,
-            load=load,
+            load=weighted,
             start=state.u,
             way=way,
             step=dt,
         )
         solution = self._solved(balance, state.u + way)
-        new, exchange = self._update(state, dt, solution)
+        new, exchange = self._update(state, dt, solution, load)
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations
         return new, exchange
 
-    def _update(self, state: State, dt: float, solution: Solution) -> tuple[State, Exchange]:
+    def _update(
+        self, state: State, dt: float, solution: Solution, load: Array
+    ) -> tuple[State, Exchange]:
         """State at t_{n+1} and the ledger of the step."""
         scheme, system = self.scheme, self.system
         du = solution.u - state.u
@@ -289,7 +292,7 @@ class Stepper:
             for force in (body.viscous_force(dt), body.drag(mean[own])):
                 if force is not None:
                     p[own] += 0.5 / scheme.beta * force
-        p -= 0.5 / scheme.beta * self._load(state.time, dt)
+        p -= 0.5 / scheme.beta * load
         contacts, friction, lost = [], 0.0, 0.0
         for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True):
             add_contact_forces(

@@ -328,7 +328,7 @@ class ElasticBody:
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
-        if self._rounding is None or self._rounding[0] is not weights:
+        if self._rounding is None or self._rounding[0] != weights:
             node_mass = self.mass * self.dimension / self.unknowns
             # Small and thin cells are stiff, and so are damped ones in short steps.
             terms = 0.28 if self.dimension == 2 else 0.7  # more nodes make more round-off

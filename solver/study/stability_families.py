@@ -11,6 +11,7 @@ from solver.study.stability_scenes import (
     MESHES,
     MODELS,
     MODULI,
+    ON_ITS_CORNER,
     PAIRS,
     PLATE,
     PLATFORM,
@@ -243,7 +244,7 @@ FAMILIES: tuple[Family, ...] = (
         base=SPACE,
         rows={
             "shaken": {},
-            "on its corner": {"block.tilt_deg": 4.0, "block.tilt_direction_deg": 30.0},
+            "on its corner": ON_ITS_CORNER,
             "degree 2, gauss": {
                 **{"block.degree": 2, "contact.points": "gauss", "block.cells": [2, 2, 3]},
             },
@@ -256,11 +257,8 @@ FAMILIES: tuple[Family, ...] = (
         base=SPACE,
         rows={
             "elastic": {},
-            "on its corner": {"block.tilt_deg": 4.0, "block.tilt_direction_deg": 30.0},
-            "rigid, on its corner": {
-                **RIGID,
-                **{"block.tilt_deg": 4.0, "block.tilt_direction_deg": 30.0},
-            },
+            "on its corner": ON_ITS_CORNER,
+            "rigid, on its corner": {**RIGID, **ON_ITS_CORNER},
         },
         columns=over("contact.friction", (0.0, 0.1, 1.0, 10.0, 1000.0)),
     ),

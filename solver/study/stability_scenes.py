@@ -60,6 +60,8 @@ SPACE: Tables = {
 """A block in space, shaken along x and y."""
 
 RIGID: Changes = {"block.model": "rigid"}
+ON_ITS_CORNER: Changes = {"block.tilt_deg": 4.0, "block.tilt_direction_deg": 30.0}
+
 IN_SPACE: Changes = {"dimension": 3, "block.cells": None}
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -57,16 +57,10 @@ class Verdict(Place):
     seconds: float = math.nan
 
     @classmethod
-    def of(cls, case: Case, word: Word, reason: str, seconds: float = math.nan) -> Verdict:
-        """The verdict on a scene of which there are no numbers."""
-        return cls(
-            family=case.family,
-            row=case.row,
-            column=case.column,
-            verdict=word,
-            reason=reason,
-            seconds=seconds,
-        )
+    def of(cls, case: Case, word: Word, reason: str, **numbers: Any) -> Verdict:
+        """The verdict on a scene, with those of the other attributes that are known."""
+        place = {field.name: getattr(case, field.name) for field in fields(Place)}
+        return cls(**place, verdict=word, reason=reason, **numbers)
 
 
 def warm_up() -> None:
@@ -93,15 +87,13 @@ def judge(case: Case, limit: float) -> Verdict:
         scene = parse_scene(case.tables)
         result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF)
     except SceneError as error:
-        return Verdict.of(case, "refused", str(error), time.perf_counter() - began)
+        return Verdict.of(case, "refused", str(error), seconds=time.perf_counter() - began)
     reason = trouble(result)
     cost, energy = result.summary["cost"], result.summary["energy"]
-    return Verdict(
-        family=case.family,
-        row=case.row,
-        column=case.column,
-        verdict="failed" if reason else "holds",
-        reason=reason,
+    return Verdict.of(
+        case,
+        "failed" if reason else "holds",
+        reason,
         energy_gain=energy["largest_gain_fraction"],
         ledger_error=energy["ledger_error_fraction"],
         penetration_over_static=_over_static(scene, result),

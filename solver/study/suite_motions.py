@@ -60,9 +60,10 @@ def find_motions(
         for option, value in (("--count", count), ("--seed", seed)):
             if value is not None:
                 raise SceneError(option, f"{value}", f"nothing without --motions {SYNTHETIC}")
-    kept = dict(motion) if isinstance(motion, Mapping) else {}
     record = {"kind": WITH_FILE[0]}
-    kept = record | kept if kept.get("kind", WITH_FILE[0]) in WITH_FILE else record
+    kept = record | dict(motion) if isinstance(motion, Mapping) else record
+    if kept["kind"] not in WITH_FILE:
+        kept = record
     found: list[SuiteMotion] = []
     for word in words:
         if word == SYNTHETIC:

@@ -8,20 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import BLOCK
 
 from solver.cli import main
 
 pytest.importorskip("matplotlib")
 pyvista = pytest.importorskip("pyvista")
 
-SCENE = """
-[[block]]
-width = 0.25
-height = 1.0
-thickness = 0.75
-mass = 503.0
-young = 5.0e10
-poisson = 0.2
+SCENE = f"""
+{BLOCK}
 tilt_deg = 3.0
 [time]
 end = 0.6

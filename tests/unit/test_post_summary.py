@@ -7,21 +7,16 @@ import math
 from pathlib import Path
 
 import pytest
+from scenes import BLOCK
 
 from solver.post.history import History, columns
 from solver.post.summary import summarise, write_json
 from solver.scene import Scene, parse_scene
 
-SCENE = """
+SCENE = f"""
 title = "made up"
-[[block]]
+{BLOCK}
 name = "stone"
-width = 0.25
-height = 1.0
-thickness = 0.75
-mass = 503.0
-young = 5.0e10
-poisson = 0.2
 [time]
 end = 2.0
 step = 0.01
