@@ -48,7 +48,7 @@ class Carrier(Protocol):
         """Forces on the carrier's own points."""
 
     def carried(self, seat: Seat, values: Array) -> Array:
-        """What vectors of the carrier's points are at the contact points."""
+        """What vectors of the carrier's points are at the contact points, or at all, (1, d)."""
 
     def turn(self, rotation: Array) -> None:
         """Let the frame of the coming step be that of the turned body."""
@@ -96,8 +96,8 @@ class Plane:
         return 0.0
 
     def carried(self, seat: Seat, values: Array) -> Array:
-        """What vectors of the carrier's points are at the contact points."""
-        return np.broadcast_to(values[0], seat.place.shape)
+        """What vectors of the carrier's points are at all contact points alike, (1, d)."""
+        return values[:1]
 
     def turn(self, rotation: Array) -> None:
         """A plane keeps its frame."""

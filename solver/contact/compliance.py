@@ -63,7 +63,8 @@ class Compliance:
 
     def of(self, chosen: Indices) -> tuple[Array, Array]:
         """Compliance (m d, m d) among the points `chosen`, responses to them (owned, m d)."""
-        if chosen is self._last or np.array_equal(chosen, self._last):
+        last = self._last
+        if chosen is last or (len(chosen) == len(last) and (chosen == last).all()):
             return self._gathered
         missing = chosen[self._place[chosen] < 0]
         if len(missing):

@@ -115,6 +115,7 @@ class Interface:
             self.theta, self.weight, self.inverse_gamma, self.softness = 0, none, none, none
             self.area = np.full((self.count,), points.area / self.count)
         self._weight_column, self._gamma_column = self.weight[:, None], self.inverse_gamma[:, None]
+        self._soft_column = self.softness[:, None]
         self._pull_column = self.theta * self._gamma_column
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
         self._keys = self._named()
@@ -233,7 +234,7 @@ class Interface:
         if isinstance(self.carrier, Face) and carrier_rotation is not None:
             exchanged = self._turn_face(self.carrier, memory, carrier_rotation)
         eligible = self.eligible(rotation, memory.seat) & ~self._beside(memory)
-        if np.array_equal(eligible, memory.eligible):
+        if (eligible == memory.eligible).all():
             return exchanged
         before = self.energy(memory)
         y = self.augmented(memory.surface, memory.seat)
@@ -279,7 +280,7 @@ class Interface:
 
     def at_bound(self, force: Array, bounds: Bounds) -> Mask:
         """Closed points whose friction is at its bound."""
-        size = np.sqrt(np.sum(force[:, 1:] ** 2, axis=1))
+        size = np.sqrt((force[:, 1:] ** 2).sum(axis=1))
         limit = bounds.cohesion + bounds.mu * force[:, 0]
         return (force[:, 0] > 0) & (size >= limit * (1 - 1e-9))
 
@@ -320,27 +321,27 @@ class Interface:
         For theta = 1 all that the law stores; for others all that any energy can: f.dT/gamma_h is
         half the change of f.T/gamma_h but for the circulation (f.dT - T.df)/(2 gamma_h).
         """
-        stored = 0.5 * float(np.sum(memory.force**2 * self.softness[:, None]))
+        stored = 0.5 * float(np.vdot(memory.force, memory.force * self._soft_column))
         if isinstance(memory.surface, SurfaceState):
             scaled = self._gamma_column * memory.surface.traction
             if self.theta:
                 pulled = self._weight_column * memory.surface.traction
-                stored -= 0.5 * self.theta * float(np.sum(pulled * scaled))
+                stored -= 0.5 * self.theta * float(np.vdot(pulled, scaled))
             if self.theta != 1:
                 stored -= 0.5 * (1 - self.theta) * self._work(memory.force, scaled)
         return stored
 
     def _work(self, force: Array, moved: Array) -> float:
         """Sum of forces in the frame of the carrier times vectors in space, J."""
-        return float(np.sum(force * (moved @ self.carrier.frame.T)))
+        return float(np.vdot(force, moved @ self.carrier.frame.T))
 
     def theta_increment(self, old: Memory, new: Memory) -> float:
         """Theta sum of w |T_{n+1} - T_n|^2/gamma_h, J: its part in the numerical dissipation."""
         if not self.theta:
             return 0.0
         assert isinstance(old.surface, SurfaceState) and isinstance(new.surface, SurfaceState)
-        change = np.sum((new.surface.traction - old.surface.traction) ** 2, axis=1)
-        return self.theta * float(change @ (self.weight * self.inverse_gamma))
+        change = new.surface.traction - old.surface.traction
+        return float(np.vdot(self._pull_column * change, self._weight_column * change))
 
     def remember(
         self, old: Memory, surface: Seen, seat: Seat, force: Array, bounds: Bounds
@@ -361,10 +362,11 @@ class Interface:
         """
         y_old, y = self.augmented(old.surface, old.seat), self.augmented(surface, seat)
         closed = force[:, 0] > 0
-        anchor = y[:, 1:] + np.where(closed[:, None], force[:, 1:] * self.softness[:, None], 0.0)
-        friction = -float(np.sum(force[:, 1:] * (anchor - old.anchor)))
-        stored = 0.5 * float(np.sum((force**2 - old.force**2) * self.softness[:, None]))
-        contact = -float(np.sum(force * (y - y_old))) - stored - friction
+        anchor = y[:, 1:] + np.where(closed[:, None], force[:, 1:] * self._soft_column, 0.0)
+        friction = -float(np.vdot(force[:, 1:], anchor - old.anchor))
+        grown = (force - old.force) * self._soft_column
+        stored = 0.5 * float(np.vdot(grown, force + old.force))
+        contact = -float(np.vdot(force, y - y_old)) - stored - friction
         contact -= self.carrier.lapse(old.seat, seat, force)
         if self.theta != 1 and isinstance(surface, SurfaceState):
             assert isinstance(old.surface, SurfaceState)

@@ -8,9 +8,11 @@ already, and cycles now and then.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgesv
+from scipy.linalg.lapack import dgetrf, dgetrs
 
 from solver.contact.local_disc import newton
 from solver.contact.local_rescues import Method, continuation, projected, tresca
@@ -41,9 +43,9 @@ class States:
         """Number what is unknown."""
         self.code, self.line = code, line
         self.key = code.tobytes() + line[0].tobytes()
-        closed = np.flatnonzero(code)
+        closed = code.nonzero()[0]
         code = code[closed]
-        self.slipping = np.flatnonzero(np.abs(code) == SLIP)
+        self.slipping = (np.abs(code) == SLIP).nonzero()[0]
         self.points, self.sign = closed[self.slipping], 0.5 * code[self.slipping]
         self.tangential = 2 * self.points + 1
         self.unknown = np.concatenate([2 * closed, 2 * closed[code == STICK] + 1])
@@ -56,12 +58,44 @@ class States:
         return self
 
 
+@dataclass(frozen=True, slots=True)
+class Factors:
+    """The equations of given states.
+
+    Attributes:
+        lu: Of their matrix.
+        pivots: Of the same.
+        slope: Signed slopes of the slipping points' bounds; None where no point slips.
+        coupling: What their friction does to the equations; None likewise.
+    """
+
+    lu: Array
+    pivots: Array
+    slope: Array | None = None
+    coupling: Array | None = None
+
+
+def _factorized(W: Array, states: States) -> Factors | None:
+    """The equations of given states, (unknown, unknown); None if singular."""
+    size, unknown = W.shape[0] * W.shape[1], states.unknown
+    flat = W.reshape(size, size)
+    matrix = flat[unknown[:, None], unknown]
+    slope = coupling = None
+    if len(states.slipping):
+        slope = states.sign * states.line[0][states.points]
+        coupling = flat[unknown[:, None], states.tangential]
+        matrix[:, states.slipping] += slope * coupling
+    lu, pivots, info = dgetrf(matrix, 1)
+    return None if info else Factors(lu, pivots, slope, coupling)
+
+
 class PlaneSolver:
     """Newton's method over states, and those behind it; remembers the last states."""
 
     def __init__(self) -> None:
         """Name the slower methods, in the order in which they are tried."""
         self._last: States | None = None
+        self._matrix: tuple[Array, bytes, Factors | None] = np.empty(0), b"", None
         self.rescues: dict[str, Method] = {
             "continuation": continuation(self._newton),
             "damped continuation": continuation(newton),
@@ -98,25 +132,28 @@ class PlaneSolver:
 
     def _forces(self, system: LocalSystem, states: States) -> Array | None:
         """Forces of given states: y_n = 0 where closed, y_t = 0 where stuck; None if singular."""
-        q, unknown, slipping = system.q, states.unknown, states.slipping
-        f = np.zeros_like(q)
+        q, unknown = system.q, states.unknown
+        f = np.zeros(q.shape)
         if not len(unknown):
             return f
-        flat, forces = system.W.reshape(q.size, q.size), f.ravel()
-        matrix, right = flat[unknown[:, None], unknown], -q.ravel()[unknown]
-        if len(slipping):
-            slope = states.sign * states.line[0][states.points]
-            intercept = states.sign * states.line[1][states.points]
-            coupling = flat[unknown[:, None], states.tangential]
-            matrix[:, slipping] += slope * coupling
-            right -= coupling @ intercept
-        _, _, x, info = dgesv(matrix, right, 1, 1)
-        if info:
+        factors = self._factors(system.W, states)
+        if factors is None:
             return None
+        forces, right = f.ravel(), -q.ravel()[unknown]
+        if factors.coupling is not None:
+            intercept = states.sign * states.line[1][states.points]
+            right -= factors.coupling @ intercept
+        x, _ = dgetrs(factors.lu, factors.pivots, right)
         forces[unknown] = x
-        if len(slipping):
-            forces[states.tangential] = slope * x[slipping] + intercept
+        if factors.slope is not None:
+            forces[states.tangential] = factors.slope * x[states.slipping] + intercept
         return f
+
+    def _factors(self, W: Array, states: States) -> Factors | None:
+        """The factorized matrix of given states; the last one where both are the same."""
+        if W is not self._matrix[0] or states.key != self._matrix[1]:
+            self._matrix = W, states.key, _factorized(W, states)
+        return self._matrix[2]
 
     def _newton(
         self, system: LocalSystem, f: Array, line: Line, states: States | None = None

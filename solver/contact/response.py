@@ -20,11 +20,13 @@ from solver.contact.seats import Seat, Spots, in_frames
 from solver.contact.surfaces import SurfacePoints
 from solver.mechanics.dense_body import DenseBody
 from solver.mechanics.elastic_body import ElasticBody
+from solver.mechanics.kinematics import polar_rotation
+from solver.parallel import global_sum
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-TURNED = 1e-8
+TURNED = 1e-6
 """Change of the entries of a rotation, below which the compliance of a body is not made anew: it is
 part of the correction of an iteration, not of the residual, and neglects strains as large."""
 
@@ -78,8 +80,11 @@ class Near:
 class Response(Protocol):
     """What a body offers to the contact problem."""
 
-    def begin(self, u: Array) -> bool:
-        """The configuration about which motions are small; whether its compliance is another."""
+    def begin(self, rotation: Array | None) -> None:
+        """The rotation of the body at the start of a step, (d, d); None: an equilibrium."""
+
+    def at(self, u: Array) -> bool:
+        """The displacement that is corrected; whether the compliance there is another."""
 
     def free(self, residual: Array) -> Array:
         """The free correction -K^-1 r of the owned unknowns."""
@@ -106,23 +111,55 @@ def _members(sides: Sequence[Side], near: Near) -> list[tuple[Side, Indices, Ind
 
 
 class ElasticResponse:
-    """Of a meshed body: one factorization in its rotating frame."""
+    """Of a meshed body: K^-1 = R (K_0^-1 + S) R_m^T from one factorization in its rotating frame.
 
-    def __init__(self, body: ElasticBody, compliance: Compliance, sides: Sequence[Side]):
-        """Take the body, the compliance of its ports, and its parts in interfaces, port by port."""
-        self.body, self.compliance, self.sides = body, compliance, sides
+    Motions without strain end in R, and forces of strain have no moment in R_m, the rotation in the
+    middle of the step. Inertia knows of neither: S = (R^T R_m - I)/(w m) on all nodes alike gives
+    translations what their inertia w m alone does.
+    """
+
+    def __init__(
+        self,
+        body: ElasticBody,
+        compliance: Compliance,
+        sides: Sequence[Side],
+        inertia: float = np.inf,
+    ):
+        """Set up.
+
+        Args:
+            body: The body.
+            compliance: Of its ports.
+            sides: Its parts in interfaces, port by port.
+            inertia: w m, the factor of M in the tangent times the mass; infinite where the body is
+                held or does not turn.
+        """
+        self.body, self.compliance, self.sides, self._inertia = body, compliance, sides, inertia
         self._simple = len(sides) == 1 and not sides[0].carries
-        self._rotation = self._coupled = np.eye(body.dimension)
+        self._start: Array | None = None
+        self._rotation = self._middle = np.eye(body.dimension)
+        self._shift: Array = np.zeros_like(self._rotation)
+        self._coupled = np.array((self._rotation, self._middle))
 
-    def begin(self, u: Array) -> bool:
-        """The rotation of the body; whether it has turned since its compliance was asked for."""
-        self._rotation = self.body.rotation(u)
-        return bool(np.abs(self._rotation - self._coupled).max() > TURNED)
+    def begin(self, rotation: Array | None) -> None:
+        """The rotation of the body at the start of a step, (d, d); None: an equilibrium."""
+        self._start = rotation
+
+    def at(self, u: Array) -> bool:
+        """The rotations R and R_m; whether either is another than its compliance was asked for."""
+        self._rotation = self._middle = self.body.rotation(u)
+        if self._start is not None:
+            self._middle = polar_rotation(self._start + self._rotation)
+            half_turn = self._rotation.T @ self._middle
+            self._shift = np.asarray((half_turn - self.body.identity) / self._inertia)
+        now = np.array((self._rotation, self._middle))
+        return bool(np.abs(now - self._coupled).max() > TURNED)
 
     def free(self, residual: Array) -> Array:
-        """R K_0^-1 R^T of the residual, turned round."""
-        turned = residual.reshape(-1, self.body.dimension) @ self._rotation
+        """-K^-1 r."""
+        turned = residual.reshape(-1, self.body.dimension) @ self._middle
         self._free = -self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
+        self._free -= self._shift @ global_sum(self.body.comm, turned.sum(axis=0))
         return (self._free @ self._rotation.T).ravel()
 
     def read(self, moved: Array, frames: Sequence[Array], seats: Sequence[Seat]) -> None:
@@ -140,14 +177,14 @@ class ElasticResponse:
 
     def couple(self, near: Near, weight: float, W: Array) -> None:
         """Add the compliance among near points."""
-        self._coupled = self._rotation
-        G = near.frames @ self._rotation
+        self._coupled = np.array((self._rotation, self._middle))
+        G, H = near.frames @ self._rotation, near.frames @ self._middle
         if self._simple and len(near.number) == len(W):
             side = self.sides[0]
             if side.first == 0 and near.number[-1] < side.count:
                 self._ports, self._load = near.number, None
-                blocks = self.compliance.blocks(near.number)
-                turned = G[:, None] @ blocks @ G.swapaxes(1, 2)[None]
+                blocks = self.compliance.blocks(near.number) + self._shift
+                turned = G[:, None] @ blocks @ H.swapaxes(1, 2)[None]
                 W += weight * turned.transpose(0, 2, 1, 3)
                 return
         self._ports, self._load = self._loads(near)
@@ -155,7 +192,9 @@ class ElasticResponse:
             return
         C = np.tensordot(self._load, self.compliance.blocks(self._ports), 1)
         C = np.tensordot(C, self._load, ([1], [1])).transpose(0, 3, 1, 2)
-        W += weight * (G[:, None] @ C @ G.swapaxes(1, 2)[None]).transpose(0, 2, 1, 3)
+        total = self._load.sum(axis=1)
+        C += np.multiply.outer(np.outer(total, total), self._shift)
+        W += weight * (G[:, None] @ C @ H.swapaxes(1, 2)[None]).transpose(0, 2, 1, 3)
 
     def _loads(self, near: Near) -> tuple[Indices, Array]:
         """Ports that near points act on, and how much of each point's force each of them gets."""
@@ -180,11 +219,12 @@ class ElasticResponse:
         """Correction for forces at the near points of the last `couple`."""
         if not len(self._ports):
             return None
-        vectors = (force[:, None, :] @ near.frames)[:, 0] @ self._rotation
+        vectors = (force[:, None, :] @ near.frames)[:, 0] @ self._middle
         if self._load is not None:
             vectors = self._load.T @ vectors
-        change = weight * (self.compliance.of(self._ports)[1] @ vectors.ravel())
-        return (change.reshape(-1, self.body.dimension) @ self._rotation.T).ravel()
+        change = self.compliance.of(self._ports)[1] @ vectors.ravel()
+        change = change.reshape(-1, self.body.dimension) + self._shift @ vectors.sum(axis=0)
+        return (weight * change @ self._rotation.T).ravel()
 
 
 class DenseResponse:
@@ -196,7 +236,10 @@ class DenseResponse:
         self._rows: list[Array] = []
         self._level: list[Array] = []
 
-    def begin(self, u: Array) -> bool:
+    def begin(self, rotation: Array | None) -> None:
+        """Nothing: rows are those where the block is."""
+
+    def at(self, u: Array) -> bool:
         """Rows of all surface points at this configuration, (points, d, unknowns)."""
         if self._rows and not self.body.turns:
             return False

@@ -70,13 +70,14 @@ class VelocityContact:
         slipping = size >= (bounds.mu * impulse[:, 0] + bounds.cohesion) * (1 - 1e-9)
         # Where the bound shrinks with P_n, giving back friction could accelerate: then points that
         # slip keep their friction, then all do.
-        for held in (np.zeros_like(slipping), slipping, np.ones_like(slipping)):
+        for hold in (np.zeros_like, np.asarray, np.ones_like):
+            held = hold(slipping)
             try:
                 q = self._total(regular, scaling, velocity, impulse, held, bounds) - impulse
             except NoContactSolution:
                 continue
-            taken = -q * (velocity + 0.5 * image(W, q))
-            contact, friction = float(taken[:, 0].sum()), float(taken[:, 1:].sum())
+            mean = velocity + 0.5 * image(W, q)
+            contact, friction = -float(q[:, 0] @ mean[:, 0]), -float(np.vdot(q[:, 1:], mean[:, 1:]))
             if contact + friction >= 0:
                 return ImpulseCorrection(q, contact, friction)
         self._local.rescues["velocity solve left out"] += 1

@@ -138,7 +138,8 @@ class AllPoints:
 
     def near(self, y: Array) -> Indices:
         """Numbers of the points that may be in contact at augmented positions y."""
-        return np.flatnonzero((y[:, 0] < self._margin) & self._eligible | (self.force[:, 0] > 0))
+        touching = (y[:, 0] < self._margin) & self._eligible | (self.force[:, 0] > 0)
+        return touching.nonzero()[0]
 
     def frames_at(self, near: Indices) -> Array:
         """Frames of the carriers of points, (m, d, d)."""

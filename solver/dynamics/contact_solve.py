@@ -10,6 +10,7 @@ a correction costs one back substitution and one small contact problem, which co
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -33,6 +34,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 TOLERANCE = 1e-9
+"""Of the residual over the loads."""
 
 SOFTENING = 1e-9
 """Relative diagonal of W for points of rigid bodies: their forces are not unique without it."""
@@ -49,6 +51,7 @@ class Balance:
         load: The loads alone; a residual is small or large in relation to them.
         start: u_n, m.
         way: dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
+        rotations: Of all bodies at t_n, (d, d) each; None in equilibrium.
         step: dt, s, for the speed of slip; infinite in equilibrium.
         glued: Whether closed points hold any friction.
     """
@@ -59,6 +62,7 @@ class Balance:
     load: Array
     start: Array
     way: Array | None
+    rotations: Sequence[Array | None]
     step: float = np.inf
     glued: bool = False
 
@@ -103,10 +107,10 @@ class ContactSolve:
         static = balance.way is None
         points.begin(balance.contact, guess, step=balance.step, static=static, glued=balance.glued)
         last, self._response = self._response, self._responses_for(tuple(balance.weights))
-        pairs = zip(self._response, self.system.slices, strict=True)
-        others = [response.begin(guess[own]) for response, own in pairs]
+        for response, rotation in zip(self._response, balance.rotations, strict=True):
+            response.begin(rotation)
         # W of points on planes that stand or only move along is the same as long as the bodies are.
-        self._stale = self._turns or self._response is not last or any(others)
+        self._stale = self._turns or self._response is not last
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
         while outcome.converged and (points.wake(u) or points.break_loose()):
             before = outcome.iterations
@@ -119,10 +123,9 @@ class ContactSolve:
         """What the bodies offer for a step size."""
         if weights not in self._responses:
             bodies = zip(self.system.bodies, weights, strict=True)
-            factors = [_factor(body, weight) for body, weight in bodies]
             self._responses[weights] = [
-                response_of(self.system, number, self._points.links, factor, tractions=True)
-                for number, factor in enumerate(factors)
+                response_of(self.system, k, self._points.links, _factor(body, own), own)
+                for k, (body, own) in enumerate(bodies)
             ]
         return self._responses[weights]
 
@@ -137,13 +140,13 @@ class ContactSolve:
             )
         )
         squares = global_sum(system.comm, np.array([load @ load, constant @ constant, round_off]))
-        weight, inertia, least = (float(value) for value in np.sqrt(squares))
+        weight, inertia, least = (math.sqrt(value) for value in squares)
         return max(TOLERANCE * (weight or inertia), least)
 
     def _residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces."""
         balance, system = self._balance, self.system
-        static = balance.way is None
+        self._u, static = u, balance.way is None
         residual = balance.constant.copy()
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
         travel = None if balance.way is None else u - balance.start - balance.way
@@ -202,6 +205,8 @@ class ContactSolve:
         y = points.augmented()
         free = []
         for response, own in zip(self._response, system.slices, strict=True):
+            if response.at(self._u[own]):
+                self._stale = True
             free.append(response.free(residual[own]))
             response.read(y, points.frames, seats)
         near = points.near(y)
@@ -228,7 +233,7 @@ class ContactSolve:
     def _delassus(self, near: Indices, seats: Sequence[Seat]) -> tuple[Array, Array]:
         """W (m, d, m, d) with the interface's softness, and its scaling."""
         points = self._points
-        same = np.array_equal(near, self._near)
+        same = len(near) == len(self._near) and bool((near == self._near).all())
         if self._stale or not same:
             near = self._near if same else near
             m, d = len(near), self.system.dimension

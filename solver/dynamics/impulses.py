@@ -45,7 +45,7 @@ class VelocityImpulses:
                 factor = body.diagonal
             else:
                 factor = Factorization(body.hold(body.mass_matrix.copy()))
-            self._responses.append(response_of(system, number, links, factor, tractions=False))
+            self._responses.append(response_of(system, number, links, factor))
         ends = np.cumsum([link.interface.count for link in links]).tolist()
         self._own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
         # The mass of a meshed body commutes with rotations: on planes that do not turn G M^-1 G^T
@@ -62,7 +62,7 @@ class VelocityImpulses:
     ) -> VelocityCorrection | None:
         """The correction after a step, or None where no solution was found."""
         force = joined([contact.force for contact in contacts])
-        closed = np.flatnonzero(force[:, 0] > 0)
+        closed = (force[:, 0] > 0).nonzero()[0]
         W = self._delassus(closed, state, contacts)
         mu = joined([contact.bounds.mu for contact in contacts])
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
@@ -82,7 +82,8 @@ class VelocityImpulses:
         self, closed: NDArray[np.int64], state: State, contacts: Sequence[Contact]
     ) -> Array:
         """G M^-1 G^T of the closed points, (m, d, m, d)."""
-        if self._constant and np.array_equal(closed, self._closed):
+        same = len(closed) == len(self._closed) and bool((closed == self._closed).all())
+        if self._constant and same:
             return self._W
         m, d = len(closed), self.system.dimension
         frames = frames_at(closed, [link.interface.carrier.frame for link in self.links], self._own)
@@ -90,7 +91,7 @@ class VelocityImpulses:
         self._W = np.zeros((m, d, m, d))
         for response, own in zip(self._responses, self.system.slices, strict=True):
             if isinstance(response, DenseResponse):
-                response.begin(state.u[own])  # the mass of a meshed body commutes with rotations
+                response.at(state.u[own])  # the mass of a meshed body commutes with rotations
             response.couple(self._near, 1.0, self._W)
         self._closed = closed
         return self._W

@@ -56,10 +56,10 @@ class LocalError:
 
     def _rigid_velocity(self, state: State) -> Array:
         """Velocities of the centres of all bodies, and of points at R for their turning, m/s."""
-        system, parts = self._system, []
-        for body, own in zip(system.bodies, system.slices, strict=True):
-            _, velocity, spin = body.rigid_motion(state.u[own], state.v[own])
-            parts += [velocity, self._size * spin]
+        parts = []
+        for number in range(len(self._system.bodies)):
+            motion = state.rigid_motion(self._system, number)
+            parts += [motion.velocity, self._size * motion.spin]
         return np.concatenate(parts)
 
 

@@ -26,6 +26,12 @@ Array = NDArray[np.float64]
 ROUND_OFF = 50.0
 """A residual within this factor of its tolerance that no longer falls is round-off."""
 
+EXPECTED = 0.1
+"""Of several corrections the last has to be expected to leave no more than this part of the
+tolerance: the residual before it, times the factor by which the correction before that shrank it.
+Then what is left is round-off, and hardly depends on the number of ranks. A single correction tells
+nothing of this; bodies that do not turn need no more."""
+
 GROWN = 1e8
 """A residual that grew by this factor does not fall again (of those that did: by 140 at most)."""
 
@@ -101,7 +107,7 @@ class NonlinearSolver:
             options: PETSc options, as on a command line; they override what is set here.
         """
         self._residual = residual
-        self._first = self._before = 0.0
+        self._first = self._before = self._shrunk = 0.0
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
         self._shell = shell = PETSc.Mat().createPython(
@@ -149,13 +155,14 @@ class NonlinearSolver:
         unknowns, correction, residual = norms
         rtol, atol, stol, _ = snes.getTolerances()
         if iterations == 0:
-            self._first = residual
+            self._first = self._before = residual
         before, self._before = self._before, residual
+        shrunk, self._shrunk = self._shrunk, residual / before if before else 0.0
         if not np.isfinite(residual):
             return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
         if iterations == 0:
             return 0  # forces that balance need not obey the contact law of this step
-        if residual <= atol:
+        if residual <= atol and (iterations == 1 or before * shrunk <= EXPECTED * atol):
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
         if residual <= rtol * self._first:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.interface import Memory
+from solver.dynamics.system import System
+from solver.mechanics.kinematics import RigidMotion
 
 Array = NDArray[np.float64]
 
@@ -27,6 +29,7 @@ class State:
         strain: Strain energy, J.
         spring: Energy of springs to the ground, J.
         exchanged: Interface energy lost since t_n by choosing other contact points, J.
+        motions: What `rigid_motion` found, body by body.
     """
 
     time: float
@@ -38,6 +41,14 @@ class State:
     strain: float = 0.0
     spring: float = 0.0
     exchanged: float = 0.0
+    motions: dict[int, RigidMotion] = field(default_factory=dict)
+
+    def rigid_motion(self, system: System, number: int) -> RigidMotion:
+        """The motion of a body as a whole; asked for by several, and worked out once."""
+        if number not in self.motions:
+            own = system.slices[number]
+            self.motions[number] = system.bodies[number].rigid_motion(self.u[own], self.v[own])
+        return self.motions[number]
 
 
 @dataclass(slots=True)

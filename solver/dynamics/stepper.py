@@ -13,6 +13,7 @@ from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.faces import Contacts
 from solver.contact.interface import Memory, carry_over
 from solver.contact.local_problem import LocalProblem
+from solver.dynamics.all_points import joined
 from solver.dynamics.contact_solve import Balance, ContactSolve, Solution, add_contact_forces
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.dynamics.impulses import VelocityImpulses
@@ -90,7 +91,7 @@ class Stepper:
         The interface energy that this loses is kept in the state, also where the step then fails;
         it is added to what contact dissipates.
         """
-        turned = [self.system.rotation(state.u, contact.body) for contact in self._contacts]
+        turned = [self._rotation(state, contact.body) for contact in self._contacts]
         facing = [c.facing(rotation) for c, rotation in zip(self._contacts, turned, strict=True)]
         if any(f != c.joined for f, c in zip(facing, self._contacts, strict=True)):
             before, links = self.interface_energy(state), self.links
@@ -110,6 +111,12 @@ class Stepper:
             elif link.carrier is not None and link.interface.carrier.turns:
                 carrier = self.system.rotation(ahead, link.carrier)
             state.exchanged += link.interface.turn(memory, rotation, carrier)
+
+    def _rotation(self, state: State, body: int | None) -> Array:
+        """The rotation of a body, (d, d); that of the ground is none."""
+        if body is None:
+            return np.eye(self.system.dimension)
+        return state.rigid_motion(self.system, body).rotation
 
     def _fresh(self, link: Link, u: Array) -> Memory:
         """Memory of an interface without contact forces."""
@@ -175,6 +182,7 @@ class Stepper:
             load=total,
             start=u,
             way=None,
+            rotations=[None] * len(system.bodies),
             glued=glued,
         )
         solution = self._solved(balance, u)
@@ -262,6 +270,11 @@ class Stepper:
             if spring is not None:
                 constant[own] += af * spring
         way = dt * state.v
+        motions = [state.rigid_motion(system, number) for number in range(len(system.bodies))]
+        drifted = [
+            body.drifted(state.u[own], state.v[own], dt, motion)
+            for body, own, motion in zip(system.bodies, system.slices, motions, strict=True)
+        ]
         balance = Balance(
             contact=state.contacts,
             weights=self._weights(dt),
@@ -269,9 +282,10 @@ class Stepper:
             load=weighted,
             start=state.u,
             way=way,
+            rotations=[motion.rotation for motion in motions],
             step=dt,
         )
-        solution = self._solved(balance, state.u + way)
+        solution = self._solved(balance, joined(drifted))
         new, exchange = self._update(state, dt, solution, load)
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations

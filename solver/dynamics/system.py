@@ -16,6 +16,7 @@ from solver.contact.interface import Interface
 from solver.contact.points import compact
 from solver.contact.response import DenseResponse, ElasticResponse, Response, Side
 from solver.contact.surfaces import NitschePoints, NodePoints, SurfacePoints
+from solver.dynamics.generalized_alpha import TangentWeights
 from solver.mechanics.dense_body import DenseBody
 from solver.mechanics.elastic_body import ElasticBody
 from solver.mechanics.factorization import Factorization
@@ -104,8 +105,7 @@ def response_of(
     body: int,
     links: Sequence[Link],
     factor: Factorization | Array,
-    *,
-    tractions: bool,
+    weights: TangentWeights | None = None,
 ) -> Response:
     """What a body offers to the contact problem.
 
@@ -114,9 +114,10 @@ def response_of(
         body: Its number.
         links: All interfaces.
         factor: Factorized tangent or mass of a meshed body; the diagonal of a rigid one's.
-        tractions: Whether points are read with their tractions, as displacements are.
+        weights: Of the tangent, whose points are read with their tractions; None for the mass.
     """
     member, sides = system.bodies[body], sides_of(body, links)
+    tractions = weights is not None
     if isinstance(member, DenseBody):
         assert isinstance(factor, np.ndarray)
         return DenseResponse(member, factor, sides)
@@ -125,7 +126,8 @@ def response_of(
         ports_of(side.points, links[side.interface].interface, tractions=tractions)
         for side in sides
     ]
-    return ElasticResponse(member, Compliance(member, factor, ports), sides)
+    inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass
+    return ElasticResponse(member, Compliance(member, factor, ports), sides, inertia)
 
 
 def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> Ports:

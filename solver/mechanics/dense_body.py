@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from geometry.block import Block
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.mechanics.kinematics import RigidMotion, turn
 
 Array = NDArray[np.float64]
 
@@ -105,11 +106,15 @@ class DenseBody(ABC):
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
         scale = np.finfo(float).eps * weights.mass * self.diagonal[self.own]
-        return float(np.sum((scale * u) ** 2))
+        return float(((scale * u) ** 2).sum())
 
     @abstractmethod
-    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Displacement and velocity of the centre and the angular velocity, on every rank."""
+    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
+        """The unknowns or some of them, on every rank."""
+
+    def drifted(self, u: Array, v: Array, dt: float, motion: RigidMotion) -> Array:
+        """The owned unknowns after dt if nothing acted on the body."""
+        return u + dt * v
 
     @abstractmethod
     def material_positions(self, points: Array, values: Array) -> Array:
@@ -158,14 +163,17 @@ class Oscillator(DenseBody):
         )
         self._rows: dict[int, Array] = {}
 
-    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """It does not move vertically, and does not turn."""
         moved, velocity = self.replicate(u), self.replicate(v)
-        return np.append(moved, 0.0), np.append(velocity, 0.0), np.empty(0)
+        moved, velocity = np.append(moved, 0.0), np.append(velocity, 0.0)
+        return RigidMotion(moved, velocity, np.empty(0), np.eye(self.dimension))
 
     def material_positions(self, points: Array, values: Array) -> Array:
         """Points of the platform, moved."""
-        return points + np.append(values, 0.0)
+        places = points.copy()
+        places[:, :-1] += values
+        return places
 
     def rows(self, points: Array, values: Array) -> Array:
         """Every point moves with the platform; one array for all calls, not to be written to."""
@@ -203,15 +211,14 @@ class RigidBlock(DenseBody):
         self.corners = np.array(shape.corners()) + centre - (0.0, shape.height / 2)
         """In its reference configuration, counterclockwise from the bottom left one, (4, 2), m."""
 
-    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """The unknowns themselves."""
         pose, speed = self.replicate(u), self.replicate(v)
-        return pose[:2], speed[:2], speed[2:]
+        return RigidMotion(pose[:2], speed[:2], speed[2:], self.turn(pose))
 
     def turn(self, values: Array) -> Array:
         """The rotation of the body, clockwise by the third unknown."""
-        c, s = math.cos(values[2]), math.sin(values[2])
-        return np.array([[c, s], [-s, c]])
+        return turn(values[2:])
 
     def material_positions(self, points: Array, values: Array) -> Array:
         """Points of the block where it stands."""

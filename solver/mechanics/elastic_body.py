@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from solver.compat import PackedForm
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.mechanics.factorization import Factorization
-from solver.mechanics.kinematics import polar_rotation
+from solver.mechanics.kinematics import RigidMotion, polar_rotation, turn
 from solver.mechanics.material import Material, green_strain
 from solver.mechanics.supports import GroundSpring, Support
 from solver.parallel import global_sum
@@ -106,6 +106,7 @@ class ElasticBody:
         self.factorizations = 0
         """How many tangents were factorized so far."""
         self._interface: PETSc.Mat | None = None
+        self.identity = np.eye(d)
         self._measure_inertia()
 
     def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
@@ -207,27 +208,34 @@ class ElasticBody:
         """Of the unrotated body in space about its centre, (3, 3), kg m2."""
         return np.trace(self._moment) * np.eye(self.dimension) - self._moment
 
-    def rigid_motion(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Displacement and velocity of the centre of mass, (d,), and the angular velocity.
-
-        The angular velocity, rad/s, is that of a rigid body with the same angular momentum: (1,),
-        clockwise, in space (3,), by the right-hand rule.
-        """
+    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
+        """That of a rigid body with the same momentum and angular momentum."""
         d = self.dimension
         momentum, arm = self.inertia(v).reshape(-1, d), self.arm + u.reshape(-1, d)
         if d == 2:
-            turning = [float(np.sum(arm[:, 1] * momentum[:, 0] - arm[:, 0] * momentum[:, 1]))]
+            about = [float(arm[:, 1] @ momentum[:, 0] - arm[:, 0] @ momentum[:, 1])]
         else:
-            turning = np.cross(arm, momentum).sum(axis=0).tolist()
-        parts = [*(self.directional_mass @ u), *momentum.sum(axis=0), *turning]
+            about = np.cross(arm, momentum).sum(axis=0).tolist()
+        parts = [*(self.directional_mass @ u), *momentum.sum(axis=0), *about]
         sums = global_sum(self.comm, np.array(parts))
         moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
         if d == 2:
             spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
-            return moved, velocity, np.asarray(spin / self.polar_inertia)
-        turn, rotation = sums[2 * d :] - self.mass * np.cross(moved, velocity), self.rotation(u)
+            return RigidMotion(moved, velocity, spin / self.polar_inertia, self.rotation(u))
+        turning, rotation = sums[2 * d :] - self.mass * np.cross(moved, velocity), self.rotation(u)
         tensor = rotation @ self.inertia_tensor @ rotation.T
-        return moved, velocity, np.asarray(np.linalg.solve(tensor, turn))
+        return RigidMotion(moved, velocity, np.linalg.solve(tensor, turning), rotation)
+
+    def drifted(self, u: Array, v: Array, dt: float, motion: RigidMotion) -> Array:
+        """The owned unknowns after dt if nothing acted on the body, and its strains stayed.
+
+        u + dt v would stretch a body that turns or vibrates, by whole per cents in long steps.
+        """
+        if self.clamped:
+            return u + dt * v
+        shape = self.arm + u.reshape(-1, self.dimension) - motion.moved
+        turned = shape @ (turn(dt * motion.spin) - self.identity).T
+        return u + (turned + dt * motion.velocity).ravel()
 
     @property
     def rigidity(self) -> float:
@@ -260,7 +268,7 @@ class ElasticBody:
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""
         if self.clamped:
-            return np.eye(self.dimension)
+            return self.identity
         moment = u.reshape(-1, self.dimension).T @ self._moment_row
         return polar_rotation(global_sum(self.comm, moment) + self._moment)
 

@@ -2,8 +2,28 @@
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
+
+
+class RigidMotion(NamedTuple):
+    """How a body moves as a whole.
+
+    Attributes:
+        moved: Displacement of its centre of mass, (d,), m.
+        velocity: Of that centre, (d,), m/s.
+        spin: Angular velocity, rad/s: (1,), clockwise; in space (3,), by the right-hand rule; empty
+            where it cannot turn.
+        rotation: That fits its displacement best, (d, d).
+    """
+
+    moved: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    spin: NDArray[np.float64]
+    rotation: NDArray[np.float64]
 
 
 def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -24,12 +44,22 @@ def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def lean(rotation: NDArray[np.float64]) -> float:
     """Angle of a plane rotation, rad, positive when the body leans towards +x (clockwise)."""
-    return float(np.arctan2(-rotation[1, 0], rotation[0, 0]))
+    return math.atan2(-rotation[1, 0], rotation[0, 0])
 
 
 def unwrap(angle: float, previous: float) -> float:
     """The value of `angle` modulo 2 pi that is nearest to `previous`."""
-    return float(angle + 2 * np.pi * np.round((previous - angle) / (2 * np.pi)))
+    return angle + 2 * math.pi * round((previous - angle) / (2 * math.pi))
+
+
+def turn(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rotation by an angle (1,), clockwise, or by a rotation vector in space (3,), rad."""
+    if len(vector) == 1:
+        c, s = math.cos(vector[0]), math.sin(vector[0])
+        return np.array([[c, s], [-s, c]])
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_rotvec(vector).as_matrix())
 
 
 def rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -173,16 +173,15 @@ class BlockObserver:
     def _motion(self, state: State) -> tuple[Sequence[float], Sequence[float], Array]:
         """Angles, angular velocities and centre."""
         body = self._member.body
-        u, v = state.u[self._own], state.v[self._own]
-        moved, _, spin = body.rigid_motion(u, v)
+        u = state.u[self._own]
+        moved, _, spin, rotation = state.rigid_motion(self._stepper.system, self._member.number)
         if isinstance(body, RigidBlock):
             self._angle = float(body.replicate(u)[2])
             turned = [self._angle]
         elif body.dimension == 2:
-            self._angle = unwrap(lean(body.rotation(u)), self._angle)
+            self._angle = unwrap(lean(rotation), self._angle)
             turned = [self._angle]
         else:
-            rotation = body.rotation(u)
             self._angle = unwrap(float(np.arctan2(rotation[0, 2], rotation[2, 2])), self._angle)
             turned = [self._angle, *rotation_vector(rotation)]
         return turned, list(spin), body.centre + moved
@@ -218,7 +217,7 @@ class BlockObserver:
 
     def _touching(self, memory: Memory) -> NDArray[np.int64]:
         """The closed points; where there are none the lowest, and all as low as it is."""
-        closed = np.flatnonzero(memory.force[:, 0] > 0)
+        closed = (memory.force[:, 0] > 0).nonzero()[0]
         if len(closed):
             return closed
         height = np.where(memory.eligible, memory.seat.place[:, 0], np.inf)
@@ -236,7 +235,7 @@ class BlockObserver:
             self._settle(place, touching)
             keys = self._interface.keys()
             self._homes = which, np.array([self._home[keys[q]] for q in touching])
-        return np.asarray((place[touching, 1:] - self._homes[1]).mean(axis=0))
+        return np.asarray((place[touching, 1:] - self._homes[1]).sum(axis=0) / len(touching))
 
     def _settle(self, place: Array, touching: NDArray[np.int64]) -> None:
         """Find homes for points that touch for the first time."""

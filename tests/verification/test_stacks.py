@@ -132,12 +132,12 @@ def imbalance(run: Scene) -> float:
 @pytest.mark.parametrize("models", [*PAIRS, TRIPLES[0]], ids="-".join)
 @pytest.mark.parametrize("friction", [0.25, 0.7])
 def test_contact_forces_balance_momentum(models: tuple[str, ...], friction: float) -> None:
-    """Block by block and step by step, velocity solves between them, to 1e-10 of its weight.
+    """Block by block and step by step, velocity solves between them, to 1e-9 of its weight.
 
-    The difference is the residual that SNES leaves; the upright direction is balanced to round-off.
+    The difference is the residual that SNES leaves, which may be 1e-9 of the loads.
     """
     run = stack(models, f"contact.friction={friction}", slender=friction > 0.5)
-    assert imbalance(run) < 1e-10
+    assert imbalance(run) < 1e-9
 
 
 def test_each_pair_has_its_own_friction() -> None:
