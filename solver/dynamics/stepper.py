@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -261,7 +262,10 @@ class Stepper:
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
         load = self._load(state.time, dt)
         weighted = scheme.contact_weight * load
-        constant = (am - (1 - am) * (0.5 - beta) / beta) * state.p - weighted
+        motions = [state.rigid_motion(system, number) for number in range(len(system.bodies))]
+        half = [0.5 * dt * motion.spin for motion in motions]
+        start = replace(state, p=self._turned(state.p, half))
+        constant = (am - (1 - am) * (0.5 - beta) / beta) * start.p - weighted
         for body, own in zip(system.bodies, system.slices, strict=True):
             body.begin_step(state.u[own], scheme, dt)
             drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
@@ -270,7 +274,6 @@ class Stepper:
             if spring is not None:
                 constant[own] += af * spring
         way = dt * state.v
-        motions = [state.rigid_motion(system, number) for number in range(len(system.bodies))]
         drifted = [
             body.drifted(state.u[own], state.v[own], dt, motion)
             for body, own, motion in zip(system.bodies, system.slices, motions, strict=True)
@@ -286,10 +289,20 @@ class Stepper:
             step=dt,
         )
         solution = self._solved(balance, joined(drifted))
-        new, exchange = self._update(state, dt, solution, load)
+        new, exchange = self._update(start, dt, solution, load)
+        new.p = self._turned(new.p, half)
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations
         return new, exchange
+
+    def _turned(self, p: Array, vectors: Sequence[Array]) -> Array:
+        """Inertia forces turned with their bodies, by an angle or rotation vector each.
+
+        A step weighs those of its ends against one another, and forces of strain in its middle: in
+        the frame of the middle no torque comes of it.
+        """
+        bodies = zip(self.system.bodies, self.system.slices, vectors, strict=True)
+        return joined([body.turned(p[own], vector) for body, own, vector in bodies])
 
     def _update(
         self, state: State, dt: float, solution: Solution, load: Array

@@ -108,6 +108,10 @@ class DenseBody(ABC):
         scale = np.finfo(float).eps * weights.mass * self.diagonal[self.own]
         return float(((scale * u) ** 2).sum())
 
+    def turned(self, force: Array, vector: Array) -> Array:
+        """The same: generalized forces know of no frame."""
+        return force
+
     @abstractmethod
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """The unknowns or some of them, on every rank."""

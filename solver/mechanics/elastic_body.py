@@ -237,6 +237,12 @@ class ElasticBody:
         turned = shape @ (turn(dt * motion.spin) - self.identity).T
         return u + (turned + dt * motion.velocity).ravel()
 
+    def turned(self, force: Array, vector: Array) -> Array:
+        """Nodal forces that turn with the body, by an angle or a rotation vector."""
+        if self.clamped:
+            return force
+        return (force.reshape(-1, self.dimension) @ turn(vector).T).ravel()
+
     @property
     def rigidity(self) -> float:
         """What the body's stiffness against forces on it is like, N/m."""
