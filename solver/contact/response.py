@@ -26,7 +26,7 @@ from solver.parallel import global_sum
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-TURNED = 1e-6
+TURNED = 1e-5
 """Change of the entries of a rotation, below which the compliance of a body is not made anew: it is
 part of the correction of an iteration, not of the residual, and neglects strains as large."""
 

@@ -36,6 +36,9 @@ Indices = NDArray[np.int64]
 TOLERANCE = 1e-9
 """Of the residual over the loads."""
 
+PLACED = 2
+"""Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
+
 SOFTENING = 1e-9
 """Relative diagonal of W for points of rigid bodies: their forces are not unique without it."""
 
@@ -96,6 +99,7 @@ class ContactSolve:
         self._turns = any(link.interface.carrier.turns for link in links)
         self._rigid = self._points.softness == 0
         self._near: Indices = np.empty(0, dtype=np.int64)
+        self._corrections = 0
 
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""
@@ -111,6 +115,7 @@ class ContactSolve:
             response.begin(rotation)
         # W of points on planes that stand or only move along is the same as long as the bodies are.
         self._stale = self._turns or self._response is not last
+        self._corrections = 0
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
         while outcome.converged and (points.wake(u) or points.break_loose()):
             before = outcome.iterations
@@ -204,8 +209,9 @@ class ContactSolve:
         seats = [seat for _, seat in points.seen]
         y = points.augmented()
         free = []
+        self._corrections += 1
         for response, own in zip(self._response, system.slices, strict=True):
-            if response.at(self._u[own]):
+            if self._corrections <= PLACED and response.at(self._u[own]):
                 self._stale = True
             free.append(response.free(residual[own]))
             response.read(y, points.frames, seats)
