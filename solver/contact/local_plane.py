@@ -8,19 +8,22 @@ already, and cycles now and then.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgetrf, dgetrs
+from scipy.linalg.lapack import dgesv
 
 from solver.contact.local_disc import newton
 from solver.contact.local_rescues import Method, continuation, projected, tresca
 from solver.contact.local_system import TOUCHING_SLOPE, Line, LocalSystem
+from solver.rigid import local_problem as compiled
+from solver.rigid.compiled import NUMBA
 
 Array = NDArray[np.float64]
 
 STICK, SLIP, SMOOTH = 1.0, 2.0, 3.0
+
+FEW = 24
+"""Points up to which machine code is faster than LAPACK by way of numpy."""
 
 
 class States:
@@ -58,44 +61,14 @@ class States:
         return self
 
 
-@dataclass(frozen=True, slots=True)
-class Factors:
-    """The equations of given states.
-
-    Attributes:
-        lu: Of their matrix.
-        pivots: Of the same.
-        slope: Signed slopes of the slipping points' bounds; None where no point slips.
-        coupling: What their friction does to the equations; None likewise.
-    """
-
-    lu: Array
-    pivots: Array
-    slope: Array | None = None
-    coupling: Array | None = None
-
-
-def _factorized(W: Array, states: States) -> Factors | None:
-    """The equations of given states, (unknown, unknown); None if singular."""
-    size, unknown = W.shape[0] * W.shape[1], states.unknown
-    flat = W.reshape(size, size)
-    matrix = flat[unknown[:, None], unknown]
-    slope = coupling = None
-    if len(states.slipping):
-        slope = states.sign * states.line[0][states.points]
-        coupling = flat[unknown[:, None], states.tangential]
-        matrix[:, states.slipping] += slope * coupling
-    lu, pivots, info = dgetrf(matrix, 1)
-    return None if info else Factors(lu, pivots, slope, coupling)
-
-
 class PlaneSolver:
     """Newton's method over states, and those behind it; remembers the last states."""
 
     def __init__(self) -> None:
         """Name the slower methods, in the order in which they are tried."""
         self._last: States | None = None
-        self._matrix: tuple[Array, bytes, Factors | None] = np.empty(0), b"", None
+        self._decided: NDArray[np.int64] = np.empty(0, dtype=np.int64)
+        self._free, self._known = self._decided, False
         self.rescues: dict[str, Method] = {
             "continuation": continuation(self._newton),
             "damped continuation": continuation(newton),
@@ -107,11 +80,29 @@ class PlaneSolver:
         """One point by its closed form, several by Newton's method from the last states."""
         if len(start) == 1:
             return _one_point(system)
+        if NUMBA is not None and len(start) <= FEW and not system.bounds.frictionless:
+            return self._in_machine_code(system, start)
         last = self._last
         if last is not None and len(last.code) == len(start):
             last = last.under(system.coulomb(start[:, 0]))
             return self._newton(system, start, system.coulomb, last)
         return self._newton(system, start, system.coulomb)
+
+    def _in_machine_code(self, system: LocalSystem, start: Array) -> Array | None:
+        """Newton's method for few points, where numpy's calls would take longer than the work."""
+        count, forces = len(start), start.ravel().copy()
+        q, scaling = system.q.ravel(), system.scaling.ravel()
+        W = system.W.reshape(len(q), len(q))
+        if len(self._decided) != count:
+            self._free = np.zeros(count, dtype=np.int64)
+            self._decided = np.empty(count, dtype=np.int64)
+            self._known = False
+        bounds = compiled.Bounds(system.bounds.mu, system.bounds.cohesion, self._free)
+        if not self._known:
+            trial = compiled.image(W, q, forces)
+            compiled.decide(forces, trial, scaling, bounds, self._decided)
+        self._known = compiled.newton(W, q, scaling, bounds, self._decided, forces)
+        return forces.reshape(count, 2) if self._known else None
 
     def touching(self, system: LocalSystem, start: Array) -> Array | None:
         """Newton's method with cohesion that grows with the first pressure."""
@@ -132,28 +123,25 @@ class PlaneSolver:
 
     def _forces(self, system: LocalSystem, states: States) -> Array | None:
         """Forces of given states: y_n = 0 where closed, y_t = 0 where stuck; None if singular."""
-        q, unknown = system.q, states.unknown
-        f = np.zeros(q.shape)
+        q, unknown, slipping = system.q, states.unknown, states.slipping
+        f = np.zeros_like(q)
         if not len(unknown):
             return f
-        factors = self._factors(system.W, states)
-        if factors is None:
-            return None
-        forces, right = f.ravel(), -q.ravel()[unknown]
-        if factors.coupling is not None:
+        flat, forces = system.W.reshape(q.size, q.size), f.ravel()
+        matrix, right = flat[unknown[:, None], unknown], -q.ravel()[unknown]
+        if len(slipping):
+            slope = states.sign * states.line[0][states.points]
             intercept = states.sign * states.line[1][states.points]
-            right -= factors.coupling @ intercept
-        x, _ = dgetrs(factors.lu, factors.pivots, right)
+            coupling = flat[unknown[:, None], states.tangential]
+            matrix[:, slipping] += slope * coupling
+            right -= coupling @ intercept
+        _, _, x, info = dgesv(matrix, right, 1, 1)
+        if info:
+            return None
         forces[unknown] = x
-        if factors.slope is not None:
-            forces[states.tangential] = factors.slope * x[states.slipping] + intercept
+        if len(slipping):
+            forces[states.tangential] = slope * x[slipping] + intercept
         return f
-
-    def _factors(self, W: Array, states: States) -> Factors | None:
-        """The factorized matrix of given states; the last one where both are the same."""
-        if W is not self._matrix[0] or states.key != self._matrix[1]:
-            self._matrix = W, states.key, _factorized(W, states)
-        return self._matrix[2]
 
     def _newton(
         self, system: LocalSystem, f: Array, line: Line, states: States | None = None

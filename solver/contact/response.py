@@ -138,7 +138,7 @@ class ElasticResponse:
         self._simple = len(sides) == 1 and not sides[0].carries
         self._start: Array | None = None
         self._rotation = self._middle = np.eye(body.dimension)
-        self._shift: Array = np.zeros_like(self._rotation)
+        self._shift: Array | None = None
         self._coupled = np.array((self._rotation, self._middle))
 
     def begin(self, rotation: Array | None) -> None:
@@ -148,6 +148,7 @@ class ElasticResponse:
     def at(self, u: Array) -> bool:
         """The rotations R and R_m; whether either is another than its compliance was asked for."""
         self._rotation = self._middle = self.body.rotation(u)
+        self._shift = None
         if self._start is not None:
             self._middle = polar_rotation(self._start + self._rotation)
             half_turn = self._rotation.T @ self._middle
@@ -159,7 +160,8 @@ class ElasticResponse:
         """-K^-1 r."""
         turned = residual.reshape(-1, self.body.dimension) @ self._middle
         self._free = -self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
-        self._free -= self._shift @ global_sum(self.body.comm, turned.sum(axis=0))
+        if self._shift is not None:
+            self._free -= self._shift @ global_sum(self.body.comm, turned.sum(axis=0))
         return (self._free @ self._rotation.T).ravel()
 
     def read(self, moved: Array, frames: Sequence[Array], seats: Sequence[Seat]) -> None:
@@ -183,7 +185,9 @@ class ElasticResponse:
             side = self.sides[0]
             if side.first == 0 and near.number[-1] < side.count:
                 self._ports, self._load = near.number, None
-                blocks = self.compliance.blocks(near.number) + self._shift
+                blocks = self.compliance.blocks(near.number)
+                if self._shift is not None:
+                    blocks = blocks + self._shift
                 turned = G[:, None] @ blocks @ H.swapaxes(1, 2)[None]
                 W += weight * turned.transpose(0, 2, 1, 3)
                 return
@@ -192,8 +196,9 @@ class ElasticResponse:
             return
         C = np.tensordot(self._load, self.compliance.blocks(self._ports), 1)
         C = np.tensordot(C, self._load, ([1], [1])).transpose(0, 3, 1, 2)
-        total = self._load.sum(axis=1)
-        C += np.multiply.outer(np.outer(total, total), self._shift)
+        if self._shift is not None:
+            total = self._load.sum(axis=1)
+            C += np.multiply.outer(np.outer(total, total), self._shift)
         W += weight * (G[:, None] @ C @ H.swapaxes(1, 2)[None]).transpose(0, 2, 1, 3)
 
     def _loads(self, near: Near) -> tuple[Indices, Array]:
@@ -223,7 +228,9 @@ class ElasticResponse:
         if self._load is not None:
             vectors = self._load.T @ vectors
         change = self.compliance.of(self._ports)[1] @ vectors.ravel()
-        change = change.reshape(-1, self.body.dimension) + self._shift @ vectors.sum(axis=0)
+        change = change.reshape(-1, self.body.dimension)
+        if self._shift is not None:
+            change += self._shift @ vectors.sum(axis=0)
         return (weight * change @ self._rotation.T).ravel()
 
 

@@ -166,12 +166,13 @@ class Oscillator(DenseBody):
             "platform", diagonal, translations, stiffness=stiffness, dashpot=dashpot, comm=comm
         )
         self._rows: dict[int, Array] = {}
+        self._unturned = np.empty(0), np.eye(dimension)
 
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """It does not move vertically, and does not turn."""
-        moved, velocity = self.replicate(u), self.replicate(v)
-        moved, velocity = np.append(moved, 0.0), np.append(velocity, 0.0)
-        return RigidMotion(moved, velocity, np.empty(0), np.eye(self.dimension))
+        motion = np.zeros((2, self.dimension))
+        motion[0, :-1], motion[1, :-1] = self.replicate(u), self.replicate(v)
+        return RigidMotion(motion[0], motion[1], *self._unturned)
 
     def material_positions(self, points: Array, values: Array) -> Array:
         """Points of the platform, moved."""

@@ -58,7 +58,7 @@ class Observer:
             member.body.mass * float(self._stepper.gravity @ member.body.centre)
             for member in assembly.members
         )
-        self._exchanged = np.zeros(5)
+        self._exchanged = [0.0] * 5
         self._start: float | None = None
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
@@ -82,17 +82,18 @@ class Observer:
         gravity = -self._at_rest - float(stepper.gravity @ moved)
         interface = stepper.interface_energy(state)
         stored = [state.kinetic, state.strain, gravity, state.spring, interface]
-        self._exchanged += [
+        further = (
             exchange.input,
             exchange.friction,
             exchange.damping,
             exchange.contact,
             exchange.numerical,
-        ]
+        )
+        self._exchanged = [a + b for a, b in zip(self._exchanged, further, strict=True)]
         total = sum(stored)
         if self._start is None:
             self._start = total
-        error = total - self._start - self._exchanged[0] + self._exchanged[1:].sum()
+        error = total - self._start - self._exchanged[0] + sum(self._exchanged[1:])
         return [float(value) for value in (*stored, *self._exchanged, total, error)]
 
 

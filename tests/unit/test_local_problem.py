@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+from solver.contact import local_plane
 from solver.contact.friction import Bounds
 from solver.contact.local_disc import DiscSolver, newton
 from solver.contact.local_plane import PlaneSolver
@@ -16,6 +17,16 @@ from solver.contact.local_problem import (
     row_sum_scaling,
 )
 from solver.contact.local_system import TOUCHING_SLOPE, LocalSystem, diagonal_scaling
+
+
+@pytest.fixture(autouse=True, params=["machine code", "numpy"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few points in the plane are solved by compiled functions, where numba is there."""
+    if request.param == "numpy":
+        monkeypatch.setattr(local_plane, "NUMBA", None)
+    elif local_plane.NUMBA is None:
+        pytest.skip("numba is not installed")
+
 
 RESCUES = {2: list(PlaneSolver().rescues), 3: list(DiscSolver().rescues)}
 
