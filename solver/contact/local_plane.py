@@ -3,7 +3,8 @@
 A semismooth Newton method decides them by f - r y, with r one over the ROW SUM of |W|: the points
 of a stiff body share its rigid modes, so that W is nearly of rank one and 1/diag(W) too large by
 about the number of points. It has no line search, costs one small solve for states that were right
-already, and cycles now and then.
+already, and cycles now and then. For few points it is the compiled one of rigid blocks, where numba
+is installed.
 """
 
 from __future__ import annotations
