@@ -71,11 +71,16 @@ def _counted(verdicts: Sequence[Verdict]) -> str:
     return ", ".join(f"{counts[word]} {word}" for word in ("holds", "refused", "failed"))
 
 
+def _largest(values: Sequence[float]) -> float:
+    """The largest that is a number: where nothing moves there is no scale to divide by."""
+    return max((value for value in values if not math.isnan(value)), default=math.nan)
+
+
 def sentence(verdicts: Sequence[Verdict]) -> str:
     """The study in one line."""
     held = [verdict for verdict in verdicts if verdict.verdict == "holds"]
-    gain = max((verdict.energy_gain for verdict in held), default=math.nan)
-    error = max((verdict.ledger_error for verdict in held), default=math.nan)
+    gain = _largest([verdict.energy_gain for verdict in held])
+    error = _largest([verdict.ledger_error for verdict in held])
     return (
         f"{len(verdicts)} scenes: {_counted(verdicts)}; where it holds the largest energy gain is "
         f"{max(0.0, gain):.1e}, the largest ledger error {error:.1e}"

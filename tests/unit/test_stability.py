@@ -178,3 +178,14 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "-o: got" in capsys.readouterr().err
     assert main([*words[:3], "no such", "-o", str(tmp_path / "other")]) == 2
     assert "--family: got no such, allowed the beginning of one of" in capsys.readouterr().err
+
+
+def test_the_sentence_says_the_largest_of_what_is_a_number() -> None:
+    """Where nothing moves energies have no scale: such a scene comes first here."""
+    verdicts = [
+        Verdict(
+            family="f", row="r", column="c", verdict="holds", energy_gain=gain, ledger_error=error
+        )
+        for gain, error in [(math.nan, math.nan), (2e-7, 3e-12), (0.0, 1e-13)]
+    ]
+    assert sentence(verdicts).endswith("gain is 2.0e-07, the largest ledger error 3.0e-12")
