@@ -23,7 +23,6 @@ from solver.rigid.outcome import Advance
 from solver.rigid.plane_model import Array, new_memory, new_work
 from solver.rigid.plane_rows import advance, stored_energy, write_row
 from solver.rigid.plane_start import PlaneBlock, PlanePlatform, state_of, system_of
-from solver.rigid.plane_step import external_force
 from solver.scene import Scene
 
 #: Forces at the start are those of a trial step of this part of the first one.
@@ -44,9 +43,8 @@ class PlaneSystem:
         gravity: Sequence[float] = (0.0, -9.81),
         platform: PlanePlatform | None = None,
         velocity_solve: bool = True,
-        ground: Sequence[float] = (0.0, 0.0),
     ):
-        """Start at t = 0, the inertia forces in balance with the loads without contact (r_0 = 0).
+        """Start at t = 0.
 
         Args:
             blocks: In any order.
@@ -54,7 +52,6 @@ class PlaneSystem:
             gravity: m/s2.
             platform: What carries the blocks, if it moves.
             velocity_solve: Whether contact is also solved at velocity level after each step.
-            ground: Acceleration of the ground at t = 0, m/s2.
         """
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
@@ -64,18 +61,14 @@ class PlaneSystem:
         points = len(self._system.corner_of)
         self._memory = new_memory(points)
         self._work = new_work(points, len(self._state.q), len(blocks))
-        self._state.p[:] = external_force(self._system, np.array(ground, dtype=np.float64))
-        if platform is not None:
-            self._state.p[-1] -= platform.stiffness * platform.drift
         self._first = float(sum(stored_energy(self._system, self._state)))
 
     @classmethod
-    def from_scene(cls, scene: Scene, ground: Sequence[float] = (0.0, 0.0)) -> PlaneSystem:
+    def from_scene(cls, scene: Scene) -> PlaneSystem:
         """The system of a scene in the plane whose blocks are all rigid.
 
         Args:
             scene: Its foundation is rigid or an oscillator.
-            ground: Acceleration of the ground at t = 0, m/s2.
         """
         platform = _platform(scene) if scene.has_platform else None
         return cls(
@@ -84,7 +77,6 @@ class PlaneSystem:
             gravity=scene.gravity_vector,
             platform=platform,
             velocity_solve=scene.contact.velocity_solve,
-            ground=ground,
         )
 
     @property

@@ -67,7 +67,7 @@ class State(NamedTuple):
     v: Array
     """Velocity, m/s, rad/s, (n,)."""
     p: Array
-    """Inertia force without contact, N, N m, (n,)."""
+    """Inertia force of the platform against its spring, N, (1,)."""
     slip: Array
     """Slip of each block on what carries it, m, (b,)."""
     exchanged: Array
@@ -127,7 +127,7 @@ class Work(NamedTuple):
     increment: Array
     """Increment of q, (n,)."""
     inertia: Array
-    """p at the end of the step, (n,)."""
+    """p at the end of the step, N, (1,)."""
     impulse: Array
     """Impulse of contact on each block so far in the full step, N s, (b, 2)."""
 
@@ -164,6 +164,6 @@ def new_work(points: int, unknowns: int, blocks: int) -> Work:
         force=np.zeros(2 * points),
         place=np.zeros(2 * points),
         increment=np.zeros(unknowns),
-        inertia=np.zeros(unknowns),
+        inertia=np.zeros(1),
         impulse=np.zeros((blocks, 2)),
     )

@@ -118,15 +118,16 @@ def _points(carriers: Integers) -> Integers:
 
 
 def state_of(blocks: Sequence[PlaneBlock], platform: PlanePlatform | None) -> State:
-    """Where the blocks start; their inertia forces are still missing."""
+    """Where the blocks start, and the platform, whose inertia balances its spring."""
     q = [value for block in blocks for value in (*block.centre, block.angle)]
     v = [value for block in blocks for value in (*block.velocity, block.angular_velocity)]
     if platform is not None:
         q, v = [*q, platform.drift], [*v, 0.0]
+    pull = 0.0 if platform is None else platform.stiffness * platform.drift
     return State(
         q=np.array(q, dtype=np.float64),
         v=np.array(v, dtype=np.float64),
-        p=np.zeros(len(q)),
+        p=np.array([-pull]),
         slip=np.zeros(len(blocks)),
         exchanged=np.zeros(5),
     )

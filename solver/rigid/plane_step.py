@@ -1,12 +1,10 @@
 """One step of rigid blocks in the plane: its solution, its bookkeeping. Compiled.
 
-Generalized-alpha with contact impulses at the end of the step (`solver.dynamics.generalized_alpha`
-has the formulas). The blocks have no stiffness, so that the inertia force without contact,
-
-    (1 - alpha_m) p_{n+1} + alpha_m p_n = f_alpha,
-
-is known beforehand, and the effective mass is diagonal. What is solved for are the contact forces,
-and with them the rotations that the rows of contact are taken at.
+Generalized-alpha with impulses outside the average (`solver.dynamics.generalized_alpha` has the
+formulas): contact at the end of the step, loads by their mean, the dashpot at the mean velocity.
+The blocks have no stiffness, so that only the platform has an inertia force p besides, that of its
+spring, and the effective mass is diagonal. What is solved for are the contact forces, and with them
+the rotations that the rows of contact are taken at.
 """
 
 from __future__ import annotations
@@ -39,32 +37,28 @@ def free_motion(
     system: System, state: State, work: Work, dt: float, before: Array, after: Array
 ) -> tuple[Array, Array]:
     """Increment of q without contact forces, and the flexibility w_c/M_eff of each unknown."""
-    alpha_m, alpha_f, beta = system.scheme[0], system.scheme[1], system.scheme[2]
-    load = (1 - alpha_f) * external_force(system, after) + alpha_f * external_force(system, before)
-    work.inertia[:] = (load - alpha_m * state.p) / (1 - alpha_m)
+    load = external_force(system, 0.5 * (before + after))
     flexibility = 0.5 * dt * dt * system.flexibility
-    mean = (0.5 - beta) * state.p + beta * work.inertia
-    free = dt * state.v + 2.0 * flexibility * mean
+    free = dt * state.v + flexibility * load
     if len(free) % 3:
-        k, c = system.spring[0], system.spring[1]
-        u, v, p = state.q[-1], state.v[-1], state.p[-1]
+        alpha_m, alpha_f, beta = system.scheme[0], system.scheme[1], system.scheme[2]
+        k, c, weight = system.spring[0], system.spring[1], 0.5 * (1 - alpha_m) / beta
+        u, v, p = state.q[-1], state.v[-1], state.p[0]
         inertial = (1 - alpha_m) / (beta * dt * dt) * system.mass[-1]
-        stiffness = inertial + (1 - alpha_f) * (k + 2.0 * c / dt)
-        right = load[-1] - k * u - (2 * alpha_f - 1) * c * v + inertial * dt * v
+        stiffness = inertial + (1 - alpha_f) * k + weight * c / dt
+        right = weight * load[-1] - k * u + inertial * dt * v
         right += ((1 - alpha_m) * (0.5 / beta - 1) - alpha_m) * p
         free[-1] = right / stiffness
-        flexibility[-1] = 0.5 * (1 - alpha_m) / beta / stiffness
+        flexibility[-1] = weight / stiffness
     return free, flexibility
 
 
 @compiled
-def platform_inertia(system: System, state: State, work: Work, dt: float) -> None:
-    """Complete p_{n+1} of the platform, whose spring and dashpot follow from its increment."""
+def platform_inertia(system: System, state: State, work: Work) -> None:
+    """p_{n+1} of the platform: (1 - alpha_m) p_{n+1} + alpha_m p_n + k u_alpha = 0."""
     alpha_m, alpha_f = system.scheme[0], system.scheme[1]
-    du = work.increment[-1]
-    spring = system.spring[0] * (state.q[-1] + (1 - alpha_f) * du)
-    dashpot = system.spring[1] * ((1 - alpha_f) * 2.0 * du / dt + (2 * alpha_f - 1) * state.v[-1])
-    work.inertia[-1] -= (spring + dashpot) / (1 - alpha_m)
+    spring = system.spring[0] * (state.q[-1] + (1 - alpha_f) * work.increment[-1])
+    work.inertia[0] = -(spring + alpha_m * state.p[0]) / (1 - alpha_m)
 
 
 @compiled
@@ -99,7 +93,7 @@ def solve_step(
     if count > 0:
         solved = contact_iteration(system, state, memory, work, dt, free, flexibility)
     if len(free) % 3:
-        platform_inertia(system, state, work, dt)
+        platform_inertia(system, state, work)
     return solved
 
 
@@ -174,19 +168,16 @@ def book_step(
 ) -> None:
     """Work of the ground, and what the dashpot and the averaging of the time stepping take.
 
-    The latter is (1/2 - alpha_f) du.dr with r = p + c v + k u - f.
+    The latter is (1/2 - alpha_f) du dr with r = p + k u of the platform.
     """
     du = work.increment
-    jump = after - before
-    change = work.inertia - state.p + jump[0] * system.mass_x + jump[1] * system.mass_y
     mean = 0.5 * (before + after)
     state.exchanged[0] -= mean[0] * (system.mass_x @ du) + mean[1] * (system.mass_y @ du)
     if len(du) % 3:
         k, c = system.spring[0], system.spring[1]
-        dv = 2.0 * (du[-1] / dt - state.v[-1])
-        change[-1] += k * du[-1] + c * dv
+        change = work.inertia[0] - state.p[0] + k * du[-1]
         state.exchanged[2] += c * du[-1] * du[-1] / dt
-    state.exchanged[4] += (0.5 - system.scheme[1]) * (du @ change)
+        state.exchanged[4] += (0.5 - system.scheme[1]) * du[-1] * change
 
 
 @compiled

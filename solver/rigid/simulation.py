@@ -72,10 +72,10 @@ class RigidRun:
     def _start(self) -> PlaneSystem | SpaceSystem:
         """The bodies of the scene."""
         if self._scene.dimension == 2:
-            return PlaneSystem.from_scene(self._scene, self._first_acceleration())
+            return PlaneSystem.from_scene(self._scene)
         from solver.rigid.space import SpaceSystem
 
-        return SpaceSystem.from_scene(self._scene, self._first_acceleration())
+        return SpaceSystem.from_scene(self._scene)
 
     def _first_acceleration(self) -> tuple[float, ...]:
         """Of the ground at t = 0, m/s2."""

@@ -45,9 +45,8 @@ class SpaceSystem:
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         platform: SpacePlatform | None = None,
         velocity_solve: bool = True,
-        ground: Sequence[float] = (0.0, 0.0, 0.0),
     ):
-        """Start at t = 0, the inertia forces in balance with the loads without contact.
+        """Start at t = 0.
 
         Args:
             blocks: In any order.
@@ -55,22 +54,20 @@ class SpaceSystem:
             gravity: m/s2.
             platform: What carries the blocks, if it moves.
             velocity_solve: Whether contact is also solved at velocity level after each step.
-            ground: Acceleration of the ground at t = 0, m/s2.
         """
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
         self._model = model_of(blocks, scheme, np.array(gravity, float), platform, velocity_solve)
-        self._state = state_of(blocks, self._model, platform, np.array(ground, float))
+        self._state = state_of(blocks, self._model, platform)
         self._seen = np.zeros((len(blocks), 4))
         self._first = float(stored_energies(self._model, self._state).sum())
 
     @classmethod
-    def from_scene(cls, scene: Scene, ground: Sequence[float] = (0.0, 0.0, 0.0)) -> SpaceSystem:
+    def from_scene(cls, scene: Scene) -> SpaceSystem:
         """The system of a scene in space whose blocks are all rigid.
 
         Args:
             scene: Its foundation is rigid or an oscillator.
-            ground: Acceleration of the ground at t = 0, m/s2.
         """
         platform = platform_of(scene)
         return cls(
@@ -79,7 +76,6 @@ class SpaceSystem:
             gravity=scene.gravity_vector,
             platform=platform,
             velocity_solve=scene.contact.velocity_solve,
-            ground=ground,
         )
 
     @property

@@ -54,7 +54,7 @@ class SpaceState(NamedTuple):
     spin: Array
     """(n + 1, 3) angular velocities W in the body, rad/s."""
     inertia_force: Array
-    """(n + 1, 3) p, the inertia without that of contact, N."""
+    """p, the inertia of the platform against its spring, N, (2,)."""
     memory: Array
     """(k, SLOTS, 7): anchor (2), force (3), slip rate (m/s, 0: stuck), 1 + number of its face
     (0: away)."""

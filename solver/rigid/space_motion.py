@@ -49,23 +49,25 @@ def free_motion(
         model: The bodies.
         state: At the start of the step.
         dt: s.
-        load: Averaged forces of the step, (n + 1, 3), N.
+        load: Mean forces of the step, (n + 1, 3), N.
     """
     am, af, beta = model.scheme[0], model.scheme[1], model.scheme[2]
     moved, yields = np.zeros_like(load), np.zeros_like(load)
     for b in range(len(load)):
         if model.mass[b] == 0:
             continue
-        inertial, spring, dashpot = (1 - am) * model.mass[b] / (beta * dt * dt), 0.0, 0.0
-        if b == len(load) - 1:
-            spring, dashpot = model.spring[0], model.spring[1]
-        stiffness = inertial + (1 - af) * (spring + 2 * dashpot / dt)
-        for k in range(3 if b < len(load) - 1 else 2):
-            force = load[b, k] + inertial * dt * state.velocity[b, k]
-            force += ((1 - am) * (0.5 / beta - 1) - am) * state.inertia_force[b, k]
-            force -= spring * state.place[b, k] + (2 * af - 1) * dashpot * state.velocity[b, k]
+        if b < len(load) - 1:
+            yields[b] = 0.5 * dt * dt / model.mass[b]
+            moved[b] = dt * state.velocity[b] + yields[b] * load[b]
+            continue
+        inertial, weight = (1 - am) * model.mass[b] / (beta * dt * dt), (1 - am) / (2 * beta)
+        stiffness = inertial + (1 - af) * model.spring[0] + weight * model.spring[1] / dt
+        for k in range(2):
+            force = weight * load[b, k] + inertial * dt * state.velocity[b, k]
+            force += ((1 - am) * (0.5 / beta - 1) - am) * state.inertia_force[k]
+            force -= model.spring[0] * state.place[b, k]
             moved[b, k] = force / stiffness
-            yields[b, k] = (1 - am) / (2 * beta) / stiffness
+            yields[b, k] = weight / stiffness
     return moved, yields
 
 

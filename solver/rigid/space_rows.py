@@ -85,7 +85,9 @@ def record(
     at = RUN + n * BLOCK
     if model.mass[n] > 0:
         for axis in range(2):
-            pushed = state.inertia_force[n, axis] + tally[n, axis]
+            pushed = state.inertia_force[axis] + tally[n, axis]
+            pushed += model.mass[n] * (model.gravity[axis] - ground[axis])
+            pushed -= model.spring[1] * state.velocity[n, axis]
             row[at], row[at + 1] = state.place[n, axis], state.velocity[n, axis]
             row[at + 2] = pushed / model.mass[n]
             at += PLATFORM

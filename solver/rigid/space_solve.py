@@ -127,9 +127,9 @@ def solve(
         after: Acceleration of the ground at the end.
         shut: False: points that were open take no part, whatever happens to them.
     """
-    frames, size, af = rotations(state.quaternion), np.max(model.half), model.scheme[1]
+    frames, size = rotations(state.quaternion), np.max(model.half)
     points = _points(model, state, frames, dt, after, shut)
-    load = (1 - af) * loads(model, after) + af * loads(model, before)
+    load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
     force, anchor = recalled(state, points)
     mu, cohesion = friction_at_start(model, state, points)

@@ -13,7 +13,6 @@ from solver.arrangement import poses
 from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.rigid.space_boxes import SLOTS
 from solver.rigid.space_model import Array, SpaceModel, SpaceState
-from solver.rigid.space_motion import loads
 from solver.rigid.space_rotation import quaternion_of, rotation_of
 from solver.scene import Scene
 from solver.specs import FrictionSpec
@@ -144,9 +143,8 @@ def state_of(
     blocks: Sequence[SpaceBlock],
     model: SpaceModel,
     platform: SpacePlatform | None,
-    ground: Array,
 ) -> SpaceState:
-    """Where the blocks start; p_0 = loads, without contact."""
+    """Where the blocks start, and the platform, whose inertia balances its spring."""
     n = len(blocks)
     place, velocity, spin = np.zeros((n + 1, 3)), np.zeros((n + 1, 3)), np.zeros((n + 1, 3))
     quaternion = np.zeros((n + 1, 4))
@@ -157,8 +155,7 @@ def state_of(
         place[b], velocity[b] = block.centre, block.velocity
         quaternion[b] = quaternion_of(block.pose.rotation)
         spin[b] = rotation_of(quaternion[b]).T @ np.asarray(block.angular_velocity)
-    pairs, inertia_force = len(model.upper), loads(model, ground)
-    inertia_force[n] -= model.spring[0] * place[n]
+    pairs, inertia_force = len(model.upper), -model.spring[0] * place[n, :2]
     return SpaceState(
         place=place,
         quaternion=quaternion,

@@ -10,7 +10,6 @@ from solver.rigid.compiled import compiled
 from solver.rigid.space_contact import rotations
 from solver.rigid.space_law import recalled, slips
 from solver.rigid.space_model import Array, Solution, SpaceModel, SpaceState
-from solver.rigid.space_motion import loads
 from solver.rigid.space_rotation import advanced, to_body
 
 
@@ -20,25 +19,20 @@ def _take_centres(
 ) -> None:
     """Centres, velocities and inertia forces; work of the ground, damping, loss of the average."""
     am, af, dt = model.scheme[0], model.scheme[1], s.dt
-    old, new = loads(model, before), loads(model, after)
-    for b in range(len(old)):
+    last = len(model.mass) - 1
+    for k in range(2):
+        du, p = s.moved[last, k], state.inertia_force[k]
+        spring = model.spring[0] * (state.place[last, k] + (1 - af) * du)
+        following = -(spring + am * p) / (1 - am)
+        state.exchanged[2] += model.spring[1] * du * du / dt
+        state.exchanged[4] += (0.5 - af) * du * (following - p + model.spring[0] * du)
+        state.inertia_force[k] = following
+    for b in range(last + 1):
         for k in range(3):
-            du, v, p = s.moved[b, k], state.velocity[b, k], state.inertia_force[b, k]
-            stiffness, dashpot = 0.0, 0.0
-            if b == len(old) - 1 and k < 2:
-                stiffness, dashpot = model.spring[0], model.spring[1]
-            dv = 2 * du / dt - 2 * v
-            resisting = stiffness * (state.place[b, k] + (1 - af) * du)
-            resisting += dashpot * (v + (1 - af) * dv)
-            load = (1 - af) * new[b, k] + af * old[b, k]
-            following = (load - resisting - am * p) / (1 - am)
-            rest = following - p - (new[b, k] - old[b, k]) + stiffness * du + dashpot * dv
+            du = s.moved[b, k]
             state.exchanged[0] -= model.mass[b] * du * 0.5 * (before[k] + after[k])
-            state.exchanged[2] += dashpot * du * du / dt
-            state.exchanged[4] += (0.5 - af) * du * rest
             state.place[b, k] += du
-            state.velocity[b, k] += dv
-            state.inertia_force[b, k] = following
+            state.velocity[b, k] = 2 * du / dt - state.velocity[b, k]
 
 
 @compiled

@@ -50,8 +50,7 @@ def run(
     one: SpaceBlock, steps: int, dt: float, ground: Array | None = None, **kwargs: object
 ) -> dict[str, Array]:
     """Columns of the history by their names; checks that nothing failed and the ledger closes."""
-    first = (0.0, 0.0, 0.0) if ground is None else tuple(ground[0])
-    system = SpaceSystem([one], GeneralizedAlpha(0.8), ground=first, **kwargs)  # type: ignore[arg-type]
+    system = SpaceSystem([one], GeneralizedAlpha(0.8), **kwargs)  # type: ignore[arg-type]
     outcome = system.advance(steps, dt, ground)
     assert outcome.failure is None
     found = {

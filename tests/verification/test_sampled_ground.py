@@ -148,12 +148,13 @@ def test_the_ground_is_found_in_pieces(noise: Path) -> None:
     assert mean[:, 0].sum() * 0.007 == pytest.approx(0.3 * 0.981, rel=1e-12)
 
 
+@pytest.mark.parametrize("model", ["elastic", "rigid"])
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
-def test_a_ground_that_jumps_is_followed_at_once(noise: Path, rho: float) -> None:
+def test_a_ground_that_jumps_is_followed_at_once(noise: Path, rho: float, model: str) -> None:
     """Within a step: its whole impulse, and no energy lost or gained in time stepping."""
     pulse = {"kind": "rectangular", "amplitude_g": 1.0, "duration": 0.1053, "start": 0.0233}
     timing = {"end": 0.15, "step": 0.01, "rho_inf": rho}
-    result = simulate(scene(noise, 0.01, "elastic", motion=pulse, time=timing))
+    result = simulate(scene(noise, 0.01, model, motion=pulse, time=timing))
     history, energy = result.history, result.summary["energy"]
     speed = np.diff(history["block.centre_x_m"]) / 0.01
     assert speed[-2:] == pytest.approx(-0.1053 * 9.81, rel=1e-9)
