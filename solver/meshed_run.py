@@ -16,6 +16,8 @@ from solver.dynamics.step_control import Ladder, Tolerance
 from solver.dynamics.stepper import StepFailed
 from solver.mechanics.elastic_body import ElasticBody
 from solver.post.observer import Observer
+from solver.rigid import local_problem
+from solver.rigid.compiled import NUMBA, is_kept
 from solver.run_files import Fields
 from solver.scene import Scene
 from solver.simulate import Desk
@@ -41,6 +43,8 @@ class MeshedRun:
             comm: Communicator.
         """
         self._scene, self._log = scene, log
+        if scene.dimension == 2 and NUMBA is not None and not is_kept(local_problem.__name__):
+            log("compiling the local problem of contact: some seconds, kept for later runs")
         self.assembly: Assembly = build(scene, petsc_options=petsc_options, comm=comm)
         self._stepper = self.assembly.stepper
         self.state, remark = initial_state(scene, self.assembly)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
+from solver.contact.friction import Bounds
 from solver.contact.local_disc import newton
 from solver.contact.local_rescues import Method, continuation, projected, tresca
 from solver.contact.local_system import TOUCHING_SLOPE, Line, LocalSystem
@@ -76,6 +77,13 @@ class PlaneSolver:
             "tresca": tresca(newton),
             "projected": projected(newton),
         }
+
+    def get_ready(self) -> None:
+        """Let what is compiled be compiled, or read what was kept, before time counts."""
+        if NUMBA is not None:
+            W, q = np.eye(4).reshape(2, 2, 2, 2), np.zeros((2, 2))
+            one = LocalSystem(W, q, np.ones((2, 2)), Bounds.uniform(0.5, 2))
+            self._in_machine_code(one, q)
 
     def fast(self, system: LocalSystem, start: Array) -> Array | None:
         """One point by its closed form, several by Newton's method from the last states."""

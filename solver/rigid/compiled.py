@@ -72,7 +72,11 @@ def _cache_folder() -> Path | None:
 def is_kept(module: str) -> bool:
     """Whether machine code of a module, by its name, is there from an earlier run."""
     folder = _cache_folder()
-    return folder is not None and module in _digests and (folder / _digests[module]).is_dir()
+    if folder is None or module not in _digests:
+        return False
+    # numba makes the folder itself as soon as a function is decorated.
+    name = module.rpartition(".")[2]
+    return any((folder / _digests[module]).rglob(f"{name}.*.nbi"))
 
 
 def compiled(function: Function) -> Function:

@@ -110,3 +110,26 @@ def test_borrowed_arrays_are_the_same_arrays() -> None:
     memory = new_memory(3)
     write(memory)
     assert memory.gap.tolist() == [0.0, 7.0, 0.0]
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_what_was_compiled_is_known_to_be_kept(tmp_path: Path) -> None:
+    """Not before a function of the module was called, though its folder is there by then."""
+    script = """
+import numpy as np
+from solver.rigid import local_problem
+from solver.rigid.compiled import is_kept
+name = local_problem.__name__
+before = is_kept(name)
+local_problem.row_sum_scaling(np.eye(2))
+print(before, is_kept(name), is_kept("solver.rigid.plane_rows"))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["False", "True", "False"]
