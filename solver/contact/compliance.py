@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.contact.points import same
 from solver.mechanics.elastic_body import ElasticBody
 from solver.mechanics.factorization import Factorization
 from solver.parallel import Layer
@@ -63,8 +64,7 @@ class Compliance:
 
     def of(self, chosen: Indices) -> tuple[Array, Array]:
         """Compliance (m d, m d) among the points `chosen`, responses to them (owned, m d)."""
-        last = self._last
-        if chosen is last or (len(chosen) == len(last) and (chosen == last).all()):
+        if same(chosen, self._last):
             return self._gathered
         missing = chosen[self._place[chosen] < 0]
         if len(missing):

@@ -42,6 +42,11 @@ class SurfaceState:
     drawn: Array
 
 
+def same(chosen: Indices, before: Indices) -> bool:
+    """Whether these are the same points in order; np.array_equal takes five times as long."""
+    return chosen is before or (len(chosen) == len(before) and bool((chosen == before).all()))
+
+
 def compact(matrix: sp.spmatrix) -> Any:
     """The matrix in the form that multiplies fastest: dense while it is small.
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from solver.contact.interface import Memory
 from solver.contact.local_problem import LocalProblem, NoContactSolution, image, row_sum_scaling
+from solver.contact.points import same
 from solver.contact.response import Near, Response
 from solver.contact.seats import Seat
 from solver.contact.surfaces import Seen
@@ -239,9 +240,9 @@ class ContactSolve:
     def _delassus(self, near: Indices, seats: Sequence[Seat]) -> tuple[Array, Array]:
         """W (m, d, m, d) with the interface's softness, and its scaling."""
         points = self._points
-        same = len(near) == len(self._near) and bool((near == self._near).all())
-        if self._stale or not same:
-            near = self._near if same else near
+        if same(near, self._near):
+            near = self._near  # known by the same array
+        if self._stale or near is not self._near:
             m, d = len(near), self.system.dimension
             self._place = Near(near, points.frames_at(near), seats)
             W = np.zeros((m, d, m, d))

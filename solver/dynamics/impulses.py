@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from solver.contact.friction import Bounds
 from solver.contact.local_problem import LocalProblem
+from solver.contact.points import same
 from solver.contact.response import DenseResponse, Near
 from solver.contact.seats import in_frames
 from solver.contact.velocity import VelocityContact
@@ -82,8 +83,7 @@ class VelocityImpulses:
         self, closed: NDArray[np.int64], state: State, contacts: Sequence[Contact]
     ) -> Array:
         """G M^-1 G^T of the closed points, (m, d, m, d)."""
-        same = len(closed) == len(self._closed) and bool((closed == self._closed).all())
-        if self._constant and same:
+        if self._constant and same(closed, self._closed):
             return self._W
         m, d = len(closed), self.system.dimension
         frames = frames_at(closed, [link.interface.carrier.frame for link in self.links], self._own)

@@ -77,10 +77,7 @@ class System:
         """The rotation of a body, (d, d); that of the ground is none."""
         if body is None:
             return np.eye(self.dimension)
-        member, own = self.bodies[body], self.slices[body]
-        if isinstance(member, DenseBody):
-            return member.turn(member.replicate(u[own]))
-        return member.rotation(u[own])
+        return self.bodies[body].rotation(u[self.slices[body]])
 
 
 def sides_of(body: int, links: Sequence[Link]) -> list[Side]:

@@ -132,8 +132,8 @@ class DenseBody(ABC):
     def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
         """Rows whose product with new - old is exactly the change of position."""
 
-    def turn(self, values: Array) -> Array:
-        """The rotation of the body, (d, d)."""
+    def rotation(self, u: Array) -> Array:
+        """The rotation of the body, (d, d), on every rank."""
         return np.eye(self.dimension)
 
 
@@ -219,19 +219,19 @@ class RigidBlock(DenseBody):
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """The unknowns themselves."""
         pose, speed = self.replicate(u), self.replicate(v)
-        return RigidMotion(pose[:2], speed[:2], speed[2:], self.turn(pose))
+        return RigidMotion(pose[:2], speed[:2], speed[2:], turn(pose[2:]))
 
-    def turn(self, values: Array) -> Array:
-        """The rotation of the body, clockwise by the third unknown."""
-        return turn(values[2:])
+    def rotation(self, u: Array) -> Array:
+        """Clockwise by the third unknown."""
+        return turn(self.replicate(u)[2:])
 
     def material_positions(self, points: Array, values: Array) -> Array:
         """Points of the block where it stands."""
-        return self.centre + values[:2] + (points - self.centre) @ self.turn(values).T
+        return self.centre + values[:2] + (points - self.centre) @ turn(values[2:]).T
 
     def rows(self, points: Array, values: Array) -> Array:
         """Translation, and the derivative of the rotation."""
-        return self._rows((points - self.centre) @ self.turn(values).T)
+        return self._rows((points - self.centre) @ turn(values[2:]).T)
 
     @staticmethod
     def _rows(arms: Array, factor: float = 1.0) -> Array:
@@ -245,4 +245,4 @@ class RigidBlock(DenseBody):
         """Rows at the mean angle; the chord of the turn is sin(d/2)/(d/2) of its arc."""
         mean, half = 0.5 * (old + new), 0.5 * (new[2] - old[2])
         chord = math.sin(half) / half if half else 1.0
-        return self._rows((points - self.centre) @ self.turn(mean).T, chord)
+        return self._rows((points - self.centre) @ turn(mean[2:]).T, chord)

@@ -239,7 +239,7 @@ def test_bad_input_on_two_ranks_is_one_line(granite: Path) -> None:
     for words in (["absent.toml"], ["granite.toml", "--set", "block.poisson=0.5"]):
         command = ["mpirun", "-n", "2", sys.executable, "-m", "solver", "run", *words]
         done = subprocess.run(
-            command, env=outside_mpirun(), capture_output=True, text=True, timeout=60
+            command, env=outside_mpirun(), capture_output=True, text=True, timeout=120
         )
         assert done.returncode == 2
         assert done.stderr.count("rockslip:") == 1

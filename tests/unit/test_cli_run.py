@@ -223,7 +223,7 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
             assert time.monotonic() < deadline, "the run did not get under way"
             time.sleep(0.02)
         process.send_signal(number)
-        out, err = process.communicate(timeout=30)
+        out, err = process.communicate(timeout=120)
     finally:
         process.kill()
     if ranks == 1:

@@ -90,7 +90,7 @@ class Machine:
             env=self.environment(extra),
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=120,
             check=False,
         )
 
@@ -162,7 +162,7 @@ def test_a_signal_reaches_the_command(machine: Machine, sent: signal.Signals) ->
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
         process.send_signal(sent)
-        assert process.wait(timeout=10) == 7
+        assert process.wait(timeout=60) == 7
 
 
 def test_an_engine_builds_once_and_runs(machine: Machine) -> None:
