@@ -7,16 +7,17 @@ converged, 4 environment, 130 interrupted.
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
 from solver.arguments import add_overrides, add_scene
 from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
 from solver.folders import claim_folder
+from solver.launcher import launched_rank
 from solver.study.command import add_studies
 from solver.version import VERSION
 
@@ -52,6 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if words[cut + 1 :] and options.command != "run":
         parser.error("options after -- are for `rockslip run`")
     options.petsc_options = tuple(words[cut + 1 :])
+    options.has_the_process = arguments is None
     try:
         return int(options.action(options))
     except KeyboardInterrupt:  # before or after the run itself, which handles signals on its own
@@ -100,39 +102,38 @@ def build_parser() -> Parser:
     return parser
 
 
-def launched_rank() -> int:
-    """Rank of this process in what mpirun launched, told without starting MPI."""
-    for variable in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"):
-        if os.environ.get(variable, "").isdigit():
-            return int(os.environ[variable])
-    return 0
-
-
 def run_scene(options: argparse.Namespace) -> int:
     """`rockslip run`: every rank reads the same scene and takes part."""
-    try:
-        from mpi4py import MPI
-    except ImportError as error:
-        raise EnvironmentTrouble(_remedy(error)) from error
-    comm = MPI.COMM_WORLD
     from solver.excitation.motion import ground_motion
-    from solver.parallel import abort_on_exceptions, on_first_rank
+    from solver.parallel import abort_on_exceptions, on_first_rank, world
     from solver.petsc_options import parse_options
+    from solver.rigid.switch import interpret_if_short
     from solver.scene import parse_scene, read_text
 
+    try:
+        comm = world()
+    except ImportError as error:
+        raise EnvironmentTrouble(_remedy(error)) from error
     abort_on_exceptions(comm)
     parse_options(options.petsc_options)  # refused before anything is written
     path = options.scene
     text = on_first_rank(comm, lambda: read_text(path))
     scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
-    # A motion that cannot be read is refused before anything is written.
+    # A motion that cannot be read is refused before anything is written, and so is a scene that
+    # needs what is not installed.
     on_first_rank(comm, lambda: ground_motion(scene) and None)
-    folder = options.output or Path(path.stem + ".out")
-    on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    if options.has_the_process:
+        interpret_if_short(scene)
     try:
+        comm = world(meshed=not scene.is_rigid)
         from solver.simulate import simulate
+
+        if not scene.is_rigid:
+            import_module("dolfinx")
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
+    folder = options.output or Path(path.stem + ".out")
+    on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
     from solver.post.report import report
     from solver.progress import Progress
 
@@ -142,6 +143,7 @@ def run_scene(options: argparse.Namespace) -> int:
         petsc_options=options.petsc_options,
         progress=Progress(scene.time.end, quiet=options.quiet, rank=comm.rank),
         log=_tell if options.verbose and comm.rank == 0 else None,
+        comm=comm,
     )
     if comm.rank == 0 and not options.quiet:
         sys.stdout.write(report(result.summary))

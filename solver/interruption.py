@@ -6,17 +6,18 @@ import signal
 import threading
 import time
 from types import FrameType, TracebackType
-from typing import Any
-
-from mpi4py import MPI
+from typing import TYPE_CHECKING, Any
 
 from solver.parallel import any_rank
+
+if TYPE_CHECKING:
+    from solver.parallel import Comm
 
 
 class Interruption:
     """While entered, SIGINT and SIGTERM are noted; `requested` tells every rank that one was."""
 
-    def __init__(self, comm: MPI.Intracomm, seconds: float | None = None):
+    def __init__(self, comm: Comm, seconds: float | None = None):
         """Watch on behalf of `comm`; `seconds` from now on is also a reason to stop."""
         self._comm, self._seconds = comm, seconds
         self._began = time.monotonic()

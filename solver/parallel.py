@@ -4,14 +4,49 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any
-
-from mpi4py import MPI
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import RockslipError
+from solver.launcher import was_launched
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+
+class Single:
+    """The one rank of a command that shares no mesh, in place of a communicator."""
+
+    rank, size = 0, 1
+
+    def Barrier(self) -> None:
+        """There is nobody to wait for."""
+
+    def bcast(self, value: Any, root: int = 0) -> Any:
+        """The value."""
+        return value
+
+
+if TYPE_CHECKING:
+    Comm = MPI.Intracomm | Single
+
+
+def world(*, meshed: bool = False) -> Comm:
+    """All ranks there are: without MPI, whose start takes a quarter of a second, where one will do.
+
+    Args:
+        meshed: Whether there is a mesh, which MPI has to hold even on one rank.
+
+    Raises:
+        ImportError: MPI is needed and not there.
+    """
+    if not meshed and not was_launched():
+        return Single()
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD
 
 
 def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -23,12 +58,14 @@ def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.f
     return total
 
 
-def any_rank(comm: MPI.Intracomm, flag: bool) -> bool:
+def any_rank(comm: Comm, flag: bool) -> bool:
     """True on every rank where `flag` is true on one."""
-    return flag if comm.size == 1 else bool(comm.allreduce(flag, op=MPI.LOR))
+    if isinstance(comm, Single) or comm.size == 1:
+        return flag
+    return bool(comm.allreduce(int(flag)))
 
 
-def on_first_rank(comm: MPI.Intracomm, action: Callable[[], Any]) -> Any:
+def on_first_rank(comm: Comm, action: Callable[[], Any]) -> Any:
     """What `action` returns on rank 0, on every rank; what it refuses is refused on every rank."""
     answer: Any = None
     if comm.rank == 0:
@@ -42,9 +79,9 @@ def on_first_rank(comm: MPI.Intracomm, action: Callable[[], Any]) -> Any:
     return answer
 
 
-def abort_on_exceptions(comm: MPI.Intracomm) -> None:
+def abort_on_exceptions(comm: Comm) -> None:
     """Let an unexpected exception on one rank end all of them, not leave the others waiting."""
-    if comm.size == 1:
+    if isinstance(comm, Single) or comm.size == 1:
         return
     usual = sys.excepthook
 
@@ -96,7 +133,7 @@ class Layer:
         width = int(np.prod(mine.shape[1:]))
         together = np.empty((len(self.order), *mine.shape[1:]))
         offsets = np.concatenate([[0], np.cumsum(self.counts)[:-1]])
-        receive: Any = [together, (self.counts * width, offsets * width), MPI.DOUBLE]
+        receive: Any = [together, (self.counts * width, offsets * width), "d"]
         self.comm.Allgatherv(mine, receive)
         result = np.empty((self.size, *mine.shape[1:]))
         result[self.order] = together

@@ -7,13 +7,14 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol
-
-from mpi4py import MPI
+from typing import TYPE_CHECKING, Any, Protocol
 
 from solver.post.history import History
 from solver.post.summary import write_json
 from solver.scene import Scene, scene_to_toml
+
+if TYPE_CHECKING:
+    from solver.parallel import Comm
 
 
 class Fields(Protocol):
@@ -37,7 +38,7 @@ class RunFiles:
         self,
         scene: Scene,
         folder: Path | None,
-        comm: MPI.Intracomm,
+        comm: Comm,
         log: Callable[[str], None] | None,
     ):
         """Open the folder and its log."""

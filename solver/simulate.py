@@ -7,9 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
-
-from mpi4py import MPI
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +15,14 @@ from numpy.typing import NDArray
 from solver.garbage import rarely_collected
 from solver.info import versions
 from solver.interruption import Interruption
+from solver.parallel import Single, world
 from solver.post.history import History, scene_columns
 from solver.post.summary import summarise
 from solver.run_files import Fields, RunFiles
 from solver.scene import Scene
+
+if TYPE_CHECKING:
+    from solver.parallel import Comm
 
 Log = Callable[[str], None]
 
@@ -99,9 +101,7 @@ class Engine(Protocol):
         """What the run took, seconds apart."""
 
 
-def engine_for(
-    scene: Scene, files: RunFiles, petsc_options: Sequence[str], comm: MPI.Intracomm
-) -> Engine:
+def engine_for(scene: Scene, files: RunFiles, petsc_options: Sequence[str], comm: Comm) -> Engine:
     """The engine that a scene needs, set up and at its start."""
     if scene.is_rigid:  # then dolfinx, PETSc and Gmsh stay out of it
         from solver.rigid.simulation import RigidRun
@@ -109,6 +109,7 @@ def engine_for(
         return RigidRun(scene, files.log, writes=comm.rank == 0, ranks=comm.size)
     from solver.meshed_run import MeshedRun
 
+    assert not isinstance(comm, Single)
     return MeshedRun(scene, files.log, petsc_options=petsc_options, comm=comm)
 
 
@@ -120,9 +121,9 @@ def simulate(
     progress: ProgressReport | None = None,
     log: Log | None = None,
     seconds: float | None = None,
-    comm: MPI.Intracomm = MPI.COMM_WORLD,
+    comm: Comm | None = None,
 ) -> Result:
-    """Run a scene; collective on `comm`.
+    """Run a scene; collective on all ranks of `comm`.
 
     Args:
         scene: What to run.
@@ -132,12 +133,14 @@ def simulate(
         progress: A display; on every rank.
         log: Is told what happens, line by line, besides run.log.
         seconds: Wall time after which the run is stopped between two steps; None: never.
-        comm: Communicator.
+        comm: Communicator; None: all ranks of the command.
 
     Returns:
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
     """
     began = time.perf_counter()
+    if comm is None:
+        comm = world(meshed=not scene.is_rigid)
     with (
         ExitStack() as stack,
         RunFiles(scene, folder, comm, log) as files,

@@ -18,16 +18,15 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar
 
+from solver.rigid.switch import is_interpreted
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
-
-#: Set to anything but "" or "0": interpret.
-SWITCH = "ROCKSLIP_NO_NUMBA"
 
 
 def _numba() -> ModuleType | None:
     """The compiler, if it is there and wanted."""
-    if os.environ.get(SWITCH, "0") not in ("", "0"):
+    if is_interpreted():
         return None
     try:
         import numba

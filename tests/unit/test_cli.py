@@ -190,12 +190,14 @@ class TestRun:
         else:
             assert title in output.out
 
-    def test_a_solver_that_cannot_be_imported(
-        self, granite: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+    @pytest.mark.parametrize("missing", ["solver.simulate", "dolfinx"])
+    def test_what_cannot_be_imported_is_said_before_anything_is_written(
+        self, granite: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured, missing: str
     ) -> None:
-        monkeypatch.setitem(sys.modules, "solver.simulate", None)
+        monkeypatch.setitem(sys.modules, missing, None)
         assert main(["run", "granite.toml"]) == 4
         assert "in-env" in capsys.readouterr().err
+        assert list(granite.parent.iterdir()) == [granite]
 
 
 def test_light_commands_import_nothing_heavy(granite: Path) -> None:

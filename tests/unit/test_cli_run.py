@@ -22,6 +22,7 @@ SCENE = GRANITE + "[time]\nend = 0.03\nstep = 0.001\n[output]\nevery = 0.01\n"
 BLOCK = SCENE[SCENE.index("[[block]]") : SCENE.index("[contact]")]
 
 COMMAND = [sys.executable, "-m", "solver"]
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 pytestmark = pytest.mark.serial
 
@@ -304,3 +305,32 @@ def test_a_run_that_cannot_converge_says_where(tmp_path: Path) -> None:
     log = (tmp_path / "out" / "run.log").read_text()
     assert log.count("rejected") == 2
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("steps", "heavy"), [(40, []), (1400, ["numba", "scipy.linalg"])], ids=["short", "long"]
+)
+def test_a_rigid_scene_pays_for_what_it_has(tmp_path: Path, steps: int, heavy: list[str]) -> None:
+    """No MPI on one process, nothing for meshes; numba where its import takes less than the run."""
+    if heavy:
+        pytest.importorskip("numba")
+    (tmp_path / "granite.toml").write_text(SCENE.replace("[[block]]", '[[block]]\nmodel = "rigid"'))
+    script = """
+import sys
+from solver.cli import main
+code = main()
+heavy = {"dolfinx", "gmsh", "mpi4py", "numba", "petsc4py", "pyvista", "scipy.linalg", "ufl"}
+print(code, *sorted(heavy & set(sys.modules)))
+"""
+    environment = outside_mpirun()
+    environment.pop("ROCKSLIP_NO_NUMBA", None)
+    done = subprocess.run(
+        [sys.executable, "-c", script, "run", "granite.toml", "--set", f"time.end={steps / 1000}"],
+        cwd=tmp_path,
+        env=environment | {"PYTHONPATH": str(REPOSITORY)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.splitlines()[-1].split() == ["0", *heavy]
+    assert ("numba" in summary_of(tmp_path / "granite.out")["versions"]) == bool(heavy)
