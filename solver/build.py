@@ -32,6 +32,7 @@ from solver.dynamics.stepper import StepFailed, Stepper
 from solver.dynamics.system import Body, System
 from solver.excitation.motion import ground_motion
 from solver.foundations import Support, foundation
+from solver.limits import young_of_rigid
 from solver.mechanics.dense_body import RigidBlock
 from solver.mechanics.elastic_body import ElasticBody
 from solver.meshed_body import meshed_body
@@ -39,9 +40,6 @@ from solver.scene import Scene
 from solver.specs import BlockSpec
 
 Array = NDArray[np.float64]
-
-RIGID = 1e3
-"""How much stiffer than any meshed body a rigid block in space is made."""
 
 
 @dataclass(slots=True)
@@ -133,20 +131,13 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     move(made.mesh, upright)
     body = meshed_body(
         *(scene, spec.name, made),
-        elasticity=(_stiffest(scene), 0.0) if rigid else spec.elasticity,
+        elasticity=(young_of_rigid(scene, spec), 0.0) if rigid else spec.elasticity,
         density=spec.shape.density,
         thickness=spec.thickness,
         degree=1 if rigid else spec.degree,
         damped=not rigid,
     )
     return Member(spec, body, number, stand, made.facet_tags)
-
-
-def _stiffest(scene: Scene) -> float:
-    """Young's modulus of a block that is rigid beside the meshed bodies of a scene, Pa."""
-    moduli = [block.young for block in scene.blocks if block.model == "elastic"]
-    moduli.append(getattr(scene.foundation, "young", None))
-    return RIGID * max(young for young in moduli if young)
 
 
 def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:

@@ -21,19 +21,40 @@ MOST_CELLS_A_STEP = 1e5
 """Cells that sound crosses in a step: where a body turns, the iteration loses as many digits twice
 over. Bodies as stiff as that are rigid for all that such steps show."""
 
+LONGEST_CELL = 100.0
+"""Length of a cell at a bottom corner over its width: force that goes from one face of such a
+corner to the other meets another stiffness, and gains energy."""
+
+RIGID = 1e3
+"""How much stiffer than any meshed body a rigid block in space is made, at most."""
+
 
 def refuse_beyond(scene: Scene) -> None:
-    """Refuse meshed bodies too soft for what they carry or too stiff for the steps; SceneError."""
+    """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
+
+    Raises:
+        SceneError: Names the key, what it was given, and what is allowed.
+    """
+    _refuse_loose_cohesion(scene)
     for block in scene.blocks:
         if block.model == "elastic":
-            _refuse_stiff(block, scene.time.largest or scene.time.step, scene.dimension)
-    plate = scene.foundation
+            cell = _corner_cell(block, scene.dimension)
+            _refuse_long(block, cell)
+            edge, density = min(cell) / block.degree, block.shape.density
+            _refuse_stiff(f"{block.name}.young", block.elasticity[0], density, edge, scene)
+    plate = scene.foundation if isinstance(scene.foundation, PlateSpec) else None
+    if plate is not None and scene.dimension == 3 and plate.support == "rollers":
+        # It may turn about the vertical.
+        sides = (plate.width, plate.thickness, plate.height)
+        cells = (side / count for side, count in zip(sides, plate.cells, strict=True))
+        edge, density = min(cells) / plate.degree, plate.shape(scene.carried_mass).density
+        _refuse_stiff("foundation.young", plate.young, density, edge, scene)
     for block in scene.blocks:
         pressure, carrier = _pressure(scene, block), scene.carrier_of(block)
         for body in (block, carrier):
             if body is not None and body.model == "elastic":
                 _refuse_soft(f"{body.name}.young", body.elasticity[0], pressure)
-        if carrier is None and isinstance(plate, PlateSpec) and plate.support != "fixed":
+        if carrier is None and plate is not None and plate.support != "fixed":
             _refuse_soft("foundation.young", plate.young, pressure)
 
 
@@ -67,15 +88,67 @@ def _refuse_soft(where: str, young: float, pressure: float) -> None:
         raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
 
 
-def _refuse_stiff(block: BlockSpec, step: float, dimension: int) -> None:
-    """Refuse a block whose cells are crossed by sound too often in the longest step (s)."""
-    depth = () if dimension == 2 else (block.thickness,)
-    sides = (block.width, *depth, block.height)
-    cell = min(side / count for side, count in zip(sides, block.cells, strict=True)) / block.degree
-    speed = math.sqrt(block.elasticity[0] / block.shape.density)
-    crossed = speed * step / cell
+def young_of_rigid(scene: Scene, block: BlockSpec) -> float:
+    """Young's modulus of a block in space that is rigid beside meshed bodies, Pa.
+
+    A thousand times that of the stiffest, unless sound then crosses the block too often in a step.
+    """
+    moduli = [other.young for other in scene.blocks if other.model == "elastic"]
+    moduli.append(getattr(scene.foundation, "young", None))
+    stiff = RIGID * max(young for young in moduli if young)
+    speed = MOST_CELLS_A_STEP * min(_sides(block, 3)) / _longest_step(scene)
+    return min(stiff, block.shape.density * speed**2)
+
+
+def _longest_step(scene: Scene) -> float:
+    """Of a run, s."""
+    return scene.time.largest or scene.time.step
+
+
+def _sides(block: BlockSpec, dimension: int) -> tuple[float, ...]:
+    """Edges along x, in space y, and upwards, m."""
+    return (block.width, *(() if dimension == 2 else (block.thickness,)), block.height)
+
+
+def _corner_cell(block: BlockSpec, dimension: int) -> list[float]:
+    """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m."""
+    sides = _sides(block, dimension)
+    if block.refinement == 1:
+        return [side / count for side, count in zip(sides, block.cells, strict=True)]
+    from geometry.grading import graded, graded_to_both_ends
+
+    along, upwards = block.cells[:-1], block.cells[-1]
+    parts = [graded_to_both_ends(count, block.refinement)[1] for count in along]
+    parts.append(graded(upwards, block.refinement)[1])
+    return [side * float(part) for side, part in zip(sides, parts, strict=True)]
+
+
+def _refuse_long(block: BlockSpec, cell: list[float]) -> None:
+    """Refuse a block whose corner cells, of these edges (m), are far longer than wide."""
+    times = max(cell) / min(cell)
+    if times > LONGEST_CELL:
+        graded = f" and refinement {block.refinement:g}" if block.refinement != 1 else ""
+        got = f"{list(block.cells)}{graded}, at bottom corners {times:.3g} times as long as wide"
+        raise SceneError(f"{block.name}.cells", got, f"at most {LONGEST_CELL:g} times")
+
+
+def _refuse_stiff(where: str, young: float, density: float, edge: float, scene: Scene) -> None:
+    """Refuse a body that may turn, whose smallest cells (m) sound crosses too often in a step."""
+    step = _longest_step(scene)
+    crossed = math.sqrt(young / density) * step / edge
     if crossed > MOST_CELLS_A_STEP:
-        most = block.elasticity[0] * (MOST_CELLS_A_STEP / crossed) ** 2
-        got = f"{block.elasticity[0]:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
-        allowed = f'young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells), or model = "rigid"'
-        raise SceneError(f"{block.name}.young", got, allowed)
+        most = young * (MOST_CELLS_A_STEP / crossed) ** 2
+        got = f"{young:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
+        rigid = "" if where.startswith("foundation") else ', or model = "rigid"'
+        raise SceneError(where, got, f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){rigid}")
+
+
+def _refuse_loose_cohesion(scene: Scene) -> None:
+    """Refuse cohesion at Gauss points where theta gives contact no energy: it gains without end."""
+    contact = scene.contact
+    if scene.is_rigid:
+        return
+    coheres = any(scene.friction_of(block).cohesion > 0 for block in scene.blocks)
+    if coheres and contact.theta != 1 and contact.points == "gauss":
+        got = f'{contact.theta} with points = "gauss" and cohesion'
+        raise SceneError("contact.theta", got, '1, or points = "nodes"')

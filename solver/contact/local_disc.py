@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
 from solver.contact.local_rescues import Method, continuation, projected, tresca
-from solver.contact.local_system import Line, LocalSystem, project, row_sum_scaling
+from solver.contact.local_system import (
+    Line,
+    LocalSystem,
+    diagonal_scaling,
+    project,
+    row_sum_scaling,
+)
 
 Array = NDArray[np.float64]
 
@@ -24,6 +30,9 @@ ROUND_OFF = 64 * float(np.finfo(float).eps)
 ITERATIONS = 60
 HALVINGS = 12
 
+LENGTHS = ((1e-2, 1e-1), (1e2, 1e3))
+"""r of `other_r` in the normal and the tangential directions, over one over the diagonal of W."""
+
 
 class DiscSolver:
     """Newton's method with line search, and those behind it."""
@@ -31,6 +40,7 @@ class DiscSolver:
     def __init__(self) -> None:
         """Name the slower methods, in the order in which they are tried."""
         self.rescues: dict[str, Method] = {
+            "other r": other_r,
             "full steps": lambda system, start: full_steps(system, start, system.line()),
             "continuation": soft(continuation(either)),
             "projected": projected(either, rounds=25),
@@ -55,6 +65,24 @@ def either(system: LocalSystem, start: Array, line: Line) -> Array | None:
     """Newton's method with line search, else without."""
     found = newton(system, start, line)
     return full_steps(system, start, line) if found is None else found
+
+
+def other_r(system: LocalSystem, start: Array) -> Array | None:
+    """Newton's method with r much smaller, then much larger; that of the system polishes.
+
+    The root is the same for all r, but which states are tried on the way to it is not: of 151
+    problems that Newton's method and its states of before left, these two settle 125.
+    """
+    for normal, tangential in LENGTHS:
+        scaling = diagonal_scaling(system.W)
+        scaling[:, 0] *= normal
+        scaling[:, 1:] *= tangential
+        other = LocalSystem(system.W, system.q, scaling, system.bounds)
+        found = newton(other, start, other.line())
+        polished = None if found is None else newton(system, found, system.line())
+        if polished is not None:
+            return polished
+    return None
 
 
 def soft(method: Method) -> Method:

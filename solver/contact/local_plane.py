@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
 from solver.contact.friction import Bounds
-from solver.contact.local_disc import newton
+from solver.contact.local_disc import newton, other_r
 from solver.contact.local_rescues import Method, continuation, projected, tresca
 from solver.contact.local_system import TOUCHING_SLOPE, Line, LocalSystem
 from solver.rigid import local_problem as compiled
@@ -72,6 +72,7 @@ class PlaneSolver:
         self._decided: NDArray[np.int64] = np.empty(0, dtype=np.int64)
         self._free, self._known = self._decided, False
         self.rescues: dict[str, Method] = {
+            "other r": other_r,
             "continuation": continuation(self._newton),
             "damped continuation": continuation(newton),
             "tresca": tresca(newton),

@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 class LocalProblem:
     """Solver of local problems; remembers the last states."""
 
-    def __init__(self, dimension: int = 2, *, patience: int = 4):
+    def __init__(self, dimension: int = 2, *, patience: int = 5):
         """Set up.
 
         Args:

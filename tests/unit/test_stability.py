@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 from solver.cli import main
 from solver.errors import SceneError
+from solver.limits import young_of_rigid
 from solver.scene import Scene, parse_scene
 from solver.study.stability_families import FAMILIES, matrix
 from solver.study.stability_matrix import Case, changed
@@ -119,6 +121,60 @@ def test_a_plate_too_soft() -> None:
     with pytest.raises(SceneError, match=r"foundation\.young: got 500000, strained by 0\.053"):
         scene(foundation=plate)
     scene(foundation={**plate, "support": "fixed"})
+
+
+def test_graded_cells_count_with_their_smallest() -> None:
+    """Along 0.25 m in four cells, 1, 81, 81 and 1 of 164 parts."""
+    allowed = 2680 * (1e5 * 0.25 / 164 / 1e-3) ** 2
+    with pytest.raises(SceneError, match=re.escape(f"young <= {allowed:.3g} (")):
+        scene(block__refinement=81.0, block__young=1.01 * allowed)
+    scene(block__refinement=81.0, block__young=0.99 * allowed)
+
+
+def test_corner_cells_too_long() -> None:
+    """One cell of 1 m and three of 0.25 m in the ratio 1, r, 1: 100 times as long at r = 23."""
+    with pytest.raises(
+        SceneError, match=r"got \[3, 1\] and refinement 23\.1, .* 100 times as long"
+    ):
+        scene(block__cells=[3, 1], block__refinement=23.1)
+    scene(block__cells=[3, 1], block__refinement=23.0)
+    with pytest.raises(SceneError, match=r"block\.cells: got \[26, 1\], .* 104 times as long"):
+        scene(block__cells=[26, 1])
+
+
+def test_a_plate_on_rollers_in_space_too_stiff_for_the_step() -> None:
+    """It turns about the vertical; cells of 0.1 m, 1e5 of them in 1 ms: E = 2500 x 1e14 Pa."""
+    plate = {"kind": "elastic", "width": 1.2, "height": 0.2, "thickness": 1.2, "density": 2500.0}
+    plate |= {"young": 2.6e17, "poisson": 0.2, "support": "rollers", "period": 0.5}
+    with pytest.raises(SceneError, match=r"foundation\.young: .* young <= 2\.5e\+17 \("):
+        scene(dimension=3, block__cells=None, foundation=plate)
+    scene(dimension=3, block__cells=None, foundation={**plate, "young": 2.4e17})
+    plate.pop("thickness")
+    scene(foundation=plate)
+
+
+def test_cohesion_needs_an_energy_of_contact_or_nodes() -> None:
+    glued = {"friction": {"static": 0.3, "cohesion": 10.0}, "theta": 0, "points": "gauss"}
+    with pytest.raises(
+        SceneError, match=r'contact\.theta: got 0 .* allowed 1, or points = "nodes"'
+    ):
+        scene(contact=glued)
+    scene(contact={**glued, "theta": 1})
+    scene(contact={**glued, "points": "nodes"})
+    scene(contact=glued, block__model="rigid")
+
+
+def test_a_rigid_block_beside_meshed_ones_is_as_stiff_as_its_steps_allow() -> None:
+    """A thousand times the stiffest, or sound crosses its 0.25 m 1e5 times in a step of 50 ms."""
+    plate = {"kind": "elastic", "width": 1.2, "height": 0.2, "density": 2500.0, "poisson": 0.2}
+    for young, step, expected in (
+        (5e10, 1e-3, 5e13),
+        (5e13, 5e-2, 2680 * (1e5 * 0.25 / 5e-2) ** 2),
+    ):
+        meshed = plate | {"thickness": 1.2, "young": young}
+        rigid = {"block__model": "rigid", "block__cells": None}
+        one = scene(dimension=3, foundation=meshed, time__step=step, **rigid)
+        assert young_of_rigid(one, one.blocks[0]) == pytest.approx(expected, rel=1e-3)
 
 
 def test_verdicts() -> None:
