@@ -17,6 +17,9 @@ LARGEST_STRAIN = 0.05
 ground. Impacts strain it several times as much, and St. Venant-Kirchhoff's law softens under
 pressure until it fails at 0.4."""
 
+LARGEST_CORNER_STRAIN = 0.25
+"""The same in the cell at a bottom corner, where a block that rocks stands on that corner alone."""
+
 MOST_CELLS_A_STEP = 1e5
 """Cells that sound crosses in a step: where a body turns, the iteration loses as many digits twice
 over. Bodies as stiff as that are rigid for all that such steps show."""
@@ -54,6 +57,8 @@ def refuse_beyond(scene: Scene) -> None:
         for body in (block, carrier):
             if body is not None and body.model == "elastic":
                 _refuse_soft(f"{body.name}.young", body.elasticity[0], pressure)
+        if block.model == "elastic":
+            _refuse_soft_corner(block, pressure, scene.dimension)
         if carrier is None and plate is not None and plate.support != "fixed":
             _refuse_soft("foundation.young", plate.young, pressure)
 
@@ -86,6 +91,18 @@ def _refuse_soft(where: str, young: float, pressure: float) -> None:
     if young < least:
         got = f"{young:g}, strained by {pressure / young:.2g} under what it carries"
         raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
+
+
+def _refuse_soft_corner(block: BlockSpec, pressure: float, dimension: int) -> None:
+    """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
+    corner = math.prod(_corner_cell(block, dimension)[:-1])
+    bottom = math.prod(_sides(block, dimension)[:-1])
+    strain = pressure * bottom / corner / block.elasticity[0]
+    if strain > LARGEST_CORNER_STRAIN:
+        got = f"{block.elasticity[0]:g}, strained by {strain:.2g} on a corner cell alone"
+        least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
+        allowed = f"young >= {least:.3g} (a strain of {LARGEST_CORNER_STRAIN:g}), or larger cells"
+        raise SceneError(f"{block.name}.young", got, allowed)
 
 
 def young_of_rigid(scene: Scene, block: BlockSpec) -> float:

@@ -204,21 +204,27 @@ class Interface:
             mask &= seat.place[:, 0] > -DEEP * self.carrier.length
         return mask
 
-    def _beside(self, memory: Memory) -> Mask:
-        """Points that sank beside a face, until they are out again: it would throw them out.
+    def _let_alone(self, memory: Memory) -> Mask:
+        """Points that sank elsewhere, until they are out again: contact would throw them out.
 
-        Sunk are those deeper than closed ones are pressed.
+        Beside a face, or before the face that they are on joined: Gauss points of one face do not
+        keep another from sinking in at an edge between them.
         """
         off = self.carrier.off(memory.seat)
-        if off is None or not isinstance(self.carrier, Face):
+        if off is None and memory.eligible.all():
             return np.zeros(self.count, dtype=bool)
-        pressed = float(np.max(memory.force[:, 0], initial=0.0)) * self.softness
-        sunk = memory.seat.place[:, 0] < -pressed - EVEN * self.carrier.length
-        let_alone = ~memory.eligible
+        outside = ~memory.eligible
         for corner in self._corners:
-            let_alone[corner] = not memory.eligible[corner].any()
-        beside: Mask = sunk & (off | let_alone)
-        return beside
+            outside[corner] = not memory.eligible[corner].any()
+        let_alone: Mask = self.sunk(memory) & (outside if off is None else off | outside)
+        return let_alone
+
+    def sunk(self, memory: Memory) -> Mask:
+        """Points deeper in the carrier than closed ones are pressed."""
+        length = self.carrier.length if isinstance(self.carrier, Face) else self.size
+        pressed = float(np.max(memory.force[:, 0], initial=0.0)) * self.softness
+        deeper: Mask = memory.seat.place[:, 0] < -pressed - EVEN * length
+        return deeper
 
     def turn(self, memory: Memory, rotation: Array, carrier_rotation: Array | None) -> float:
         """Before a step: the frame of a carrier that turns, the points of corners chosen anew.
@@ -233,7 +239,7 @@ class Interface:
         exchanged = 0.0
         if isinstance(self.carrier, Face) and carrier_rotation is not None:
             exchanged = self._turn_face(self.carrier, memory, carrier_rotation)
-        eligible = self.eligible(rotation, memory.seat) & ~self._beside(memory)
+        eligible = self.eligible(rotation, memory.seat) & ~self._let_alone(memory)
         if (eligible == memory.eligible).all():
             return exchanged
         before = self.energy(memory)
@@ -385,9 +391,11 @@ class Interface:
 def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) -> Memory:
     """The memory of `old`'s points in a fresh one of `new`, which holds those points and more."""
     place = {key: k for k, key in enumerate(old.keys())}
+    known = np.array([key in place for key in new.keys()])
     for k, key in enumerate(new.keys()):
         if key in place:
             before = place[key]
             for name in ("force", "anchor", "eligible", "slipped", "broken"):
                 getattr(fresh, name)[k] = getattr(memory, name)[before]
+    fresh.eligible &= known | ~new.sunk(fresh)
     return fresh

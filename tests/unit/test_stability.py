@@ -89,6 +89,13 @@ def test_too_soft_for_its_weight() -> None:
     assert scene(block__young=1.0, gravity=0.0).gravity == 0.0
 
 
+def test_too_soft_to_stand_on_a_corner() -> None:
+    """rho g H of 26291 Pa on a corner cell of 1/164 of the width, over 25 %: 1.725e7 Pa."""
+    with pytest.raises(SceneError, match=r"on a corner cell alone, allowed young >= 1\.72e\+07"):
+        scene(block__refinement=81.0, block__young=1.70e7)
+    scene(block__refinement=81.0, block__young=1.73e7)
+
+
 def test_too_soft_for_what_it_carries() -> None:
     """Both, 2680 x 9.81 x 0.75 N/m under 1 + 0.6 g, over a bottom of 0.5 m: 630979 Pa."""
     with pytest.raises(SceneError, match=r"lower\.young: .* young >= 6\.31e\+05"):

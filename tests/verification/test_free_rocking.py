@@ -185,6 +185,17 @@ def test_a_block_that_tips_over_lies_on_its_side() -> None:
     )
 
 
+def test_a_side_that_joins_under_the_floor_throws_nothing_up() -> None:
+    """With a Gauss point at a fifth of one cell the corner sinks in: its side joins deep down.
+
+    Its lowest points, in cells far smaller, are let alone until they are out again.
+    """
+    changes = ["contact.points='gauss'", "block.cells=[1, 6]", "block.refinement=20"]
+    result = simulate(scene("block.tilt_deg=20.0", "time.end=1.5", *changes))
+    assert result.history["block.angle_rad"][-1] == pytest.approx(np.pi / 2, abs=1e-6)
+    assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
+
+
 def test_memory_survives_when_a_face_joins() -> None:
     """The bottom's points keep force and anchor once the side is there."""
     assembly = build(scene())
