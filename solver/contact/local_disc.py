@@ -27,7 +27,9 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-11
 ROUND_OFF = 64 * float(np.finfo(float).eps)
-ITERATIONS = 60
+ITERATIONS = 25
+"""Of Newton's method, and one more for each point."""
+
 HALVINGS = 12
 
 LENGTHS = ((1e-2, 1e-1), (1e2, 1e3))
@@ -114,7 +116,7 @@ def newton(system: LocalSystem, f: Array, line: Line, *, halvings: int = HALVING
     """
     trial = system.trial(f)
     nearest = project(trial, line)
-    for _ in range(ITERATIONS):
+    for _ in range(ITERATIONS + len(f)):
         noise = TOLERANCE * np.abs(f).max() + ROUND_OFF * np.abs(f - trial).max()
         if np.abs(f - nearest).max() <= noise:
             return nearest

@@ -49,7 +49,7 @@ def projected(newton: Newton, *, rounds: int = 10) -> Method:
     def solve(system: LocalSystem, start: Array) -> Array | None:
         f, line = start, system.line()
         even = system.with_step(1.0 / float(np.linalg.norm(system.W.reshape(f.size, f.size), 2)))
-        for k in range(1, 1001):
+        for k in range(1, 251):
             f = project(even.trial(f), line)
             if k % rounds == 0:
                 found = newton(system, f, line)

@@ -80,9 +80,11 @@ class AllPoints:
         self._cohesion: Array = np.empty((0,))
         # Whether friction depends on neither speed nor the past.
         self._steady = all(link.interface.law.constant for link in links)
-        self._margin: Array = np.concatenate(
-            [np.full(link.interface.count, MARGIN * link.interface.size) for link in links]
+        self._size: Array = np.concatenate(
+            [np.full(link.interface.count, link.interface.size) for link in links]
         )
+        self._margin = MARGIN * self._size
+        self._out: NDArray[np.bool_] | None = None
 
     def begin(
         self, memories: Sequence[Memory], guess: Array, *, step: float, static: bool, glued: bool
@@ -112,18 +114,15 @@ class AllPoints:
         return link.interface.observe(part(u, link.body), part(u, link.carrier))
 
     def augmented(self) -> Array:
-        """Augmented positions of all points; those beyond an edge are far from their carrier."""
-        parts = []
+        """Augmented positions of all points."""
+        parts, self._out = [], None
         for number, (surface, seat) in enumerate(self.seen):
-            interface = self.links[number].interface
-            y = interface.augmented(surface, seat)
-            if self.asleep[number]:
-                y = np.full_like(y, interface.size)
-            off = self._off(number, seat)
-            if off is not None and off.any():
-                y = y.copy()
-                y[off, 0] = interface.size
-            parts.append(y)
+            parts.append(self.links[number].interface.augmented(surface, seat))
+            off = True if self.asleep[number] else self._off(number, seat)
+            if off is not None and np.any(off):
+                if self._out is None:
+                    self._out = np.zeros(len(self.force), dtype=bool)
+                self._out[self.own[number]] = off
         return parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
 
     def _off(self, number: int, seat: Seat) -> NDArray[np.bool_] | None:
@@ -137,7 +136,13 @@ class AllPoints:
         return None if before is None or now is None else before & now
 
     def near(self, y: Array) -> Indices:
-        """Numbers of the points that may be in contact at augmented positions y."""
+        """Numbers of the points that may be in contact at augmented positions y.
+
+        Those of sleeping interfaces and beyond an edge are put far from their carrier, whatever
+        their gap: a foot far beyond an edge goes to and fro with the face.
+        """
+        if self._out is not None:
+            y[self._out, 0] = self._size[self._out]
         touching = (y[:, 0] < self._margin) & self._eligible | (self.force[:, 0] > 0)
         return touching.nonzero()[0]
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from solver.build import build, initial_state
 from solver.check import describe
 from solver.foundations import natural_period
 from solver.reference.newmark import sliding_stop
@@ -238,3 +239,20 @@ def test_a_deck_drifts_with_its_block() -> None:
     exact = np.where(time <= 0.6, forced(within), later)
     assert np.abs(result.history["block.slip_m"]).max() < 1e-5
     np.testing.assert_allclose(drift, exact, atol=0.05 * np.abs(exact).max())
+
+
+def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them() -> None:
+    """Their feet go to and fro with the face, the farther out the more: their gaps mean nothing."""
+    overhanging = scene(PLATE, 0.1, 1e-3, block={"offset": 0.75})
+    assembly = build(overhanging)
+    state, _ = initial_state(overhanging, assembly)
+    state, _ = assembly.stepper.advance(state, 1e-3)
+    points = assembly.stepper._solve._points
+    seats = zip(assembly.stepper.links, state.contacts, strict=True)
+    off = np.concatenate([link.interface.carrier.off(memory.seat) for link, memory in seats])
+    assert off.any() and not off.all()
+    y = points.augmented()
+    y[:, 0] = -1.0
+    near = points.near(y)
+    assert len(near)
+    assert not off[near].any()
