@@ -28,6 +28,10 @@ LONGEST_CELL = 100.0
 """Length of a cell at a bottom corner over its width: force that goes from one face of such a
 corner to the other meets another stiffness, and gains energy."""
 
+PRESSED_WITHOUT_ENERGY = 2e-5
+"""For theta 0 and -1: energy that a corner stores when all stands on it, over the least scale that
+gains are measured by, 1e-3 m g H. A block that rocks gained up to .28 of that energy."""
+
 RIGID = 1e3
 """How much stiffer than any meshed body a rigid block in space is made, at most."""
 
@@ -59,6 +63,8 @@ def refuse_beyond(scene: Scene) -> None:
                 _refuse_soft(f"{body.name}.young", body.elasticity[0], pressure)
         if block.model == "elastic":
             _refuse_soft_corner(block, pressure, scene.dimension)
+            if scene.contact.theta != 1:
+                _refuse_without_energy(scene, block, pressure)
         if carrier is None and plate is not None and plate.support != "fixed":
             _refuse_soft("foundation.young", plate.young, pressure)
 
@@ -103,6 +109,22 @@ def _refuse_soft_corner(block: BlockSpec, pressure: float, dimension: int) -> No
         least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
         allowed = f"young >= {least:.3g} (a strain of {LARGEST_CORNER_STRAIN:g}), or larger cells"
         raise SceneError(f"{block.name}.young", got, allowed)
+
+
+def _refuse_without_energy(scene: Scene, block: BlockSpec, pressure: float) -> None:
+    """Refuse theta 0 and -1, which know no energy of contact, where there is much of it."""
+    cell, contact = _corner_cell(block, scene.dimension), scene.contact
+    depth = block.thickness if scene.dimension == 2 else 1.0
+    weight = math.prod(cell[:-1]) * depth / 2 ** (scene.dimension - 1)
+    young, poisson = block.elasticity
+    longitudinal = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+    gamma_h = contact.gamma * longitudinal * block.degree**2 / cell[-1]
+    load = pressure * block.width * block.thickness
+    share = load / (2 * gamma_h * weight) / (1e-3 * block.height)
+    if share > PRESSED_WITHOUT_ENERGY:
+        got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
+        least = contact.gamma * share / PRESSED_WITHOUT_ENERGY
+        raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
 
 
 def young_of_rigid(scene: Scene, block: BlockSpec) -> float:

@@ -171,6 +171,19 @@ def test_cohesion_needs_an_energy_of_contact_or_nodes() -> None:
     scene(contact=glued, block__model="rigid")
 
 
+def test_theta_without_an_energy_needs_gamma() -> None:
+    """(m g)^2/(2 gamma_h w) over 1e-3 m g H for 2680 kg/m3, cells of 1/16 m by 0.1 m, by hand.
+
+    gamma_h = gamma 5.556e10/0.1 Pa/m, w = 0.0234 m2, m g = 4929 N: 1.89e-4/gamma.
+    """
+    assert scene(contact__theta=-1, contact__gamma=10.0).contact.gamma == 10.0
+    young = 5e10 * 0.9
+    with pytest.raises(SceneError, match=r"theta: got -1, .* allowed 1, or gamma >= 10\.5"):
+        scene(contact__theta=-1, contact__gamma=10.0, block__young=young)
+    scene(contact__theta=-1, contact__gamma=10.6, block__young=young)
+    scene(contact__theta=1, contact__gamma=10.0, block__young=young)
+
+
 def test_a_rigid_block_beside_meshed_ones_is_as_stiff_as_its_steps_allow() -> None:
     """A thousand times the stiffest, or sound crosses its 0.25 m 1e5 times in a step of 50 ms."""
     plate = {"kind": "elastic", "width": 1.2, "height": 0.2, "density": 2500.0, "poisson": 0.2}
