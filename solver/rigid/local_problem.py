@@ -26,12 +26,14 @@ Integers = NDArray[np.int64]
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 
 #: What settled the problem: its place in `rescued`; 0 is Newton's method.
-NEWTON, TRESCA, GAUSS_SEIDEL, ENUMERATION = 0, 1, 2, 3
+NEWTON, TRESCA, GAUSS_SEIDEL, ENUMERATION, TOUCHING = 0, 1, 2, 3, 4
 
 #: A residual of the natural map below this part of the forces is round-off.
 ROUND_OFF = 1e-13
 #: Enumeration of 4^m states: 25 ms for the most.
 ENUMERATED_POINTS = 7
+#: Cohesion over the force from which on all of it acts, as in `solver.contact.local_system`.
+TOUCHING_SLOPE = 1e4
 
 
 class Bounds(NamedTuple):
@@ -239,8 +241,10 @@ def gauss_seidel(
         for i in range(len(states)):
             one_point(W, q, f, bounds, i)
         residual = decide(f, image(W, q, f), scaling, bounds, states)
-        if residual <= ROUND_OFF * np.abs(f).max() or np.abs(f - before).max() == 0.0:
+        if residual <= ROUND_OFF * np.abs(f).max():
             return True
+        if np.abs(f - before).max() == 0.0:  # by round-off, or where a point has no solution
+            return bool(residual <= 1e-9 * max(np.abs(f).max(), np.abs(scaling * q).max()))
         if sweep % 10 == 0:
             before[:] = f
             if newton(W, q, scaling, bounds, states, f):
@@ -271,6 +275,38 @@ def enumeration(
 
 
 @compiled
+def touching(
+    W: Array, q: Array, scaling: Array, bounds: Bounds, states: Integers, f: Array
+) -> bool:
+    """Cohesion that grows over the first 1e-4 of pressure: all at once it may lift its own point.
+
+    Where it grows it is friction, mu + 1e4; which points have all of it is found by trial.
+    """
+    count = len(states)
+    friction, cohesion = bounds.friction.copy(), bounds.cohesion.copy()
+    line = Bounds(friction, cohesion, bounds.given)
+    guess = f.copy()
+    grows = (bounds.cohesion > 0.0) & (bounds.given == 0)
+    for _ in range(10 + 4 * count):
+        for i in range(count):
+            friction[i] = bounds.friction[i] + (TOUCHING_SLOPE if grows[i] else 0.0)
+            cohesion[i] = 0.0 if grows[i] else bounds.cohesion[i]
+        f[:] = guess
+        if not newton(W, q, scaling, line, states, f):
+            f[:] = guess
+            if not gauss_seidel(W, q, scaling, line, states, f):
+                return False
+        fits = True
+        for i in range(count):
+            should = TOUCHING_SLOPE * f[2 * i] < bounds.cohesion[i]
+            if bounds.given[i] == 0 and should != grows[i]:
+                grows[i], fits = should, False
+        if fits:
+            return True
+    return False
+
+
+@compiled
 def solve(
     W: Array, q: Array, bounds: Bounds, states: Integers, f: Array, rescued: Integers
 ) -> bool:
@@ -282,7 +318,7 @@ def solve(
         bounds: Friction.
         states: Of the last solution; left as those of this one.
         f: A guess; left as the solution, (2 m,).
-        rescued: Counts which method settled it, (4,).
+        rescued: Counts which method settled it, (5,).
     """
     scaling = row_sum_scaling(W)
     guess = f.copy()
@@ -299,5 +335,9 @@ def solve(
         return True
     if enumeration(W, q, scaling, bounds, states, f):
         rescued[ENUMERATION] += 1
+        return True
+    f[:] = guess
+    if bounds.cohesion.max() > 0.0 and touching(W, q, scaling, bounds, states, f):
+        rescued[TOUCHING] += 1
         return True
     return False

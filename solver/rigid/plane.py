@@ -29,7 +29,7 @@ from solver.scene import Scene
 TRIAL = 0.1
 
 #: How the local problem counts what settled it, after Newton's method.
-RESCUES = ("tresca", "gauss_seidel", "enumeration")
+RESCUES = ("tresca", "gauss_seidel", "enumeration", "touching")
 
 
 class PlaneSystem:

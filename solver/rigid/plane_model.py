@@ -101,7 +101,7 @@ class Work(NamedTuple):
     """The step that is being solved; its first `counts[0]` points are near a face."""
 
     counts: Integers
-    """Number of points near a face; of iterations; of local problems by what settled them, (6,)."""
+    """Number of points near a face; of iterations; of local problems by what settled them, (7,)."""
     points: Integers
     """Which points they are, (p,)."""
     face: Integers
@@ -151,7 +151,7 @@ def new_memory(points: int) -> Memory:
 def new_work(points: int, unknowns: int, blocks: int) -> Work:
     """Room for the steps of a system."""
     return Work(
-        counts=np.zeros(6, dtype=np.int64),
+        counts=np.zeros(7, dtype=np.int64),
         points=np.zeros(points, dtype=np.int64),
         face=np.zeros(points, dtype=np.int64),
         gap=np.zeros(points),

@@ -24,7 +24,7 @@ def solution(W: Array, q: Array, law: Bounds) -> tuple[Array, NDArray[np.int64]]
     """Forces and states from a cold start."""
     count = len(q) // 2
     f, states = np.zeros(2 * count), np.zeros(count, dtype=np.int64)
-    assert solve(W, q, law, states, f, np.zeros(4, dtype=np.int64))
+    assert solve(W, q, law, states, f, np.zeros(5, dtype=np.int64))
     return f, states
 
 
@@ -127,8 +127,25 @@ def test_the_remembered_states_are_tried_first() -> None:
     law = bounds(2, 0.4)
     expected, states = solution(W, q, law)
     f, remembered = np.full(4, 1e6), states.copy()
-    rescued = np.zeros(4, dtype=np.int64)
+    rescued = np.zeros(5, dtype=np.int64)
     assert solve(W, q, law, remembered, f, rescued)
-    assert rescued.tolist() == [1, 0, 0, 0]
+    assert rescued.tolist() == [1, 0, 0, 0, 0]
     assert (remembered == states).all()
     assert f == pytest.approx(expected, rel=1e-12)
+
+
+def test_cohesion_that_would_lift_its_own_point_grows_with_pressure() -> None:
+    """A block that slides fast on a corner below its centre: all cohesion at once has no solution.
+
+    Point by point: 0 <= f_n, and friction at its bound is 1e4 times the pressure.
+    """
+    W = np.array([[1.0, 0.8], [0.8, 1.0]])
+    q, law = np.array([-1.0, -10.0]), bounds(1, 0.3, 5.0)
+    # With all of it f_t = c + mu f_n lifts: y_n = -1 + f_n + .8 (5 + .3 f_n) > 0 for any f_n >= 0,
+    # and open it would sink.
+    f, states = solution(W, q, law)
+    assert states.tolist() == [FORWARD]
+    assert f[0] == pytest.approx(1.0 / (1.0 + 0.8 * (0.3 + 1e4)), rel=1e-12)
+    assert f[1] == pytest.approx((0.3 + 1e4) * f[0], rel=1e-12)
+    assert q[0] + W[0] @ f == pytest.approx(0.0, abs=1e-12)
+    assert f[1] < 5.0
