@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from solver import limits
 from solver.cli import main
 from solver.errors import SceneError
 from solver.limits import young_of_rigid
@@ -74,8 +75,12 @@ def _word(case: Case) -> str:
 
 
 @pytest.mark.parametrize("number", [35, 77, 113, 115, 129])
-def test_random_scenes_that_gained_energy(number: int) -> None:
-    """Ground motions of few steps with rho_inf below 1; theta -1 with much load on few points."""
+def test_random_scenes_that_gained_energy(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ground motions of few steps with rho_inf below 1; theta -1 with much load on few points.
+
+    These would be refused by now for what others like them gain.
+    """
+    monkeypatch.setattr(limits, "PRESSED_WITHOUT_ENERGY", math.inf)
     verdict = judge(draw(number + 1, 33)[number], 60.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
