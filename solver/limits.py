@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from solver.errors import SceneError
@@ -43,28 +44,29 @@ def refuse_beyond(scene: Scene) -> None:
         SceneError: Names the key, what it was given, and what is allowed.
     """
     _refuse_loose_cohesion(scene)
-    for block in scene.blocks:
-        if block.model == "elastic":
-            cell = _corner_cell(block, scene.dimension)
-            _refuse_long(block, cell)
-            edge, density = min(cell) / block.degree, block.shape.density
-            _refuse_stiff(f"{block.name}.young", block.elasticity[0], density, edge, scene)
+    meshed = [block for block in scene.blocks if block.model == "elastic"]
+    corners = {block.name: _corner_cell(block, scene.dimension) for block in meshed}
+    or_rigid = ', or model = "rigid"'
+    for block in meshed:
+        cell, density = corners[block.name], block.shape.density
+        _refuse_long(block, cell)
+        edge = min(cell) / block.degree
+        _refuse_stiff(f"{block.name}.young", block.elasticity[0], density, edge, scene, or_rigid)
     plate = scene.foundation if isinstance(scene.foundation, PlateSpec) else None
     if plate is not None and scene.dimension == 3 and plate.support == "rollers":
         # It may turn about the vertical.
         sides = (plate.width, plate.thickness, plate.height)
-        cells = (side / count for side, count in zip(sides, plate.cells, strict=True))
-        edge, density = min(cells) / plate.degree, plate.shape(scene.carried_mass).density
+        edge = min(_equal_parts(sides, plate.cells)) / plate.degree
+        density = plate.shape(scene.carried_mass).density
         _refuse_stiff("foundation.young", plate.young, density, edge, scene)
     for block in scene.blocks:
         pressure, carrier = _pressure(scene, block), scene.carrier_of(block)
         for body in (block, carrier):
             if body is not None and body.model == "elastic":
                 _refuse_soft(f"{body.name}.young", body.elasticity[0], pressure)
-        if block.model == "elastic":
-            _refuse_soft_corner(block, pressure, scene.dimension)
-            if scene.contact.theta != 1:
-                _refuse_without_energy(scene, block, pressure)
+        if block.name in corners:
+            _refuse_soft_corner(block, corners[block.name], pressure)
+            _refuse_without_energy(scene, block, corners[block.name], pressure)
         if carrier is None and plate is not None and plate.support != "fixed":
             _refuse_soft("foundation.young", plate.young, pressure)
 
@@ -72,7 +74,7 @@ def refuse_beyond(scene: Scene) -> None:
 def _pressure(scene: Scene, block: BlockSpec) -> float:
     """Weight and inertia of a block and of all that it carries, over its bottom, Pa."""
     carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
-    return carried * _acceleration(scene) / (block.width * block.thickness)
+    return carried * _acceleration(scene) / _bottom(block)
 
 
 def _acceleration(scene: Scene) -> float:
@@ -99,11 +101,9 @@ def _refuse_soft(where: str, young: float, pressure: float) -> None:
         raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
 
 
-def _refuse_soft_corner(block: BlockSpec, pressure: float, dimension: int) -> None:
+def _refuse_soft_corner(block: BlockSpec, cell: Sequence[float], pressure: float) -> None:
     """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
-    corner = math.prod(_corner_cell(block, dimension)[:-1])
-    bottom = math.prod(_sides(block, dimension)[:-1])
-    strain = pressure * bottom / corner / block.elasticity[0]
+    strain = pressure * _bottom(block) / _bottom_of(cell, block) / block.elasticity[0]
     if strain > LARGEST_CORNER_STRAIN:
         got = f"{block.elasticity[0]:g}, strained by {strain:.2g} on a corner cell alone"
         least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
@@ -111,15 +111,20 @@ def _refuse_soft_corner(block: BlockSpec, pressure: float, dimension: int) -> No
         raise SceneError(f"{block.name}.young", got, allowed)
 
 
-def _refuse_without_energy(scene: Scene, block: BlockSpec, pressure: float) -> None:
+def _refuse_without_energy(
+    scene: Scene, block: BlockSpec, cell: Sequence[float], pressure: float
+) -> None:
     """Refuse theta 0 and -1, which know no energy of contact, where there is much of it."""
-    cell, contact = _corner_cell(block, scene.dimension), scene.contact
-    depth = block.thickness if scene.dimension == 2 else 1.0
-    weight = math.prod(cell[:-1]) * depth / 2 ** (scene.dimension - 1)
+    contact = scene.contact
+    if contact.theta == 1:
+        return
+    from solver.mechanics.material import Material
+
     young, poisson = block.elasticity
-    longitudinal = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
-    gamma_h = contact.gamma * longitudinal * block.degree**2 / cell[-1]
-    load = pressure * block.width * block.thickness
+    material = Material(young=young, poisson=poisson, density=block.shape.density)
+    gamma_h = contact.gamma * material.longitudinal * block.degree**2 / cell[-1]
+    weight = _bottom_of(cell, block) / 2 ** (scene.dimension - 1)
+    load = pressure * _bottom(block)
     share = load / (2 * gamma_h * weight) / (1e-3 * block.height)
     if share > PRESSED_WITHOUT_ENERGY:
         got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
@@ -149,11 +154,26 @@ def _sides(block: BlockSpec, dimension: int) -> tuple[float, ...]:
     return (block.width, *(() if dimension == 2 else (block.thickness,)), block.height)
 
 
+def _bottom(block: BlockSpec) -> float:
+    """Area of the bottom, m2."""
+    return block.width * block.thickness
+
+
+def _bottom_of(cell: Sequence[float], block: BlockSpec) -> float:
+    """Area of the bottom of a cell of these edges (m), m2; in the plane as thick as the block."""
+    return math.prod(cell[:-1]) * (block.thickness if len(cell) == 2 else 1.0)
+
+
+def _equal_parts(sides: Sequence[float], cells: Sequence[int]) -> list[float]:
+    """Edges of cells that are all alike, m."""
+    return [side / count for side, count in zip(sides, cells, strict=True)]
+
+
 def _corner_cell(block: BlockSpec, dimension: int) -> list[float]:
     """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m."""
     sides = _sides(block, dimension)
     if block.refinement == 1:
-        return [side / count for side, count in zip(sides, block.cells, strict=True)]
+        return _equal_parts(sides, block.cells)
     from geometry.grading import graded, graded_to_both_ends
 
     along, upwards = block.cells[:-1], block.cells[-1]
@@ -162,7 +182,7 @@ def _corner_cell(block: BlockSpec, dimension: int) -> list[float]:
     return [side * float(part) for side, part in zip(sides, parts, strict=True)]
 
 
-def _refuse_long(block: BlockSpec, cell: list[float]) -> None:
+def _refuse_long(block: BlockSpec, cell: Sequence[float]) -> None:
     """Refuse a block whose corner cells, of these edges (m), are far longer than wide."""
     times = max(cell) / min(cell)
     if times > LONGEST_CELL:
@@ -171,15 +191,26 @@ def _refuse_long(block: BlockSpec, cell: list[float]) -> None:
         raise SceneError(f"{block.name}.cells", got, f"at most {LONGEST_CELL:g} times")
 
 
-def _refuse_stiff(where: str, young: float, density: float, edge: float, scene: Scene) -> None:
-    """Refuse a body that may turn, whose smallest cells (m) sound crosses too often in a step."""
+def _refuse_stiff(
+    where: str, young: float, density: float, edge: float, scene: Scene, otherwise: str = ""
+) -> None:
+    """Refuse a body that may turn, whose smallest cells (m) sound crosses too often in a step.
+
+    Args:
+        where: Path of its modulus.
+        young: E, Pa.
+        density: rho, kg/m3.
+        edge: Of its smallest cells, over the degree, m.
+        scene: What it is part of.
+        otherwise: What else is allowed, in words.
+    """
     step = _longest_step(scene)
     crossed = math.sqrt(young / density) * step / edge
     if crossed > MOST_CELLS_A_STEP:
         most = young * (MOST_CELLS_A_STEP / crossed) ** 2
         got = f"{young:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
-        rigid = "" if where.startswith("foundation") else ', or model = "rigid"'
-        raise SceneError(where, got, f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){rigid}")
+        allowed = f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){otherwise}"
+        raise SceneError(where, got, allowed)
 
 
 def _refuse_loose_cohesion(scene: Scene) -> None:
