@@ -210,14 +210,13 @@ class Interface:
         Beside a face, or before the face that they are on joined: Gauss points of one face do not
         keep another from sinking in at an edge between them.
         """
-        off = self.carrier.off(memory.seat)
-        if off is None and memory.eligible.all():
-            return np.zeros(self.count, dtype=bool)
         outside = ~memory.eligible
         for corner in self._corners:
             outside[corner] = not memory.eligible[corner].any()
-        let_alone: Mask = self.sunk(memory) & (outside if off is None else off | outside)
-        return let_alone
+        off = self.carrier.off(memory.seat)
+        if off is not None:
+            outside |= off
+        return outside & self.sunk(memory) if outside.any() else outside
 
     def sunk(self, memory: Memory) -> Mask:
         """Points deeper in the carrier than closed ones are pressed."""
@@ -391,11 +390,11 @@ class Interface:
 def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) -> Memory:
     """The memory of `old`'s points in a fresh one of `new`, which holds those points and more."""
     place = {key: k for k, key in enumerate(old.keys())}
-    known = np.array([key in place for key in new.keys()])
+    joining = np.ones(new.count, dtype=bool)
     for k, key in enumerate(new.keys()):
         if key in place:
-            before = place[key]
+            before, joining[k] = place[key], False
             for name in ("force", "anchor", "eligible", "slipped", "broken"):
                 getattr(fresh, name)[k] = getattr(memory, name)[before]
-    fresh.eligible &= known | ~new.sunk(fresh)
+    fresh.eligible &= ~(joining & new.sunk(fresh))
     return fresh

@@ -79,8 +79,7 @@ def other_r(system: LocalSystem, start: Array) -> Array | None:
         scaling = diagonal_scaling(system.W)
         scaling[:, 0] *= normal
         scaling[:, 1:] *= tangential
-        other = LocalSystem(system.W, system.q, scaling, system.bounds)
-        found = newton(other, start, other.line())
+        found = newton(system.scaled(scaling), start, system.line())
         polished = None if found is None else newton(system, found, system.line())
         if polished is not None:
             return polished
@@ -96,7 +95,7 @@ def soft(method: Method) -> Method:
     def solve(system: LocalSystem, start: Array) -> Array | None:
         for scaling in (row_sum_scaling(system.W), system.scaling.copy()):
             scaling[:, 1:] = 0.1 * scaling[:, 1:].min(axis=1, keepdims=True)
-            found = method(LocalSystem(system.W, system.q, scaling, system.bounds), start)
+            found = method(system.scaled(scaling), start)
             if found is not None:
                 polished = newton(system, found, system.line())
                 return found if polished is None else polished

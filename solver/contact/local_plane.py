@@ -16,9 +16,10 @@ from scipy.linalg.lapack import dgesv
 from solver.contact.friction import Bounds
 from solver.contact.local_disc import newton, other_r
 from solver.contact.local_rescues import Method, continuation, projected, tresca
-from solver.contact.local_system import TOUCHING_SLOPE, Line, LocalSystem
+from solver.contact.local_system import Line, LocalSystem
 from solver.rigid import local_problem as compiled
 from solver.rigid.compiled import NUMBA
+from solver.rigid.local_problem import TOUCHING_SLOPE
 
 Array = NDArray[np.float64]
 

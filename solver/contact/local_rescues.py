@@ -48,7 +48,8 @@ def projected(newton: Newton, *, rounds: int = 10) -> Method:
 
     def solve(system: LocalSystem, start: Array) -> Array | None:
         f, line = start, system.line()
-        even = system.with_step(1.0 / float(np.linalg.norm(system.W.reshape(f.size, f.size), 2)))
+        length = 1.0 / float(np.linalg.norm(system.W.reshape(f.size, f.size), 2))
+        even = system.scaled(np.full_like(f, length))
         for k in range(1, 251):
             f = project(even.trial(f), line)
             if k % rounds == 0:

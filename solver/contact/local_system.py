@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.friction import Bounds
+from solver.rigid.local_problem import TOUCHING_SLOPE
 
 Array = NDArray[np.float64]
 Line = Callable[[Array], tuple[Array, Array]]
 """Normal forces (m,) -> slopes and intercepts of the bound there."""
-
-TOUCHING_SLOPE = 1e4
-"""Cohesion over the force from which on all of it acts."""
 
 
 class NoContactSolution(Exception):
@@ -62,9 +60,9 @@ class LocalSystem:
     scaling: Array
     bounds: Bounds
 
-    def with_step(self, length: float) -> LocalSystem:
-        """The same problem with one r for all points."""
-        return LocalSystem(self.W, self.q, np.full_like(self.q, length), self.bounds)
+    def scaled(self, scaling: Array) -> LocalSystem:
+        """The same problem with another r, (m, d)."""
+        return LocalSystem(self.W, self.q, scaling, self.bounds)
 
     def trial(self, f: Array) -> Array:
         """F - r y, which decides what state a point is in."""

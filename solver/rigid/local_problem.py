@@ -32,7 +32,7 @@ NEWTON, TRESCA, GAUSS_SEIDEL, ENUMERATION, TOUCHING = 0, 1, 2, 3, 4
 ROUND_OFF = 1e-13
 #: Enumeration of 4^m states: 25 ms for the most.
 ENUMERATED_POINTS = 7
-#: Cohesion over the force from which on all of it acts, as in `solver.contact.local_system`.
+#: Cohesion over the force from which on all of it acts, here and in `solver.contact`.
 TOUCHING_SLOPE = 1e4
 
 

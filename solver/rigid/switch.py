@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from typing import TYPE_CHECKING
 
-from solver.scene import Scene
+if TYPE_CHECKING:
+    from solver.scene import Scene
 
 #: Set to anything but "" or "0": interpret.
 SWITCH = "ROCKSLIP_NO_NUMBA"

@@ -16,7 +16,8 @@ from solver.contact.local_problem import (
     image,
     row_sum_scaling,
 )
-from solver.contact.local_system import TOUCHING_SLOPE, LocalSystem, diagonal_scaling
+from solver.contact.local_system import LocalSystem, diagonal_scaling
+from solver.rigid.local_problem import TOUCHING_SLOPE
 
 
 @pytest.fixture(autouse=True, params=["machine code", "numpy"])

@@ -115,8 +115,10 @@ def test_a_signal_ends_all_processes_at_once(
     )
     assert run.stdout is not None
     assert run.stdout.readline() == "finished 0\n"
+    began = time.monotonic()
     os.killpg(run.pid, number) if number == signal.SIGINT else run.send_signal(number)
-    assert run.wait(timeout=50) == 130
+    assert run.wait(timeout=20) == 130
+    assert time.monotonic() - began < 10
     with pytest.raises(ProcessLookupError):
         os.killpg(run.pid, 0)
 
@@ -128,7 +130,7 @@ def test_leaving_the_loop_ends_the_others(tasks: Path) -> None:
     outcomes = side_by_side(pool_tasks.sleep, [0.0, 60.0], processes=2)
     assert next(iter(outcomes)) == (0, 0.0)
     outcomes.close()  # type: ignore[attr-defined]
-    assert time.monotonic() - began < 50
+    assert time.monotonic() - began < 10
 
 
 @pytest.mark.mpi
