@@ -6,12 +6,9 @@ import signal
 import threading
 import time
 from types import FrameType, TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from solver.parallel import any_rank
-
-if TYPE_CHECKING:
-    from solver.parallel import Comm
+from solver.parallel import Comm, any_rank
 
 
 class Interruption:

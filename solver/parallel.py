@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,7 @@ class Single:
         return value
 
 
-if TYPE_CHECKING:
-    Comm = MPI.Intracomm | Single
+Comm: TypeAlias = "MPI.Intracomm | Single"
 
 
 def world(*, meshed: bool = False) -> Comm:

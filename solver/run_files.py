@@ -7,14 +7,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from solver.parallel import Comm
 from solver.post.history import History
 from solver.post.summary import write_json
 from solver.scene import Scene, scene_to_toml
-
-if TYPE_CHECKING:
-    from solver.parallel import Comm
 
 
 class Fields(Protocol):

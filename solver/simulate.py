@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,11 @@ from numpy.typing import NDArray
 from solver.garbage import rarely_collected
 from solver.info import versions
 from solver.interruption import Interruption
-from solver.parallel import Single, world
+from solver.parallel import Comm, Single, world
 from solver.post.history import History, scene_columns
 from solver.post.summary import summarise
 from solver.run_files import Fields, RunFiles
 from solver.scene import Scene
-
-if TYPE_CHECKING:
-    from solver.parallel import Comm
 
 Log = Callable[[str], None]
 
