@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.rigid.compiled import compiled
-from solver.rigid.space_sweeps import project, sweep
+from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.space_sweeps import Discs, line, project, sweep
 
 Array = NDArray[np.float64]
 
@@ -39,9 +40,9 @@ diagonal alone decides, are then still on their way, and move nothing."""
 
 
 @compiled
-def natural_map(y: Array, f: Array, mu: Array, cohesion: Array, rate: Array, phi: Array) -> None:
+def natural_map(y: Array, f: Array, discs: Discs, rate: Array, phi: Array) -> None:
     """Fill in phi."""
-    for i in range(len(mu)):
+    for i in range(len(discs.mu)):
         n = 3 * i
         normal = f[n] - rate[i, 0] * y[n]
         if normal <= 0:
@@ -49,18 +50,17 @@ def natural_map(y: Array, f: Array, mu: Array, cohesion: Array, rate: Array, phi
             continue
         phi[n] = rate[i, 0] * y[n]
         first, second = f[n + 1] - rate[i, 1] * y[n + 1], f[n + 2] - rate[i, 1] * y[n + 2]
-        size, limit = math.hypot(first, second), mu[i] * normal + cohesion[i]
+        slope, intercept = line(discs, i, normal)
+        size, limit = math.hypot(first, second), slope * normal + intercept
         share = 1.0 if size <= limit else limit / size
         phi[n + 1], phi[n + 2] = f[n + 1] - share * first, f[n + 2] - share * second
 
 
 @compiled
-def _tangent(
-    W: Array, y: Array, f: Array, mu: Array, cohesion: Array, rate: Array, matrix: Array
-) -> None:
+def _tangent(W: Array, y: Array, f: Array, discs: Discs, rate: Array, matrix: Array) -> None:
     """Fill in a generalized derivative of phi with respect to f."""
     matrix[:, :] = 0.0
-    for i in range(len(mu)):
+    for i in range(len(discs.mu)):
         n, s, t = 3 * i, 3 * i + 1, 3 * i + 2
         matrix[n, n], matrix[s, s], matrix[t, t] = 1.0, 1.0, 1.0
         normal = f[n] - rate[i, 0] * y[n]
@@ -68,7 +68,8 @@ def _tangent(
             continue
         matrix[n] = rate[i, 0] * W[n]
         first, second = f[s] - rate[i, 1] * y[s], f[t] - rate[i, 1] * y[t]
-        size, limit = math.hypot(first, second), mu[i] * normal + cohesion[i]
+        slope, intercept = line(discs, i, normal)
+        size, limit = math.hypot(first, second), slope * normal + intercept
         if size <= limit:
             matrix[s], matrix[t] = rate[i, 1] * W[s], rate[i, 1] * W[t]
             continue
@@ -80,8 +81,8 @@ def _tangent(
         by_first[s] += 1.0
         by_second[t] += 1.0
         across = share * (second * by_first - first * by_second)
-        matrix[s] -= mu[i] * first * by_normal + second * across
-        matrix[t] -= mu[i] * second * by_normal - first * across
+        matrix[s] -= slope * first * by_normal + second * across
+        matrix[t] -= slope * second * by_normal - first * across
 
 
 @compiled
@@ -128,9 +129,7 @@ def _largest(x: Array) -> float:
 
 
 @compiled
-def newton(
-    W: Array, q: Array, f: Array, mu: Array, cohesion: Array, rate: Array, limits: Array
-) -> bool:
+def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, limits: Array) -> bool:
     """Alart and Curnier's Newton method with full steps, on f in place; whether it settled.
 
     Where it does not, f is the best that was found.
@@ -139,8 +138,7 @@ def newton(
         W: Compliance.
         q: Free values.
         f: Guess and answer.
-        mu: Coefficients of friction.
-        cohesion: Cohesive forces.
+        discs: Friction.
         rate: Lengths r of the natural map.
         limits: Number of steps, and the error (relative) that will do after the last one.
     """
@@ -148,7 +146,7 @@ def newton(
     best, least, now = f.copy(), np.inf, f.copy()
     for k in range(int(limits[0]) + 1):
         y = image(W, q, now)
-        natural_map(y, now, mu, cohesion, rate, phi)
+        natural_map(y, now, discs, rate, phi)
         error = _largest(phi) / max(_largest(now), 1e-300)
         if error < least:
             least = error
@@ -156,7 +154,7 @@ def newton(
         # At least one step: forces that balance each other hardly show in the error of a guess.
         if error == 0 or (k > 0 and error <= TOLERANCE):
             break
-        _tangent(W, y, now, mu, cohesion, rate, matrix)
+        _tangent(W, y, now, discs, rate, matrix)
         if not eliminate(matrix, phi):
             break
         now -= phi
@@ -165,11 +163,11 @@ def newton(
 
 
 @compiled
-def _newton_twice(W: Array, q: Array, f: Array, mu: Array, cohesion: Array, limits: Array) -> bool:
+def _newton_twice(W: Array, q: Array, f: Array, discs: Discs, limits: Array) -> bool:
     """Newton with both lengths; f stays the guess where neither settles."""
     for row_sums in (True, False):
         trial = f.copy()
-        if newton(W, q, trial, mu, cohesion, lengths(W, row_sums), limits):
+        if newton(W, q, trial, discs, lengths(W, row_sums), limits):
             f[:] = trial
             return True
     return False
@@ -191,7 +189,7 @@ def lengths(W: Array, row_sums: bool) -> Array:
 
 
 @compiled
-def _proximal(W: Array, q: Array, f: Array, mu: Array, cohesion: Array, softness: float) -> bool:
+def _proximal(W: Array, q: Array, f: Array, discs: Discs, softness: float) -> bool:
     """Newton with a larger diagonal on the change of the forces since the last round.
 
     It holds back forces that only balance each other, for which W says next to nothing.
@@ -201,10 +199,10 @@ def _proximal(W: Array, q: Array, f: Array, mu: Array, cohesion: Array, softness
     for i in range(len(f)):
         soft[i, i] += diagonal[i]
     for _ in range(20):
-        if not _newton_twice(soft, q - diagonal * now, now, mu, cohesion, np.array([30.0, 0.0])):
+        if not _newton_twice(soft, q - diagonal * now, now, discs, np.array([30.0, 0.0])):
             return False
         trial = now.copy()
-        if _newton_twice(W, q, trial, mu, cohesion, np.array([6.0, 0.0])):
+        if _newton_twice(W, q, trial, discs, np.array([6.0, 0.0])):
             f[:] = trial
             return True
     return False
@@ -214,6 +212,9 @@ def _proximal(W: Array, q: Array, f: Array, mu: Array, cohesion: Array, softness
 def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
     """Solve the local problem, f being the guess and the answer; False where no method settled it.
 
+    All cohesion at once may lift its own point, and then there is no solution: it grows over the
+    first forces instead, and `cohesion` becomes what acts.
+
     Args:
         W: Compliance (3 m, 3 m), m/N.
         q: Free values (3 m,), m.
@@ -221,10 +222,24 @@ def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
         mu: Coefficients of friction (m,).
         cohesion: Cohesive forces (m,), N.
     """
-    if _newton_twice(W, q, f, mu, cohesion, np.array([20.0, 0.0])):
+    guess = f.copy()
+    if _settle(W, q, f, Discs(mu, cohesion, np.inf)):
+        return True
+    if not np.any(cohesion > 0):
+        return False
+    f[:] = guess
+    settled = _settle(W, q, f, Discs(mu, cohesion, TOUCHING_SLOPE))
+    cohesion[:] = np.minimum(cohesion, TOUCHING_SLOPE * f[::3])
+    return settled
+
+
+@compiled
+def _settle(W: Array, q: Array, f: Array, discs: Discs) -> bool:
+    """Newton's method, then all the slower ones, with one law."""
+    if _newton_twice(W, q, f, discs, np.array([20.0, 0.0])):
         return True
     for softness in (1e-5, 1e-4, 1e-6):
-        if _proximal(W, q, f, mu, cohesion, softness):
+        if _proximal(W, q, f, discs, softness):
             return True
     limits, projected, swept = np.array([10.0, 0.0]), f.copy(), f.copy()
     factors = np.array([1.2, 0.5, 1.0, 1.5])
@@ -233,12 +248,12 @@ def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
             limits[1] = LOOSE
         if k < 20 or k % 8 < 4:
             for _ in range(5):
-                project(W, q, projected, mu, cohesion, factors[k % 4])
+                project(W, q, projected, discs, factors[k % 4])
             f[:] = projected
         else:
             for _ in range(4):
-                sweep(W, q, swept, mu, cohesion)
+                sweep(W, q, swept, discs)
             f[:] = swept
-        if _newton_twice(W, q, f, mu, cohesion, limits):
+        if _newton_twice(W, q, f, discs, limits):
             return True
     return False

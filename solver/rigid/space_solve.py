@@ -74,8 +74,8 @@ def _linear(
     yields: tuple[Array, Array],
     law: tuple[Array, Array, Array, Array],
     force: Array,
-) -> tuple[bool, Array]:
-    """Contact forces with given rows; returns whether they were found, and D.
+) -> tuple[bool, Array, Array]:
+    """Contact forces with given rows; returns whether they were found, D, and cohesion that acts.
 
     Args:
         contacts: m points.
@@ -90,8 +90,8 @@ def _linear(
     q = contacts.start + changes(contacts, rows, free[0], free[1])
     q -= softness * law[3]
     q[:, 1:] -= law[0]
-    flat = force.reshape(force.size)
-    return settle(W, q.reshape(q.size), flat, law[1], law[2]), softness
+    flat, cohesion = force.reshape(force.size), law[2].copy()
+    return settle(W, q.reshape(q.size), flat, law[1], cohesion), softness, cohesion
 
 
 @compiled
@@ -132,7 +132,7 @@ def solve(
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
     force, anchor = recalled(state, points)
-    mu, cohesion = friction_at_start(model, state, points)
+    mu, most = friction_at_start(model, state, points)
     held = force * np.array([EVENING, 1.0, 1.0])
     moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
     rounds = 0
@@ -140,8 +140,8 @@ def solve(
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
         rows = rows_of(points, mean, shift)
-        law = anchor, mu, cohesion, held
-        found, softness = _linear(points, rows, (free, hat), (yields, turning), law, force)
+        still, soft, law = (free, hat), (yields, turning), (anchor, mu, most, held)
+        found, softness, cohesion = _linear(points, rows, still, soft, law, force)
         total, moment, pushed = act(points, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)

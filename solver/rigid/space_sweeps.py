@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,40 @@ from solver.rigid.compiled import compiled
 Array = NDArray[np.float64]
 
 
+class Discs(NamedTuple):
+    """Friction of m points: |f_t| <= mu f_n + min(c, s f_n)."""
+
+    mu: Array
+    """Coefficients of friction, (m,)."""
+    cohesion: Array
+    """c, N, (m,)."""
+    slope: float
+    """s, how cohesion grows with the force at first; infinite: all of it acts wherever f_n > 0."""
+
+
 @compiled
-def one_point(W: Array, q: Array, mu: float, cohesion: float) -> Array:
-    """The force (3,) at a single point, exactly: open, sticking, or slipping.
+def line(discs: Discs, i: int, normal: float) -> tuple[float, float]:
+    """Slope and intercept of the radius of disc i at a normal force > 0."""
+    if discs.slope * normal < discs.cohesion[i]:
+        return discs.mu[i] + discs.slope, 0.0
+    return discs.mu[i], discs.cohesion[i]
+
+
+@compiled
+def radius(discs: Discs, i: int, normal: float) -> float:
+    """Radius of disc i, N; 0 at an open point."""
+    if normal <= 0:
+        return 0.0
+    slope, intercept = line(discs, i, normal)
+    return slope * normal + intercept
+
+
+@compiled
+def one_point(W: Array, q: Array, discs: Discs, i: int) -> Array:
+    """The force (3,) at point i alone, exactly: open, sticking, or slipping.
 
     Slipping forces solve (S + lambda I) f_t = -p, lambda >= 0, with S and p what W and q leave of
-    the tangential rows when y_n = 0; |f_t| - mu f_n - c has one sign at lambda = 0, the other
+    the tangential rows when y_n = 0; |f_t| less the radius has one sign at lambda = 0, the other
     far off, and is halved down.
     """
     f = np.zeros(3)
@@ -34,7 +63,7 @@ def one_point(W: Array, q: Array, mu: float, cohesion: float) -> Array:
         determinant = a * d - s01 * s10
         f[1], f[2] = (s01 * p1 - d * p0) / determinant, (s10 * p0 - a * p1) / determinant
         f[0] = -(q[0] + W[0, 1] * f[1] + W[0, 2] * f[2]) / W[0, 0]
-        inside = f[0] > 0 and math.hypot(f[1], f[2]) <= mu * f[0] + cohesion
+        inside = f[0] > 0 and math.hypot(f[1], f[2]) <= radius(discs, i, f[0])
         if inside:
             high = shift
         else:
@@ -48,9 +77,9 @@ def one_point(W: Array, q: Array, mu: float, cohesion: float) -> Array:
 
 
 @compiled
-def sweep(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> None:
+def sweep(W: Array, q: Array, f: Array, discs: Discs) -> None:
     """One round of nonsmooth Gauss-Seidel on f in place."""
-    for i in range(len(mu)):
+    for i in range(len(discs.mu)):
         n = 3 * i
         own = W[n : n + 3, n : n + 3]
         free = q[n : n + 3].copy()
@@ -58,29 +87,28 @@ def sweep(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> None:
             for j in range(len(f)):
                 if j < n or j > n + 2:
                     free[k] += W[n + k, j] * f[j]
-        f[n : n + 3] = one_point(own, free, mu[i], cohesion[i])
+        f[n : n + 3] = one_point(own, free, discs, i)
 
 
 @compiled
-def project(W: Array, q: Array, f: Array, mu: Array, cohesion: Array, factor: float) -> None:
+def project(W: Array, q: Array, f: Array, discs: Discs, factor: float) -> None:
     """One round of projected Gauss-Seidel on f in place: normal forces, then tangential ones.
 
     Args:
         W: Compliance.
         q: Free values.
         f: Forces.
-        mu: Coefficients of friction.
-        cohesion: Cohesive forces.
+        discs: Friction.
         factor: Of relaxation.
     """
     for n in range(0, len(f), 3):
         y = q[n] + np.sum(W[n] * f)
         f[n] = max(0.0, f[n] - factor * y / W[n, n])
-    for i in range(len(mu)):
+    for i in range(len(discs.mu)):
         s, t = 3 * i + 1, 3 * i + 2
         rate = factor / (W[s, s] + W[t, t])
         first = f[s] - rate * (q[s] + np.sum(W[s] * f))
         second = f[t] - rate * (q[t] + np.sum(W[t] * f))
-        size, limit = math.hypot(first, second), mu[i] * f[3 * i] + cohesion[i]
+        size, limit = math.hypot(first, second), radius(discs, i, f[3 * i])
         share = 1.0 if size <= limit else limit / size
         f[s], f[t] = share * first, share * second

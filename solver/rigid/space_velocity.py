@@ -57,7 +57,7 @@ def _total_impulse(
     for i in range(len(mu)):
         if held[i] == 1:
             total[3 * i + 1 : 3 * i + 3] = 0.0
-    settled = settle(W, free, total, mu, cohesion)
+    settled = settle(W, free, total, mu, cohesion.copy())
     for i in range(len(mu)):
         if held[i] == 1:
             total[3 * i + 1 : 3 * i + 3] = impulse[3 * i + 1 : 3 * i + 3]

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from solver.rigid.space_friction import eliminate, image, settle
-from solver.rigid.space_sweeps import one_point
+from solver.rigid.space_sweeps import Discs, one_point
 
 Array = NDArray[np.float64]
 
@@ -105,10 +105,29 @@ def test_cohesion_adds_to_the_limit() -> None:
 
 def test_one_point_sticks_slips_or_is_open() -> None:
     W = np.array([[2.0, 0.3, -0.2], [0.3, 1.5, 0.1], [-0.2, 0.1, 1.0]])
-    np.testing.assert_array_equal(one_point(W, np.array([0.1, 5.0, 0.0]), 0.5, 0.0), 0)
-    for q, mu in ((np.array([-1.0, 0.1, 0.1]), 0.9), (np.array([-1.0, 2.0, -1.0]), 0.4)):
-        f = one_point(W, q, mu, 0.0)
-        assert violation(W, q, f, mu) < 1e-12
+    discs = Discs(np.array([0.9, 0.4]), np.zeros(2), np.inf)
+    np.testing.assert_array_equal(one_point(W, np.array([0.1, 5.0, 0.0]), discs, 0), 0)
+    for i, q in enumerate((np.array([-1.0, 0.1, 0.1]), np.array([-1.0, 2.0, -1.0]))):
+        f = one_point(W, q, discs, i)
+        assert violation(W, q, f, discs.mu[i]) < 1e-12
+
+
+def test_cohesion_that_lifts_its_own_point_grows_with_the_force() -> None:
+    """A rod leans on its corner and slips to where its centre is: all cohesion would lift it.
+
+    Without pressure no cohesion acts, with pressure all of it: neither is a solution.
+    """
+    corner, half = np.array([[1.0, 0.0, -1.0]]), np.array([1.0, 0.2, 1.0])
+    W, _ = problem(np.zeros(6), half, corner)
+    q = np.array([-1e-9, -1e-5 * np.sign(W[0, 1]), 0.0])
+    mu, cohesion, f = np.array([0.5]), np.array([200.0]), np.zeros(3)
+    assert settle(W, q, f, mu, cohesion)
+    y = image(W, q, f)
+    assert f[0] > 0
+    assert abs(y[0]) < 1e-9 * abs(q[1])
+    assert 0 < cohesion[0] < 200
+    assert np.hypot(f[1], f[2]) == pytest.approx(0.5 * f[0] + cohesion[0], rel=1e-9)
+    assert f[1] * y[1] < 0
 
 
 def test_elimination() -> None:
