@@ -47,6 +47,11 @@ class FrictionLaw:
         """Whether the bound depends on the pressure alone: neither on speed nor on the past."""
         return self.static == self.dynamic and self.cohesion == 0.0
 
+    @property
+    def decays(self) -> bool:
+        """Whether the coefficient depends on the speed of sliding."""
+        return self.decay > 0 and self.static != self.dynamic
+
     def coefficient(self, speed: Array, slipped: Mask) -> Array:
         """The coefficient mu of each point, (m,).
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from solver.contact.friction import Bounds
 from solver.contact.interface import Memory
+from solver.contact.local_problem import image
 from solver.contact.seats import Seat
 from solver.contact.surfaces import Seen
 from solver.dynamics.system import Link, System
@@ -80,6 +81,7 @@ class AllPoints:
         self._cohesion: Array = np.empty((0,))
         # Whether friction depends on neither speed nor the past.
         self._steady = all(link.interface.law.constant for link in links)
+        self._decays = any(link.interface.law.decays for link in links)
         self._size: Array = np.concatenate(
             [np.full(link.interface.count, link.interface.size) for link in links]
         )
@@ -155,9 +157,30 @@ class AllPoints:
         if not self._steady:
             slip = y[:, 1:] - self.anchor
             slip += self.softness[:, None] * self.force[:, 1:]
-            self._bind(np.sqrt(np.sum(slip**2, axis=1)) / self._step)
+            self._speed = np.sqrt(np.sum(slip**2, axis=1)) / self._step
+            self._bind(self._speed)
         if self._near is None or near is not self._near[0]:
             self._near = near, Bounds(self._mu[near], self._cohesion[near])
+        return self._near[1]
+
+    def follow(self, near: Indices, q: Array, W: Array, force: Array) -> Bounds | None:
+        """Bounds at near points by the slip q + W f that they led to; None if they are the same.
+
+        Args:
+            near: Numbers of the points.
+            q: Free values of the local problem, (m, d), m.
+            W: Its compliance, (m, d, m, d), m/N.
+            force: Its solution, (m, d), N.
+        """
+        if not self._decays:
+            return None
+        slip = (q + image(W, force))[:, 1:]
+        self._speed[near] = np.sqrt(np.sum(slip**2, axis=1)) / self._step
+        before = self._mu
+        self._bind(self._speed)
+        if np.abs(self._mu - before).max() <= 1e-9 * before.max():
+            return None
+        self._near = near, Bounds(self._mu[near], self._cohesion[near])
         return self._near[1]
 
     def _bind(self, speed: Array | None) -> None:

@@ -37,6 +37,9 @@ Indices = NDArray[np.int64]
 TOLERANCE = 1e-9
 """Of the residual over the loads."""
 
+FOLLOWED = 50
+"""How often a correction looks at the speeds that friction of these speeds leads to."""
+
 PLACED = 2
 """Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
 
@@ -224,13 +227,25 @@ class ContactSolve:
             # W holds the interface's own softness too, which is no part of y.
             q = y[near] - image(W, force) + force * points.softness[near, None]
             q[:, 1:] -= points.anchor[near]
-            new = self.local.solve(W, q, force, points.bounds_at(near, y), scaling)
+            new = self._rubbed(W, q, force, y, scaling)
             points.force[near] = new
             for k, response in enumerate(self._response):
                 change = response.respond(self._place, new - force, self._contact_weight)
                 if change is not None:
                     free[k] = free[k] + change
         return free[0] if len(free) == 1 else np.concatenate(free)
+
+    def _rubbed(self, W: Array, q: Array, force: Array, y: Array, scaling: Array) -> Array:
+        """Forces of the near points, of a friction that fits the slip they allow."""
+        points, near = self._points, self._near
+        bounds = points.bounds_at(near, y)
+        for _ in range(FOLLOWED):
+            force = self.local.solve(W, q, force, bounds, scaling)
+            following = points.follow(near, q, W, force)
+            if following is None:
+                break
+            bounds = following
+        return force
 
     @property
     def _contact_weight(self) -> float:

@@ -5,6 +5,7 @@ import io
 import math
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,15 @@ def test_random_scenes_that_gained_energy(number: int, monkeypatch: pytest.Monke
     """
     monkeypatch.setattr(limits, "PRESSED_WITHOUT_ENERGY", math.inf)
     verdict = judge(draw(number + 1, 33)[number], 60.0)
+    assert (verdict.verdict, verdict.reason) == ("holds", "")
+    assert verdict.energy_gain < 1e-6
+
+
+@pytest.mark.parametrize(("number", "end"), [(5, 0.5), (41, 0.13)])
+def test_random_scenes_that_did_not_converge(number: int, end: float) -> None:
+    """Cohesion that lifts its own point, in space; friction that falls fast with the speed."""
+    case = draw(number + 1, 31415)[number]
+    verdict = judge(replace(case, tables=changed(case.tables, {"time.end": end})), 60.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
 
