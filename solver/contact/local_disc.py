@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
-from solver.contact.local_rescues import Method, continuation, projected, tresca
+from solver.contact.local_rescues import Method, continuation, gradual, projected, tresca
 from solver.contact.local_system import (
     Line,
     LocalSystem,
@@ -22,6 +22,8 @@ from solver.contact.local_system import (
     project,
     row_sum_scaling,
 )
+from solver.rigid.compiled import NUMBA
+from solver.rigid.local_problem import TOUCHING_SLOPE
 
 Array = NDArray[np.float64]
 
@@ -40,22 +42,26 @@ class DiscSolver:
     """Newton's method with line search, and those behind it."""
 
     def __init__(self) -> None:
-        """Name the slower methods, in the order in which they are tried."""
+        """Name the slower methods, in the order in which they are tried: without, with cohesion."""
+        nearer = projected(either, rounds=25)
         self.rescues: dict[str, Method] = {
             "other r": other_r,
             "full steps": lambda system, start: full_steps(system, start, system.line()),
             "continuation": soft(continuation(either)),
-            "projected": projected(either, rounds=25),
+            "projected": nearer,
             "tresca": tresca(either),
+        }
+        self.cohesive: dict[str, Method] = {
+            "touching": lambda system, start: newton(system, start, system.touching),
+            "machine code": in_machine_code,
+            "gradual cohesion": gradual(either),
+            "other r": other_r,
+            "projected": nearer,
         }
 
     def fast(self, system: LocalSystem, start: Array) -> Array | None:
         """Newton's method."""
         return newton(system, start, system.coulomb)
-
-    def touching(self, system: LocalSystem, start: Array) -> Array | None:
-        """The same with cohesion that grows with the first pressure."""
-        return newton(system, start, system.touching)
 
 
 def full_steps(system: LocalSystem, start: Array, line: Line) -> Array | None:
@@ -84,6 +90,24 @@ def other_r(system: LocalSystem, start: Array) -> Array | None:
         if polished is not None:
             return polished
     return None
+
+
+def in_machine_code(system: LocalSystem, start: Array) -> Array | None:
+    """The methods of rigid blocks, for cohesion that grows with the pressure; polished.
+
+    They settle 249 of 319 problems that `touching` leaves, in a tenth of the time of what follows.
+    """
+    if NUMBA is None:
+        return None
+    from solver.rigid.space_friction import settle_with
+    from solver.rigid.space_sweeps import Discs
+
+    force, bounds = start.ravel().copy(), system.bounds
+    W = np.ascontiguousarray(system.W.reshape(force.size, force.size))
+    discs = Discs(bounds.mu, bounds.cohesion, TOUCHING_SLOPE)
+    if not settle_with(W, system.q.ravel().copy(), force, discs):
+        return None
+    return newton(system, force.reshape(start.shape), system.line())
 
 
 def soft(method: Method) -> Method:

@@ -68,7 +68,7 @@ class PlaneSolver:
     """Newton's method over states, and those behind it; remembers the last states."""
 
     def __init__(self) -> None:
-        """Name the slower methods, in the order in which they are tried."""
+        """Name the slower methods, in the order in which they are tried: without, with cohesion."""
         self._last: States | None = None
         self._decided: NDArray[np.int64] = np.empty(0, dtype=np.int64)
         self._free, self._known = self._decided, False
@@ -78,6 +78,10 @@ class PlaneSolver:
             "damped continuation": continuation(newton),
             "tresca": tresca(newton),
             "projected": projected(newton),
+        }
+        self.cohesive: dict[str, Method] = {
+            "touching": lambda system, start: self._newton(system, start, system.touching),
+            **self.rescues,
         }
 
     def get_ready(self) -> None:
@@ -114,10 +118,6 @@ class PlaneSolver:
             compiled.decide(forces, trial, scaling, bounds, self._decided)
         self._known = compiled.newton(W, q, scaling, bounds, self._decided, forces)
         return forces.reshape(count, 2) if self._known else None
-
-    def touching(self, system: LocalSystem, start: Array) -> Array | None:
-        """Newton's method with cohesion that grows with the first pressure."""
-        return self._newton(system, start, system.touching)
 
     def _decide(
         self, system: LocalSystem, f: Array, line: Line

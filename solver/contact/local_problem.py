@@ -13,6 +13,7 @@ counts what each one settled.
 from __future__ import annotations
 
 from collections import Counter
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,12 +37,12 @@ Array = NDArray[np.float64]
 class LocalProblem:
     """Solver of local problems; remembers the last states."""
 
-    def __init__(self, dimension: int = 2, *, patience: int = 5):
+    def __init__(self, dimension: int = 2, *, patience: int | None = None):
         """Set up.
 
         Args:
             dimension: 2 or 3.
-            patience: How many of the methods behind Newton's may be tried.
+            patience: How many of the methods behind Newton's may be tried; None for all.
         """
         self._dimension, self._patience = dimension, patience
         self.rescues: Counter[str] = Counter()
@@ -87,10 +88,8 @@ class LocalProblem:
         found = solver.fast(system, start)
         if found is not None:
             return found
-        methods = list(solver.rescues.items())[: self._patience]
-        if system.bounds.cohesion.any():
-            methods.insert(0, ("touching", solver.touching))
-        for name, method in methods:
+        slower = solver.cohesive if system.bounds.cohesion.any() else solver.rescues
+        for name, method in islice(slower.items(), self._patience):
             found = method(system, start)
             if found is not None:
                 self.rescues[name] += 1

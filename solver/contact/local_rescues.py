@@ -6,12 +6,18 @@ where the bounds depend on the solution; hence a chain of them stands behind New
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.local_system import Line, LocalSystem, frozen, limits, project
+from solver.rigid.local_problem import TOUCHING_SLOPE
+
+FLAT = 0.3
+"""Of the slopes of cohesion over force that `gradual` goes through, the first."""
 
 Array = NDArray[np.float64]
 Method = Callable[[LocalSystem, Array], "Array | None"]
@@ -77,6 +83,27 @@ def continuation(newton: Newton) -> Method:
                 return found
             else:
                 f, done, step = found, share, 1.5 * step
+        return None
+
+    return solve
+
+
+def gradual(newton: Newton) -> Method:
+    """From cohesion that grows slowly with the pressure to that which is there at once."""
+
+    def solve(system: LocalSystem, start: Array) -> Array | None:
+        f, done, slope, growth = start, 0.0, FLAT, 100.0
+        while growth > 1.1:
+            found = newton(system, f, partial(system.touching, slope=slope))
+            if found is not None:
+                if slope == TOUCHING_SLOPE:
+                    return found
+                f, done = found, slope
+            elif done == 0.0:
+                return None
+            else:
+                growth = math.sqrt(growth)
+            slope = min(TOUCHING_SLOPE, done * growth)
         return None
 
     return solve

@@ -72,11 +72,11 @@ class LocalSystem:
         """The law as it is."""
         return self.bounds.mu, self.bounds.cohesion
 
-    def touching(self, normal: Array) -> tuple[Array, Array]:
-        """The law with cohesion that grows from 0 over the first 1e-4 of pressure."""
+    def touching(self, normal: Array, slope: float = TOUCHING_SLOPE) -> tuple[Array, Array]:
+        """The law with cohesion that grows from 0 over the first 1e-4 of pressure, 1/slope."""
         mu, cohesion = self.bounds.mu, self.bounds.cohesion
-        growing = TOUCHING_SLOPE * normal < cohesion
-        return np.where(growing, mu + TOUCHING_SLOPE, mu), np.where(growing, 0.0, cohesion)
+        growing = slope * normal < cohesion
+        return np.where(growing, mu + slope, mu), np.where(growing, 0.0, cohesion)
 
     def line(self) -> Line:
         """The law for the slower solvers, which has a solution whatever the cohesion."""

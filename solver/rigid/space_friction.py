@@ -223,19 +223,19 @@ def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
         cohesion: Cohesive forces (m,), N.
     """
     guess = f.copy()
-    if _settle(W, q, f, Discs(mu, cohesion, np.inf)):
+    if settle_with(W, q, f, Discs(mu, cohesion, np.inf)):
         return True
     if not np.any(cohesion > 0):
         return False
     f[:] = guess
-    settled = _settle(W, q, f, Discs(mu, cohesion, TOUCHING_SLOPE))
+    settled = settle_with(W, q, f, Discs(mu, cohesion, TOUCHING_SLOPE))
     cohesion[:] = np.minimum(cohesion, TOUCHING_SLOPE * f[::3])
     return settled
 
 
 @compiled
-def _settle(W: Array, q: Array, f: Array, discs: Discs) -> bool:
-    """Newton's method, then all the slower ones, with one law."""
+def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> bool:
+    """The same with one law of friction: Newton's method, then all the slower ones."""
     if _newton_twice(W, q, f, discs, np.array([20.0, 0.0])):
         return True
     for softness in (1e-5, 1e-4, 1e-6):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from solver.contact import local_plane
+from solver.contact import local_disc, local_plane
 from solver.contact.friction import Bounds
 from solver.contact.local_disc import DiscSolver, newton
 from solver.contact.local_plane import PlaneSolver
@@ -25,6 +25,7 @@ def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None
     """Few points in the plane are solved by compiled functions, where numba is there."""
     if request.param == "numpy":
         monkeypatch.setattr(local_plane, "NUMBA", None)
+        monkeypatch.setattr(local_disc, "NUMBA", None)
     elif local_plane.NUMBA is None:
         pytest.skip("numba is not installed")
 
@@ -358,9 +359,11 @@ def test_hard_cases(points, seed):
 # The same for `block`, by the method that settles them.
 HARD_IN_SPACE = {
     "touching": [(2, 66), (2, 255), (7, 579), (12, 69), (12, 402)],
-    "other r": [(2, 4), (2, 33), (2, 90), (7, 399), (7, 573), (12, 502)],
-    "full steps": [(2, 0), (2, 169), (12, 557), (12, 559), (12, 577)],
-    "continuation": [(2, 14), (2, 85), (12, 466), (12, 525)],
+    "machine code": [(2, 0), (2, 33), (2, 90), (12, 525), (12, 630)],
+    "gradual cohesion": [(12, 144)],
+    "other r": [(2, 4), (2, 115), (7, 20), (7, 399), (7, 573), (12, 502)],
+    "full steps": [(2, 169), (7, 64), (12, 557), (12, 559), (12, 577)],
+    "continuation": [(2, 14), (2, 85), (12, 155), (12, 466)],
 }
 
 
@@ -369,6 +372,8 @@ HARD_IN_SPACE = {
     [(method, *case) for method in HARD_IN_SPACE for case in HARD_IN_SPACE[method]],
 )
 def test_hard_cases_in_space(method, points, seed):
+    if method == "machine code" and local_disc.NUMBA is None:
+        pytest.skip("interpreted")
     W, q, bounds = block(seed, points)
     local = LocalProblem(3)
     f = local.solve(W, q, np.zeros_like(q), bounds)
