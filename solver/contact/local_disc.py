@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
-from solver.contact.local_rescues import Method, continuation, gradual, projected, tresca
+from solver.contact.local_rescues import Method, gradual, projected, tresca
 from solver.contact.local_system import (
     Line,
     LocalSystem,
     diagonal_scaling,
     project,
-    row_sum_scaling,
 )
 from solver.rigid.compiled import NUMBA
 from solver.rigid.local_problem import TOUCHING_SLOPE
@@ -34,6 +33,9 @@ ITERATIONS = 25
 
 HALVINGS = 12
 
+FEW = 20
+"""Points that the methods of rigid blocks are for: their elimination is a plain one."""
+
 LENGTHS = ((1e-2, 1e-1), (1e2, 1e3))
 """r of `other_r` in the normal and the tangential directions, over one over the diagonal of W."""
 
@@ -43,20 +45,21 @@ class DiscSolver:
 
     def __init__(self) -> None:
         """Name the slower methods, in the order in which they are tried: without, with cohesion."""
-        nearer = projected(either, rounds=25)
-        self.rescues: dict[str, Method] = {
+        slower: dict[str, Method] = {
             "other r": other_r,
+            "projected": projected(either, rounds=25),
+        }
+        self.rescues: dict[str, Method] = {
             "full steps": lambda system, start: full_steps(system, start, system.line()),
-            "continuation": soft(continuation(either)),
-            "projected": nearer,
-            "tresca": tresca(either),
+            "machine code": in_machine_code,
+            **slower,
+            "tresca": tresca(either, rounds=25),
         }
         self.cohesive: dict[str, Method] = {
             "touching": lambda system, start: newton(system, start, system.touching),
             "machine code": in_machine_code,
             "gradual cohesion": gradual(either),
-            "other r": other_r,
-            "projected": nearer,
+            **slower,
         }
 
     def fast(self, system: LocalSystem, start: Array) -> Array | None:
@@ -93,39 +96,23 @@ def other_r(system: LocalSystem, start: Array) -> Array | None:
 
 
 def in_machine_code(system: LocalSystem, start: Array) -> Array | None:
-    """The methods of rigid blocks, for cohesion that grows with the pressure; polished.
+    """The methods of rigid blocks, which settle most of few points in a few milliseconds; polished.
 
-    They settle 249 of 319 problems that `touching` leaves, in a tenth of the time of what follows.
+    Of 159, 150, 698 and 184 problems that Newton's method left in four scenes it settles 112, 127,
+    558 and 117.
     """
-    if NUMBA is None:
+    if NUMBA is None or len(start) > FEW:
         return None
     from solver.rigid.space_friction import settle_with
     from solver.rigid.space_sweeps import Discs
 
     force, bounds = start.ravel().copy(), system.bounds
     W = np.ascontiguousarray(system.W.reshape(force.size, force.size))
-    discs = Discs(bounds.mu, bounds.cohesion, TOUCHING_SLOPE)
+    slope = TOUCHING_SLOPE if bounds.cohesion.any() else np.inf
+    discs = Discs(bounds.mu, bounds.cohesion, slope)
     if not settle_with(W, system.q.ravel().copy(), force, discs):
         return None
     return newton(system, force.reshape(start.shape), system.line())
-
-
-def soft(method: Method) -> Method:
-    """A method with a tenth of r in the tangential directions, r from row sums or the system's.
-
-    Newton's method with the system's own r polishes what it finds.
-    """
-
-    def solve(system: LocalSystem, start: Array) -> Array | None:
-        for scaling in (row_sum_scaling(system.W), system.scaling.copy()):
-            scaling[:, 1:] = 0.1 * scaling[:, 1:].min(axis=1, keepdims=True)
-            found = method(system.scaled(scaling), start)
-            if found is not None:
-                polished = newton(system, found, system.line())
-                return found if polished is None else polished
-        return None
-
-    return solve
 
 
 def newton(system: LocalSystem, f: Array, line: Line, *, halvings: int = HALVINGS) -> Array | None:

@@ -26,7 +26,7 @@ Newton = Callable[[LocalSystem, Array, Line], "Array | None"]
 """The same under a given law of friction."""
 
 
-def tresca(newton: Newton) -> Method:
+def tresca(newton: Newton, *, rounds: int = 100) -> Method:
     """Fixed point over problems with frozen friction bounds, each polished by Newton."""
 
     def solve(system: LocalSystem, start: Array) -> Array | None:
@@ -34,7 +34,7 @@ def tresca(newton: Newton) -> Method:
             return None  # nothing to freeze: the same problem again
         line = system.line()
         f, bound = start, limits(line, start[:, 0])
-        for k in range(100):
+        for k in range(rounds):
             solved = newton(system, f, frozen(bound))
             if solved is None:
                 bound = 0.5 * bound
