@@ -1,11 +1,10 @@
 """Solvers of the local contact problem in three dimensions, with the disc of friction itself.
 
-`newton` holds for two dimensions as well, where the disc is an interval.
-
 Newton's method is that of Alart and Curnier (1991): the root of f - P(f - r y), with P the
 projection on the admissible forces, r one over the diagonal of W. Without a line search on this
 residual it cycles in some problems, with it it stalls in some others; each settles most of what the
-other leaves.
+other leaves. Without, it is the compiled one of rigid blocks, where numba is installed. `newton`
+holds for two dimensions as well, where the disc is an interval.
 """
 
 from __future__ import annotations
@@ -14,126 +13,135 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
-from solver.contact.local_rescues import Method, gradual, projected, tresca
+from solver.contact.friction import Bounds
+from solver.contact.local_rescues import Method, gradual, other_r, projected, tresca
 from solver.contact.local_system import (
-    Line,
     LocalSystem,
-    diagonal_scaling,
+    lines,
     project,
 )
 from solver.rigid.compiled import NUMBA
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import Discs
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-11
+TOLERANCE = 1e-12
 ROUND_OFF = 64 * float(np.finfo(float).eps)
 ITERATIONS = 25
 """Of Newton's method, and one more for each point."""
 
 HALVINGS = 12
 
-FEW = 20
-"""Points that the methods of rigid blocks are for: their elimination is a plain one."""
+FEW = 40
+"""Points that the slower methods of rigid blocks are for."""
 
-LENGTHS = ((1e-2, 1e-1), (1e2, 1e3))
+LENGTHS = ((1e-3, 10.0), (1e-2, 10.0), (1e-3, 0.1), (1e-3, 1.0), (0.1, 100.0), (1.0, 10.0))
 """r of `other_r` in the normal and the tangential directions, over one over the diagonal of W."""
 
 
 class DiscSolver:
-    """Newton's method with line search, and those behind it."""
+    """Newton's method, and those behind it."""
 
     def __init__(self) -> None:
         """Name the slower methods, in the order in which they are tried: without, with cohesion."""
-        slower: dict[str, Method] = {
-            "other r": other_r,
-            "projected": projected(either, rounds=25),
-        }
+        sideways, nearer = other_r(full_steps, LENGTHS), projected(either, rounds=25)
         self.rescues: dict[str, Method] = {
-            "full steps": lambda system, start: full_steps(system, start, system.line()),
+            "other r": sideways,
+            "line search": lambda system, start: newton(system, start, system.coulomb),
             "machine code": in_machine_code,
-            **slower,
+            "projected": nearer,
             "tresca": tresca(either, rounds=25),
         }
         self.cohesive: dict[str, Method] = {
-            "touching": lambda system, start: newton(system, start, system.touching),
+            "touching": lambda system, start: either(system, start, system.touching()),
+            "other r": sideways,
             "machine code": in_machine_code,
             "gradual cohesion": gradual(either),
-            **slower,
+            "projected": nearer,
         }
 
+    def get_ready(self) -> None:
+        """Let what is compiled be compiled, or read what was kept, before time counts."""
+        one = np.eye(3).reshape(1, 3, 1, 3), np.full((1, 3), -1.0), np.ones((1, 3))
+        self.fast(LocalSystem(*one, Bounds.uniform(0.5, 1)), np.zeros((1, 3)))
+
     def fast(self, system: LocalSystem, start: Array) -> Array | None:
-        """Newton's method."""
-        return newton(system, start, system.coulomb)
+        """Newton's method without line search."""
+        return full_steps(system, start, system.coulomb)
 
 
-def full_steps(system: LocalSystem, start: Array, line: Line) -> Array | None:
+def full_steps(system: LocalSystem, start: Array, discs: Discs) -> Array | None:
     """Newton's method without line search."""
-    return newton(system, start, line, halvings=0)
+    if NUMBA is None or start.shape[1] < 3:
+        return newton(system, start, discs, halvings=0)
+    trial = system.trial(start)
+    nearest = project(trial, discs)
+    if _solved(start, trial, nearest):
+        return nearest
+    from solver.rigid import space_friction
+
+    W, q, force = _flat(system, start)
+    limits = np.array([ITERATIONS + len(start), 10 * TOLERANCE, TOLERANCE])
+    if not space_friction.newton(W, q, force, discs, system.scaling[:, :2].copy(), limits):
+        return None
+    return project(system.trial(force.reshape(start.shape)), discs)
 
 
-def either(system: LocalSystem, start: Array, line: Line) -> Array | None:
-    """Newton's method with line search, else without."""
-    found = newton(system, start, line)
-    return full_steps(system, start, line) if found is None else found
+def either(system: LocalSystem, start: Array, discs: Discs) -> Array | None:
+    """Newton's method without line search, else with it."""
+    found = full_steps(system, start, discs)
+    return newton(system, start, discs) if found is None else found
 
 
-def other_r(system: LocalSystem, start: Array) -> Array | None:
-    """Newton's method with r much smaller, then much larger; that of the system polishes.
+def _solved(f: Array, trial: Array, nearest: Array) -> bool:
+    """Whether f and P(f - r y) are the same but for round-off."""
+    noise = TOLERANCE * np.abs(f).max() + ROUND_OFF * np.abs(f - trial).max()
+    return bool(np.abs(f - nearest).max() <= noise)
 
-    The root is the same for all r, but which states are tried on the way to it is not: of 151
-    problems that Newton's method and its states of before left, these two settle 125.
-    """
-    for normal, tangential in LENGTHS:
-        scaling = diagonal_scaling(system.W)
-        scaling[:, 0] *= normal
-        scaling[:, 1:] *= tangential
-        found = newton(system.scaled(scaling), start, system.line())
-        polished = None if found is None else newton(system, found, system.line())
-        if polished is not None:
-            return polished
-    return None
+
+def _flat(system: LocalSystem, start: Array) -> tuple[Array, Array, Array]:
+    """W, q and f as machine code takes them; f is a copy."""
+    size = start.size
+    W = np.ascontiguousarray(system.W.reshape(size, size))
+    return W, np.ascontiguousarray(system.q.reshape(size)), start.flatten()
 
 
 def in_machine_code(system: LocalSystem, start: Array) -> Array | None:
     """The methods of rigid blocks, which settle most of few points in a few milliseconds; polished.
 
-    Of 159, 150, 698 and 184 problems that Newton's method left in four scenes it settles 112, 127,
+    Of 159, 150, 698 and 184 problems that the line search left in four scenes they settle 112, 127,
     558 and 117.
     """
     if NUMBA is None or len(start) > FEW:
         return None
-    from solver.rigid.space_friction import settle_with
-    from solver.rigid.space_sweeps import Discs
+    from solver.rigid import space_friction
 
-    force, bounds = start.ravel().copy(), system.bounds
-    W = np.ascontiguousarray(system.W.reshape(force.size, force.size))
-    slope = TOUCHING_SLOPE if bounds.cohesion.any() else np.inf
-    discs = Discs(bounds.mu, bounds.cohesion, slope)
-    if not settle_with(W, system.q.ravel().copy(), force, discs):
+    W, q, force = _flat(system, start)
+    if not space_friction.settle_with(W, q, force, system.discs):
         return None
-    return newton(system, force.reshape(start.shape), system.line())
+    return newton(system, force.reshape(start.shape), system.discs)
 
 
-def newton(system: LocalSystem, f: Array, line: Line, *, halvings: int = HALVINGS) -> Array | None:
+def newton(
+    system: LocalSystem, f: Array, discs: Discs, *, halvings: int = HALVINGS
+) -> Array | None:
     """The root of f - P(f - r y); None where it is not reached.
 
     Args:
         system: The problem.
         f: Start, (m, d).
-        line: Law of friction.
+        discs: Law of friction.
         halvings: How often the line search may halve a step.
     """
     trial = system.trial(f)
-    nearest = project(trial, line)
+    nearest = project(trial, discs)
     for _ in range(ITERATIONS + len(f)):
-        noise = TOLERANCE * np.abs(f).max() + ROUND_OFF * np.abs(f - trial).max()
-        if np.abs(f - nearest).max() <= noise:
+        if _solved(f, trial, nearest):
             return nearest
-        target = _linearised(system, trial, line)
+        target = _linearised(system, trial, discs)
         if target is None:
             return None
-        found = _searched(system, line, f, target, nearest, halvings)
+        found = _searched(system, discs, f, target, nearest, halvings)
         if found is None:
             return None
         f, trial, nearest = found
@@ -141,7 +149,7 @@ def newton(system: LocalSystem, f: Array, line: Line, *, halvings: int = HALVING
 
 
 def _searched(
-    system: LocalSystem, line: Line, f: Array, target: Array, nearest: Array, halvings: int
+    system: LocalSystem, discs: Discs, f: Array, target: Array, nearest: Array, halvings: int
 ) -> tuple[Array, Array, Array] | None:
     """The force between f and its target that leaves enough less, else the least; P of it too.
 
@@ -152,7 +160,7 @@ def _searched(
         step = 0.5**k
         force = f + step * (target - f)
         trial = system.trial(force)
-        following = project(trial, line)
+        following = project(trial, discs)
         left = float(np.linalg.norm(force - following))
         if left < least:
             least, best = left, (force, trial, following)
@@ -161,7 +169,7 @@ def _searched(
     return best
 
 
-def _linearised(system: LocalSystem, trial: Array, line: Line) -> Array | None:
+def _linearised(system: LocalSystem, trial: Array, discs: Discs) -> Array | None:
     """The root of the linearised f - P(f - r y), 0 at open points; None if singular."""
     force = np.zeros_like(trial)
     closed = np.flatnonzero(trial[:, 0] > 0)
@@ -171,7 +179,7 @@ def _linearised(system: LocalSystem, trial: Array, line: Line) -> Array | None:
     # Rows r y = 0: unscaled ones beside rows of forces lose six digits.
     matrix = scaling[:, :, None, None] * system.W[closed[:, None], :, closed].swapaxes(1, 2)
     right = -scaling * system.q[closed]
-    slope, intercept = line(trial[:, 0])
+    slope, intercept = lines(discs, trial[:, 0])
     _let_slip(matrix, right, trial[closed], slope[closed], intercept[closed])
     _, _, x, info = dgesv(matrix.reshape(right.size, right.size), right.ravel(), 1, 1)
     if info:

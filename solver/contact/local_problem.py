@@ -47,8 +47,7 @@ class LocalProblem:
         self._dimension, self._patience = dimension, patience
         self.rescues: Counter[str] = Counter()
         self._plane, self._disc = PlaneSolver(), DiscSolver()
-        if dimension == 2:
-            self._plane.get_ready()
+        (self._plane if dimension == 2 else self._disc).get_ready()
 
     def solve(
         self,

@@ -8,18 +8,16 @@ first 1e-4 of pressure instead, so that such a point keeps as much of it as does
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.friction import Bounds
+from solver.rigid.discs import Discs
 from solver.rigid.local_problem import TOUCHING_SLOPE
 
 Array = NDArray[np.float64]
-Line = Callable[[Array], tuple[Array, Array]]
-"""Normal forces (m,) -> slopes and intercepts of the bound there."""
 
 
 class NoContactSolution(Exception):
@@ -68,37 +66,45 @@ class LocalSystem:
         """F - r y, which decides what state a point is in."""
         return f - self.scaling * (self.q + image(self.W, f))
 
-    def coulomb(self, normal: Array) -> tuple[Array, Array]:
+    @property
+    def coulomb(self) -> Discs:
         """The law as it is."""
-        return self.bounds.mu, self.bounds.cohesion
+        return Discs(self.bounds.mu, self.bounds.cohesion, np.inf)
 
-    def touching(self, normal: Array, slope: float = TOUCHING_SLOPE) -> tuple[Array, Array]:
+    def touching(self, slope: float = TOUCHING_SLOPE) -> Discs:
         """The law with cohesion that grows from 0 over the first 1e-4 of pressure, 1/slope."""
-        mu, cohesion = self.bounds.mu, self.bounds.cohesion
-        growing = slope * normal < cohesion
-        return np.where(growing, mu + slope, mu), np.where(growing, 0.0, cohesion)
+        return Discs(self.bounds.mu, self.bounds.cohesion, slope)
 
-    def line(self) -> Line:
+    @property
+    def discs(self) -> Discs:
         """The law for the slower solvers, which has a solution whatever the cohesion."""
-        return self.touching if self.bounds.cohesion.any() else self.coulomb
+        return self.touching() if self.bounds.cohesion.any() else self.coulomb
 
 
-def frozen(bound: Array) -> Line:
+def frozen(bound: Array) -> Discs:
     """Tresca's law: fixed bounds."""
-    slope = np.zeros_like(bound)
-    return lambda normal: (slope, bound)
+    return Discs(np.zeros_like(bound), bound, np.inf)
 
 
-def limits(line: Line, normal: Array) -> Array:
+def lines(discs: Discs, normal: Array) -> tuple[Array, Array]:
+    """Slopes and intercepts of the bounds at trial normal forces, (m,) each."""
+    mu, cohesion, slope = discs
+    if slope == np.inf:
+        return mu, cohesion
+    growing = slope * normal < cohesion
+    return np.where(growing, mu + slope, mu), np.where(growing, 0.0, cohesion)
+
+
+def limits(discs: Discs, normal: Array) -> Array:
     """The bound of |f_t| for normal forces; 0 where open."""
-    slope, intercept = line(normal)
+    slope, intercept = lines(discs, normal)
     return np.where(normal > 0, slope * normal + intercept, 0.0)
 
 
-def project(trial: Array, line: Line) -> Array:
+def project(trial: Array, discs: Discs) -> Array:
     """The admissible force next to a trial one: normal part first, then the disc (interval)."""
     f = np.maximum(trial, 0.0)
-    limit = limits(line, trial[:, 0])
+    limit = limits(discs, trial[:, 0])
     size = np.sqrt((trial[:, 1:] ** 2).sum(axis=1))
     f[:, 1:] = trial[:, 1:] * np.where(size > limit, limit / np.maximum(size, 1e-300), 1.0)[:, None]
     return f

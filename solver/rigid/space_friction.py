@@ -26,8 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.rigid.compiled import compiled
+from solver.rigid.discs import Discs, line
 from solver.rigid.local_problem import TOUCHING_SLOPE
-from solver.rigid.space_sweeps import Discs, line, project, sweep
+from solver.rigid.space_sweeps import project, sweep
 
 Array = NDArray[np.float64]
 
@@ -87,25 +88,43 @@ def _tangent(W: Array, y: Array, f: Array, discs: Discs, rate: Array, matrix: Ar
 
 @compiled
 def eliminate(matrix: Array, right: Array) -> bool:
-    """Gaussian elimination with partial pivoting, in place; `right` becomes the solution."""
-    n = len(right)
-    for k in range(n):
-        p = k + int(np.argmax(np.abs(matrix[k:, k])))
-        if matrix[p, k] == 0:
-            return False
-        if p != k:
-            for j in range(k, n):
-                matrix[k, j], matrix[p, j] = matrix[p, j], matrix[k, j]
-            right[k], right[p] = right[p], right[k]
-        for i in range(k + 1, n):
-            if matrix[i, k] != 0:
-                factor = matrix[i, k] / matrix[k, k]
-                matrix[i, k + 1 :] -= factor * matrix[k, k + 1 :]
-                right[i] -= factor * right[k]
-    for k in range(n - 1, -1, -1):
-        for j in range(k + 1, n):
-            right[k] -= matrix[k, j] * right[j]
-        right[k] /= matrix[k, k]
+    """Solve a linear system, `right` becoming the solution; False where it is singular."""
+    try:
+        right[:] = np.linalg.solve(matrix, right)
+    except Exception:
+        return False
+    return True
+
+
+@compiled
+def closed_rows(y: Array, f: Array, rate: Array) -> NDArray[np.int64]:
+    """The rows of points whose trial force presses."""
+    rows = np.empty(len(f), np.int64)
+    count = 0
+    for i in range(len(rate)):
+        if f[3 * i] - rate[i, 0] * y[3 * i] > 0:
+            for k in range(3):
+                rows[count] = 3 * i + k
+                count += 1
+    return rows[:count]
+
+
+@compiled
+def _divide(matrix: Array, phi: Array, rows: NDArray[np.int64]) -> bool:
+    """Phi becomes the inverse of the matrix times phi; all but these rows are those of identity."""
+    size = len(rows)
+    small, right, rest = np.empty((size, size)), np.empty(size), phi.copy()
+    for k in range(size):
+        rest[rows[k]] = 0.0
+    for k in range(size):
+        row = matrix[rows[k]]
+        right[k] = phi[rows[k]] - np.sum(row * rest)
+        for j in range(size):
+            small[k, j] = row[rows[j]]
+    if not eliminate(small, right):
+        return False
+    for k in range(size):
+        phi[rows[k]] = right[k]
     return True
 
 
@@ -140,7 +159,8 @@ def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, limits: Arra
         f: Guess and answer.
         discs: Friction.
         rate: Lengths r of the natural map.
-        limits: Number of steps, and the error (relative) that will do after the last one.
+        limits: Number of steps, the error (relative) that will do after the last one, and that at
+            which to stop.
     """
     phi, matrix = np.empty_like(f), np.empty_like(W)
     best, least, now = f.copy(), np.inf, f.copy()
@@ -152,14 +172,14 @@ def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, limits: Arra
             least = error
             best[:] = now
         # At least one step: forces that balance each other hardly show in the error of a guess.
-        if error == 0 or (k > 0 and error <= TOLERANCE):
+        if error == 0 or (k > 0 and error <= limits[2]):
             break
         _tangent(W, y, now, discs, rate, matrix)
-        if not eliminate(matrix, phi):
+        if not _divide(matrix, phi, closed_rows(y, now, rate)):
             break
         now -= phi
     f[:] = best
-    return least <= max(limits[1], TOLERANCE)
+    return least <= max(limits[1], limits[2])
 
 
 @compiled
@@ -199,10 +219,12 @@ def _proximal(W: Array, q: Array, f: Array, discs: Discs, softness: float) -> bo
     for i in range(len(f)):
         soft[i, i] += diagonal[i]
     for _ in range(20):
-        if not _newton_twice(soft, q - diagonal * now, now, discs, np.array([30.0, 0.0])):
+        if not _newton_twice(
+            soft, q - diagonal * now, now, discs, np.array([30.0, 0.0, TOLERANCE])
+        ):
             return False
         trial = now.copy()
-        if _newton_twice(W, q, trial, discs, np.array([6.0, 0.0])):
+        if _newton_twice(W, q, trial, discs, np.array([6.0, 0.0, TOLERANCE])):
             f[:] = trial
             return True
     return False
@@ -236,12 +258,12 @@ def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
 @compiled
 def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> bool:
     """The same with one law of friction: Newton's method, then all the slower ones."""
-    if _newton_twice(W, q, f, discs, np.array([20.0, 0.0])):
+    if _newton_twice(W, q, f, discs, np.array([20.0, 0.0, TOLERANCE])):
         return True
     for softness in (1e-5, 1e-4, 1e-6):
         if _proximal(W, q, f, discs, softness):
             return True
-    limits, projected, swept = np.array([10.0, 0.0]), f.copy(), f.copy()
+    limits, projected, swept = np.array([10.0, 0.0, TOLERANCE]), f.copy(), f.copy()
     factors = np.array([1.2, 0.5, 1.0, 1.5])
     for k in range(60):
         if k == 20:

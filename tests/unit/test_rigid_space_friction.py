@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from solver.rigid.discs import Discs
 from solver.rigid.space_friction import eliminate, image, settle
-from solver.rigid.space_sweeps import Discs, one_point
+from solver.rigid.space_sweeps import one_point
 
 Array = NDArray[np.float64]
 
