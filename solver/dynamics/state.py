@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from solver.contact.interface import Memory
 from solver.dynamics.system import System
+from solver.dynamics.turning import Turning
 from solver.mechanics.kinematics import RigidMotion
 
 Array = NDArray[np.float64]
@@ -30,6 +31,7 @@ class State:
         spring: Energy of springs to the ground, J.
         exchanged: Interface energy lost since t_n by choosing other contact points, J.
         motions: What `rigid_motion` found, body by body.
+        turning: How bodies turned at the start of the last step; None before the first.
     """
 
     time: float
@@ -42,6 +44,7 @@ class State:
     spring: float = 0.0
     exchanged: float = 0.0
     motions: dict[int, RigidMotion] = field(default_factory=dict)
+    turning: Turning | None = None
 
     def rigid_motion(self, system: System, number: int) -> RigidMotion:
         """The motion of a body as a whole; asked for by several, and worked out once."""

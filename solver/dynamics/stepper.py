@@ -21,6 +21,7 @@ from solver.dynamics.impulses import VelocityImpulses
 from solver.dynamics.ledger import StepLedger, energies
 from solver.dynamics.state import Exchange, State
 from solver.dynamics.system import Link, System
+from solver.dynamics.turning import Turning
 from solver.excitation.motion import GroundMotion
 from solver.mechanics.elastic_body import ElasticBody
 
@@ -263,7 +264,8 @@ class Stepper:
         load = self._load(state.time, dt)
         weighted = scheme.contact_weight * load
         motions = [state.rigid_motion(system, number) for number in range(len(system.bodies))]
-        half = [0.5 * dt * motion.spin for motion in motions]
+        turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
+        half = turning.halves(state.turning)
         start = replace(state, p=self._turned(state.p, half))
         constant = (am - (1 - am) * (0.5 - beta) / beta) * start.p - weighted
         for body, own in zip(system.bodies, system.slices, strict=True):
@@ -290,7 +292,7 @@ class Stepper:
         )
         solution = self._solved(balance, joined(drifted))
         new, exchange = self._update(start, dt, solution, load)
-        new.p = self._turned(new.p, half)
+        new.p, new.turning = self._turned(new.p, half), turning
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations
         return new, exchange

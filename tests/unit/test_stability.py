@@ -75,14 +75,19 @@ def _word(case: Case) -> str:
     return "fine"
 
 
-@pytest.mark.parametrize("number", [35, 77, 113, 115, 129])
-def test_random_scenes_that_gained_energy(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("seed", "number"), [(33, 35), (33, 77), (33, 113), (33, 115), (33, 129), (66260, 42)]
+)
+def test_random_scenes_that_gained_energy(
+    seed: int, number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Ground motions of few steps with rho_inf below 1; theta -1 with much load on few points.
 
-    These would be refused by now for what others like them gain.
+    These would be refused by now for what others like them gain. The last is a rod whose foot is
+    held while it falls: 8e-3 where inertia forces turn with its spin at the start of a step.
     """
     monkeypatch.setattr(limits, "PRESSED_WITHOUT_ENERGY", math.inf)
-    verdict = judge(draw(number + 1, 33)[number], 60.0)
+    verdict = judge(draw(number + 1, seed)[number], 60.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
 
@@ -109,6 +114,17 @@ def test_too_soft_to_stand_on_a_corner() -> None:
     with pytest.raises(SceneError, match=r"on a corner cell alone, allowed young >= 1\.72e\+07"):
         scene(block__refinement=81.0, block__young=1.70e7)
     scene(block__refinement=81.0, block__young=1.73e7)
+
+
+def test_too_soft_for_the_tangent_of_what_keeps_its_volume() -> None:
+    """A strain on a corner cell alone times 2 (1 - nu)/(1 - 2 nu), 5001 at .4999, over 30."""
+    strain = 30 * (1 - 2 * 0.4999) / (2 * (1 - 0.4999))
+    least = 2680 * 9.81 * 164 / strain
+    with pytest.raises(
+        SceneError, match=re.escape(f"at poisson 0.4999, allowed young >= {least:.3g}, a smaller")
+    ):
+        scene(block__refinement=81.0, block__poisson=0.4999, block__young=0.99 * least)
+    scene(block__refinement=81.0, block__poisson=0.4999, block__young=1.01 * least)
 
 
 def test_too_soft_for_what_it_carries() -> None:
