@@ -4,7 +4,7 @@
 
 Writes `benchmarks/adaptive_steps.csv`, a row a run: the error of the third impact against the
 shortest fixed steps, the iterations of all accepted steps and the seconds in the loop. Fixed steps
-come near their limit, .882 s, only where they resolve the waves of an impact, below 1e-4 s.
+come near their limit, .88 s, only where they resolve the waves of an impact, below 1e-4 s.
 Iterations do not depend on what else runs on the machine; seconds do.
 """
 
