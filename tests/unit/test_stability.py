@@ -96,7 +96,8 @@ def test_random_scenes_that_gained_energy(
 def test_random_scenes_that_did_not_converge(number: int, end: float) -> None:
     """Cohesion that lifts its own point, in space; friction that falls fast with the speed."""
     case = draw(number + 1, 31415)[number]
-    verdict = judge(replace(case, tables=changed(case.tables, {"time.end": end})), 60.0)
+    # The engine of the first is compiled where it was not kept: a minute, more beside other work.
+    verdict = judge(replace(case, tables=changed(case.tables, {"time.end": end})), 600.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
 
