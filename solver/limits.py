@@ -11,6 +11,7 @@ from solver.excitation.units import STANDARD_GRAVITY
 from solver.specs import BlockSpec, PlateSpec
 
 if TYPE_CHECKING:
+    from solver.mechanics.material import Material
     from solver.scene import Scene
 
 LARGEST_STRAIN = 0.05
@@ -113,11 +114,12 @@ def _refuse_soft_corner(block: BlockSpec, cell: Sequence[float], pressure: float
         least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
         allowed = f"young >= {least:.3g} (a strain of {LARGEST_CORNER_STRAIN:g}), or larger cells"
         raise SceneError(f"{block.name}.young", got, allowed)
-    young, poisson = block.elasticity
-    squeezed = strain * 2 * (1 - poisson) / (1 - 2 * poisson)
+    material = _material(block)
+    squeezed = strain * material.longitudinal / material.shear
     if squeezed > SQUEEZED_CORNER:
-        got = f"{young:g}, strained by {strain:.2g} on a corner cell alone at poisson {poisson:g}"
-        least = young * squeezed / SQUEEZED_CORNER
+        got = f"{material.young:g}, strained by {strain:.2g} on a corner cell alone"
+        got += f" at poisson {material.poisson:g}"
+        least = material.young * squeezed / SQUEEZED_CORNER
         allowed = f"young >= {least:.3g}, a smaller poisson, or larger cells"
         raise SceneError(f"{block.name}.young", got, allowed)
 
@@ -129,11 +131,7 @@ def _refuse_without_energy(
     contact = scene.contact
     if contact.theta == 1:
         return
-    from solver.mechanics.material import Material
-
-    young, poisson = block.elasticity
-    material = Material(young=young, poisson=poisson, density=block.shape.density)
-    gamma_h = contact.gamma * material.longitudinal * block.degree**2 / cell[-1]
+    gamma_h = contact.gamma * _material(block).longitudinal * block.degree**2 / cell[-1]
     weight = _bottom_of(cell, block) / 2 ** (scene.dimension - 1)
     load = pressure * _bottom(block)
     share = load / (2 * gamma_h * weight) / (1e-3 * block.height)
@@ -141,6 +139,14 @@ def _refuse_without_energy(
         got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
         least = contact.gamma * share / PRESSED_WITHOUT_ENERGY
         raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
+
+
+def _material(block: BlockSpec) -> Material:
+    """That of a meshed block."""
+    from solver.mechanics.material import Material
+
+    young, poisson = block.elasticity
+    return Material(young=young, poisson=poisson, density=block.shape.density)
 
 
 def young_of_rigid(scene: Scene, block: BlockSpec) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,13 @@ from solver.dynamics.step_control import Ladder, Tolerance
 from solver.dynamics.stepper import StepFailed
 from solver.mechanics.elastic_body import ElasticBody
 from solver.post.observer import Observer
-from solver.rigid import local_problem
 from solver.rigid.compiled import NUMBA, is_kept
 from solver.run_files import Fields
 from solver.scene import Scene
 from solver.simulate import Desk
+
+MACHINE_CODE = {2: "solver.rigid.local_problem", 3: "solver.rigid.space_friction"}
+"""Modules whose compiled functions solve local problems, by the dimension."""
 
 
 class MeshedRun:
@@ -43,7 +46,8 @@ class MeshedRun:
             comm: Communicator.
         """
         self._scene, self._log = scene, log
-        if scene.dimension == 2 and NUMBA is not None and not is_kept(local_problem.__name__):
+        machine_code = import_module(MACHINE_CODE[scene.dimension]).__name__
+        if NUMBA is not None and not is_kept(machine_code):
             log("compiling the local problem of contact: some seconds, kept for later runs")
         self.assembly: Assembly = build(scene, petsc_options=petsc_options, comm=comm)
         self._stepper = self.assembly.stepper

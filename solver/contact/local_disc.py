@@ -15,11 +15,7 @@ from scipy.linalg.lapack import dgesv
 
 from solver.contact.friction import Bounds
 from solver.contact.local_rescues import Method, gradual, other_r, projected, tresca
-from solver.contact.local_system import (
-    LocalSystem,
-    lines,
-    project,
-)
+from solver.contact.local_system import LocalSystem, lines, project
 from solver.rigid.compiled import NUMBA
 from solver.rigid.discs import Discs
 
@@ -81,8 +77,8 @@ def full_steps(system: LocalSystem, start: Array, discs: Discs) -> Array | None:
     from solver.rigid import space_friction
 
     W, q, force = _flat(system, start)
-    limits = np.array([ITERATIONS + len(start), 10 * TOLERANCE, TOLERANCE])
-    if not space_friction.newton(W, q, force, discs, system.scaling[:, :2].copy(), limits):
+    patience = space_friction.Patience(ITERATIONS + len(start), TOLERANCE, 10 * TOLERANCE)
+    if not space_friction.newton(W, q, force, discs, system.scaling[:, :2].copy(), patience):
         return None
     return project(system.trial(force.reshape(start.shape)), discs)
 

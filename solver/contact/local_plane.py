@@ -19,8 +19,7 @@ from solver.contact.local_rescues import Method, continuation, other_r, projecte
 from solver.contact.local_system import LocalSystem, lines
 from solver.rigid import local_problem as compiled
 from solver.rigid.compiled import NUMBA
-from solver.rigid.discs import Discs
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import TOUCHING_SLOPE, Discs
 
 Array = NDArray[np.float64]
 

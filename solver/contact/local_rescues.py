@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.local_system import LocalSystem, diagonal_scaling, frozen, limits, project
-from solver.rigid.discs import Discs
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import TOUCHING_SLOPE, Discs
 
 FLAT = 0.3
 """Of the slopes of cohesion over force that `gradual` goes through, the first."""

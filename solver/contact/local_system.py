@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.friction import Bounds
-from solver.rigid.discs import Discs
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import TOUCHING_SLOPE, Discs
 
 Array = NDArray[np.float64]
 

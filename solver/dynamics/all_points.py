@@ -77,6 +77,7 @@ class AllPoints:
         self.softness = np.concatenate([link.interface.softness for link in links])
         self._near: tuple[Indices, Bounds] | None = None
         self._bound_glued = False
+        self._speed: Array = np.empty((0,))
         self._mu: Array = np.empty((0,))
         self._cohesion: Array = np.empty((0,))
         # Whether friction depends on neither speed nor the past.
@@ -157,11 +158,9 @@ class AllPoints:
         if not self._steady:
             slip = y[:, 1:] - self.anchor
             slip += self.softness[:, None] * self.force[:, 1:]
-            self._speed = np.sqrt(np.sum(slip**2, axis=1)) / self._step
+            self._speed = self._speed_of(slip)
             self._bind(self._speed)
-        if self._near is None or near is not self._near[0]:
-            self._near = near, Bounds(self._mu[near], self._cohesion[near])
-        return self._near[1]
+        return self._bounds_near(near)
 
     def follow(self, near: Indices, q: Array, W: Array, force: Array) -> Bounds | None:
         """Bounds at near points by the slip q + W f that they led to; None if they are the same.
@@ -175,12 +174,21 @@ class AllPoints:
         if not self._decays:
             return None
         slip = (q + image(W, force))[:, 1:]
-        self._speed[near] = np.sqrt(np.sum(slip**2, axis=1)) / self._step
+        self._speed[near] = self._speed_of(slip)
         before = self._mu
         self._bind(self._speed)
         if np.abs(self._mu - before).max() <= 1e-9 * before.max():
             return None
-        self._near = near, Bounds(self._mu[near], self._cohesion[near])
+        return self._bounds_near(near)
+
+    def _speed_of(self, slip: Array) -> Array:
+        """Speed (m/s) of slips in a step, (m, d-1)."""
+        return np.sqrt(np.sum(slip**2, axis=1)) / self._step
+
+    def _bounds_near(self, near: Indices) -> Bounds:
+        """The present bounds of near points; kept as long as both are the same."""
+        if self._near is None or near is not self._near[0]:
+            self._near = near, Bounds(self._mu[near], self._cohesion[near])
         return self._near[1]
 
     def _bind(self, speed: Array | None) -> None:

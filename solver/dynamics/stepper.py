@@ -265,7 +265,7 @@ class Stepper:
         weighted = scheme.contact_weight * load
         motions = [state.rigid_motion(system, number) for number in range(len(system.bodies))]
         turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
-        half = turning.halves(state.turning)
+        half = turning.halves
         start = replace(state, p=self._turned(state.p, half))
         constant = (am - (1 - am) * (0.5 - beta) / beta) * start.p - weighted
         for body, own in zip(system.bodies, system.slices, strict=True):

@@ -16,35 +16,37 @@ class Turning:
     """Of all bodies at the start of a step.
 
     Attributes:
+        step: Length of the step, s.
         spins: Angular velocities, one (2-D) or three (3-D) numbers each, rad/s.
         rates: Their change since the start of the step before, rad/s2; zero in a first step.
-        step: Length of the step, s.
+        steady: What of it can be counted on for this step: what an impact did cannot.
     """
 
+    step: float
     spins: Sequence[Array]
     rates: Sequence[Array]
-    step: float
+    steady: Sequence[Array]
 
     @classmethod
     def of(cls, spins: Sequence[Array], step: float, last: Turning | None) -> Turning:
         """That of a step of a length (s), after the last step."""
         if last is None:
-            return cls(spins, [np.zeros_like(spin) for spin in spins], step)
+            none = [np.zeros_like(spin) for spin in spins]
+            return cls(step, spins, none, none)
         pairs = zip(spins, last.spins, strict=True)
         rates = [np.asarray((spin - before) / last.step) for spin, before in pairs]
-        return cls(spins, rates, step)
+        return cls(
+            step, spins, rates, [_smaller(*two) for two in zip(rates, last.rates, strict=True)]
+        )
 
-    def halves(self, last: Turning | None) -> list[Array]:
-        """Angles, or rotation vectors, by which bodies turn up to the middle of the step, rad.
+    @property
+    def halves(self) -> list[Array]:
+        """Angles, or rotation vectors, by which bodies turn up to the middle of the step, rad."""
+        pairs = zip(self.spins, self.steady, strict=True)
+        return [0.5 * self.step * (spin + 0.5 * self.step * rate) for spin, rate in pairs]
 
-        Spins go on to change as they did in the last step, where they did so in the one before, too
-        (the smaller of both changes): what an impact did says nothing of what follows.
-        """
-        if last is None:
-            return [0.5 * self.step * spin for spin in self.spins]
-        halves = []
-        for spin, rate, before in zip(self.spins, self.rates, last.rates, strict=True):
-            steady = np.where(np.abs(rate) < np.abs(before), rate, before)
-            steady = np.where(rate * before > 0, steady, 0.0)
-            halves.append(0.5 * self.step * (spin + 0.5 * self.step * steady))
-        return halves
+
+def _smaller(rate: Array, before: Array) -> Array:
+    """The smaller of two changes, none where they go different ways."""
+    smaller = np.where(np.abs(rate) < np.abs(before), rate, before)
+    return np.where(rate * before > 0, smaller, 0.0)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar
@@ -30,11 +31,8 @@ def _numba() -> ModuleType | None:
         return None
     try:
         import numba
-    except ImportError:
-        return None
-    # numba calls the LAPACK and BLAS that scipy brings.
-    try:
-        import scipy.linalg.cython_blas  # noqa: F401
+
+        import_module("scipy.linalg.cython_blas")  # numba calls the BLAS and LAPACK of scipy
     except ImportError:
         return None
     return numba

@@ -11,6 +11,9 @@ from solver.rigid.compiled import compiled
 
 Array = NDArray[np.float64]
 
+#: Cohesion over the force from which on all of it acts, where all at once has no solution.
+TOUCHING_SLOPE = 1e4
+
 
 class Discs(NamedTuple):
     """Friction of m points: |f_t| <= mu f_n + min(c, s f_n)."""

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.rigid.compiled import compiled
+from solver.rigid.discs import TOUCHING_SLOPE
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -32,8 +33,6 @@ NEWTON, TRESCA, GAUSS_SEIDEL, ENUMERATION, TOUCHING = 0, 1, 2, 3, 4
 ROUND_OFF = 1e-13
 #: Enumeration of 4^m states: 25 ms for the most.
 ENUMERATED_POINTS = 7
-#: Cohesion over the force from which on all of it acts, here and in `solver.contact`.
-TOUCHING_SLOPE = 1e4
 
 
 class Bounds(NamedTuple):

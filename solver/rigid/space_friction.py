@@ -21,13 +21,13 @@ Vectors have 3 m entries, those of a point side by side.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.rigid.compiled import compiled
-from solver.rigid.discs import Discs, line
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import TOUCHING_SLOPE, Discs, line
 from solver.rigid.space_sweeps import project, sweep
 
 Array = NDArray[np.float64]
@@ -38,6 +38,17 @@ TOLERANCE = 1e-10
 LOOSE = 1e-8
 """The same when all else has failed: forces that balance each other within a body, which the added
 diagonal alone decides, are then still on their way, and move nothing."""
+
+
+class Patience(NamedTuple):
+    """Of Newton's method; errors are relative to the largest force."""
+
+    steps: int
+    """The most there are."""
+    enough: float
+    """Error that ends it."""
+    good: float
+    """Error that will do after the last step."""
 
 
 @compiled
@@ -91,13 +102,13 @@ def eliminate(matrix: Array, right: Array) -> bool:
     """Solve a linear system, `right` becoming the solution; False where it is singular."""
     try:
         right[:] = np.linalg.solve(matrix, right)
-    except Exception:
+    except Exception:  # LinAlgError; numba knows no narrower word
         return False
     return True
 
 
 @compiled
-def closed_rows(y: Array, f: Array, rate: Array) -> NDArray[np.int64]:
+def _closed_rows(y: Array, f: Array, rate: Array) -> NDArray[np.int64]:
     """The rows of points whose trial force presses."""
     rows = np.empty(len(f), np.int64)
     count = 0
@@ -148,7 +159,7 @@ def _largest(x: Array) -> float:
 
 
 @compiled
-def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, limits: Array) -> bool:
+def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, patience: Patience) -> bool:
     """Alart and Curnier's Newton method with full steps, on f in place; whether it settled.
 
     Where it does not, f is the best that was found.
@@ -159,12 +170,11 @@ def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, limits: Arra
         f: Guess and answer.
         discs: Friction.
         rate: Lengths r of the natural map.
-        limits: Number of steps, the error (relative) that will do after the last one, and that at
-            which to stop.
+        patience: When to stop.
     """
     phi, matrix = np.empty_like(f), np.empty_like(W)
     best, least, now = f.copy(), np.inf, f.copy()
-    for k in range(int(limits[0]) + 1):
+    for k in range(patience.steps + 1):
         y = image(W, q, now)
         natural_map(y, now, discs, rate, phi)
         error = _largest(phi) / max(_largest(now), 1e-300)
@@ -172,22 +182,28 @@ def newton(W: Array, q: Array, f: Array, discs: Discs, rate: Array, limits: Arra
             least = error
             best[:] = now
         # At least one step: forces that balance each other hardly show in the error of a guess.
-        if error == 0 or (k > 0 and error <= limits[2]):
+        if error == 0 or (k > 0 and error <= patience.enough):
             break
         _tangent(W, y, now, discs, rate, matrix)
-        if not _divide(matrix, phi, closed_rows(y, now, rate)):
+        if not _divide(matrix, phi, _closed_rows(y, now, rate)):
             break
         now -= phi
     f[:] = best
-    return least <= max(limits[1], limits[2])
+    return least <= patience.good
 
 
 @compiled
-def _newton_twice(W: Array, q: Array, f: Array, discs: Discs, limits: Array) -> bool:
+def _strict(steps: int) -> Patience:
+    """So many steps, and no looser error after the last one."""
+    return Patience(steps, TOLERANCE, TOLERANCE)
+
+
+@compiled
+def _newton_twice(W: Array, q: Array, f: Array, discs: Discs, patience: Patience) -> bool:
     """Newton with both lengths; f stays the guess where neither settles."""
     for row_sums in (True, False):
         trial = f.copy()
-        if newton(W, q, trial, discs, lengths(W, row_sums), limits):
+        if newton(W, q, trial, discs, lengths(W, row_sums), patience):
             f[:] = trial
             return True
     return False
@@ -219,12 +235,10 @@ def _proximal(W: Array, q: Array, f: Array, discs: Discs, softness: float) -> bo
     for i in range(len(f)):
         soft[i, i] += diagonal[i]
     for _ in range(20):
-        if not _newton_twice(
-            soft, q - diagonal * now, now, discs, np.array([30.0, 0.0, TOLERANCE])
-        ):
+        if not _newton_twice(soft, q - diagonal * now, now, discs, _strict(30)):
             return False
         trial = now.copy()
-        if _newton_twice(W, q, trial, discs, np.array([6.0, 0.0, TOLERANCE])):
+        if _newton_twice(W, q, trial, discs, _strict(6)):
             f[:] = trial
             return True
     return False
@@ -258,16 +272,16 @@ def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
 @compiled
 def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> bool:
     """The same with one law of friction: Newton's method, then all the slower ones."""
-    if _newton_twice(W, q, f, discs, np.array([20.0, 0.0, TOLERANCE])):
+    if _newton_twice(W, q, f, discs, _strict(20)):
         return True
     for softness in (1e-5, 1e-4, 1e-6):
         if _proximal(W, q, f, discs, softness):
             return True
-    limits, projected, swept = np.array([10.0, 0.0, TOLERANCE]), f.copy(), f.copy()
+    patience, projected, swept = _strict(10), f.copy(), f.copy()
     factors = np.array([1.2, 0.5, 1.0, 1.5])
     for k in range(60):
         if k == 20:
-            limits[1] = LOOSE
+            patience = Patience(10, TOLERANCE, LOOSE)
         if k < 20 or k % 8 < 4:
             for _ in range(5):
                 project(W, q, projected, discs, factors[k % 4])
@@ -276,6 +290,6 @@ def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> bool:
             for _ in range(4):
                 sweep(W, q, swept, discs)
             f[:] = swept
-        if _newton_twice(W, q, f, discs, limits):
+        if _newton_twice(W, q, f, discs, patience):
             return True
     return False

@@ -6,7 +6,7 @@ import pytest
 from solver.contact.friction import Bounds, FrictionLaw
 from solver.contact.local_problem import LocalProblem, image
 from solver.contact.velocity import VelocityContact
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import TOUCHING_SLOPE
 
 
 def mask(*values: int) -> np.ndarray:

@@ -17,7 +17,7 @@ from solver.contact.local_problem import (
     row_sum_scaling,
 )
 from solver.contact.local_system import LocalSystem, diagonal_scaling
-from solver.rigid.local_problem import TOUCHING_SLOPE
+from solver.rigid.discs import TOUCHING_SLOPE
 
 
 @pytest.fixture(autouse=True, params=["machine code", "numpy"])
