@@ -44,7 +44,11 @@ PLACED = 2
 """Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
 
 SOFTENING = 1e-9
-"""Relative diagonal of W for points of rigid bodies: their forces are not unique without it."""
+"""Relative diagonal of W for points between rigid bodies: makes their forces unique."""
+
+LIGHT = 1e-12
+"""The same where one of the two is meshed. Its elasticity tells how forces are shared, but is as
+small as that beside the motion of a light body as a whole; with more, corrections would creep."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +105,8 @@ class ContactSolve:
         self._responses: dict[tuple[TangentWeights, ...], list[Response]] = {}
         self._response: list[Response] = []
         self._turns = any(link.interface.carrier.turns for link in links)
-        self._rigid = self._points.softness == 0
+        softening = [np.full(link.interface.count, _softening(system, link)) for link in links]
+        self._softening = np.where(self._points.softness > 0, 0.0, np.concatenate(softening))
         self._near: Indices = np.empty(0, dtype=np.int64)
         self._corrections = 0
 
@@ -264,14 +269,21 @@ class ContactSolve:
             for response in self._response:
                 response.couple(self._place, self._contact_weight, W)
             soft = points.softness[near]
-            rigid = np.flatnonzero(self._rigid[near])
-            if len(rigid):
-                soft[rigid] = SOFTENING * np.einsum("ijij->ij", W)[rigid].max(axis=1)
+            softening = self._softening[near]
+            if softening.any():
+                soft = soft + softening * np.einsum("ijij->ij", W).max(axis=1)
             number = np.arange(m)
             for k in range(d):
                 W[number, k, number, k] += soft
             self._near, self._turned, self._stale = near, (W, row_sum_scaling(W)), False
         return self._turned
+
+
+def _softening(system: System, link: Link) -> float:
+    """Of the points of an interface that have no softness of their own."""
+    members = [system.bodies[body] for body in (link.body, link.carrier) if body is not None]
+    meshed = any(not isinstance(member, DenseBody) for member in members)
+    return LIGHT if meshed else SOFTENING
 
 
 def _factor(body: Body, weights: TangentWeights) -> Factorization | Array:

@@ -24,7 +24,10 @@ from solver.petsc_options import PREFIX, parse_options
 Array = NDArray[np.float64]
 
 ROUND_OFF = 50.0
-"""A residual within this factor of its tolerance that no longer falls is round-off."""
+"""A residual within this factor of its tolerance that no longer falls is round-off,"""
+
+STANDS = 0.9
+"""that is, not by more than this factor: one that falls slowly still falls."""
 
 EXPECTED = 0.1
 """Of several corrections the last has to be expected to leave no more than this part of the
@@ -166,7 +169,7 @@ class NonlinearSolver:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
         if residual <= rtol * self._first:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE)
-        stands_still = iterations > 1 and residual > 0.5 * before and residual < ROUND_OFF * atol
+        stands_still = iterations > 1 and residual > STANDS * before and residual < ROUND_OFF * atol
         if correction <= stol * unknowns or stands_still:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE)
         if residual > GROWN * self._first > GROWN * atol:  # grown from more than round-off

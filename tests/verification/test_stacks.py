@@ -170,3 +170,21 @@ def test_a_glued_elastic_stack_stands_as_one() -> None:
     push = history["lower.friction_force_N"][50:]
     assert np.abs(push - mass * acceleration[50:]).max() < 0.05 * mass * 0.1 * G
     assert history["lower.normal_force_N"][50:] == pytest.approx(mass * G, rel=1e-2)
+
+
+def test_a_heavy_rigid_block_on_a_light_stiff_one() -> None:
+    """The light one moves by millions of times what it yields: corrections do not creep."""
+    light = block("light", "elastic", "foundation", 0.5, 2.5)
+    light |= {"density": 1.0, "young": 2e12, "poisson": 0.0, "cells": [2, 1]}
+    heavy = block("heavy", "rigid", "light", 0.4, 1.0) | {"density": 2e4}
+    tables = {
+        "block": [light, heavy],
+        "contact": {"friction": 1.5},
+        "motion": {"kind": "sine", "amplitude_g": 0.1, "period": 0.5},
+        "time": {"end": 0.32, "step": 0.016},
+    }
+    result = simulate(parse_scene(tables))
+    assert result.status == "completed"
+    cost = result.summary["cost"]
+    assert cost["newton_iterations"] < 4 * cost["steps"]
+    assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
