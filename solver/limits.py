@@ -41,6 +41,10 @@ gains are measured by, 1e-3 m g H. A block that rocks gained up to .28 of that e
 RIGID = 1e3
 """How much stiffer than any meshed body a rigid block in space is made, at most."""
 
+MOST_CROSSINGS = 3e3
+"""How often sound crosses such a block in a step, at most: none of its vibration shows then. At 1e5
+times iterations failed where it turned on a plate that is itself stiffer than any rock."""
+
 
 def refuse_beyond(scene: Scene) -> None:
     """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
@@ -157,7 +161,7 @@ def young_of_rigid(scene: Scene, block: BlockSpec) -> float:
     moduli = [other.young for other in scene.blocks if other.model == "elastic"]
     moduli.append(getattr(scene.foundation, "young", None))
     stiff = RIGID * max(young for young in moduli if young)
-    speed = MOST_CELLS_A_STEP * min(_sides(block, 3)) / _longest_step(scene)
+    speed = MOST_CROSSINGS * min(_sides(block, 3)) / _longest_step(scene)
     return min(stiff, block.shape.density * speed**2)
 
 

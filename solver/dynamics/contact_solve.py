@@ -46,6 +46,13 @@ PLACED = 2
 SOFTENING = 1e-9
 """Relative diagonal of W for points between rigid bodies: makes their forces unique."""
 
+EVENING = 0.99
+"""Forces of rigid points of which no motion tells (two corners that push against each other) become
+even step by step: with nothing to hold them back they grow until round-off of them shows."""
+
+FINE = 1e4
+"""Round-off of the place of a point between rigid bodies means this part of their weight."""
+
 LIGHT = 1e-12
 """The same where one of the two is meshed. Its elasticity tells how forces are shared, but is as
 small as that beside the motion of a light body as a whole; with more, corrections would creep."""
@@ -119,6 +126,8 @@ class ContactSolve:
         self._balance, points = balance, self._points
         static = balance.way is None
         points.begin(balance.contact, guess, step=balance.step, static=static, glued=balance.glued)
+        self._held = EVENING * points.force
+        self._least = self._least_softness(balance.load)
         last, self._response = self._response, self._responses_for(tuple(balance.weights))
         for response, rotation in zip(self._response, balance.rotations, strict=True):
             response.begin(rotation)
@@ -142,6 +151,16 @@ class ContactSolve:
                 for k, (body, own) in enumerate(bodies)
             ]
         return self._responses[weights]
+
+    def _least_softness(self, load: Array) -> Array:
+        """Of the points between rigid bodies: round-off of places is to mean little force."""
+        least = np.zeros(len(self._softening))
+        for link, own in zip(self._points.links, self._points.own, strict=True):
+            weight = self.system.part(load, link.body)
+            if weight is not None and weight.any() and np.any(self._softening[own] == SOFTENING):
+                round_off = float(np.finfo(float).eps) * link.interface.size
+                least[own] = FINE * round_off / np.linalg.norm(weight)
+        return least
 
     def _tolerance(self, u: Array) -> float:
         """Residual that counts as zero: a fraction of the forces, or round-off of the stresses."""
@@ -231,6 +250,9 @@ class ContactSolve:
             near = self._near  # the same numbers, known by the same array
             # W holds the interface's own softness too, which is no part of y.
             q = y[near] - image(W, force) + force * points.softness[near, None]
+            if self._balance.way is not None:
+                # That of rigid points acts on what forces differ by from those of the last step.
+                q += self._soft[:, None] * (force - self._held[near])
             q[:, 1:] -= points.anchor[near]
             new = self._rubbed(W, q, force, y, scaling)
             points.force[near] = new
@@ -268,10 +290,9 @@ class ContactSolve:
             W = np.zeros((m, d, m, d))
             for response in self._response:
                 response.couple(self._place, self._contact_weight, W)
-            soft = points.softness[near]
-            softening = self._softening[near]
-            if softening.any():
-                soft = soft + softening * np.einsum("ijij->ij", W).max(axis=1)
+            self._soft = self._softening[near] * np.einsum("ijij->ij", W).max(axis=1)
+            self._soft = np.maximum(self._soft, self._least[near])
+            soft = points.softness[near] + self._soft
             number = np.arange(m)
             for k in range(d):
                 W[number, k, number, k] += soft

@@ -216,6 +216,11 @@ class RigidBlock(DenseBody):
         self.corners = np.array(shape.corners()) + centre - (0.0, shape.height / 2)
         """In its reference configuration, counterclockwise from the bottom left one, (4, 2), m."""
 
+    def round_off(self, u: Array, weights: TangentWeights) -> float:
+        """That of its points' places, too, which are as long as it is."""
+        size = self.shape.half_diagonal
+        return super().round_off(np.abs(u) + np.array([size, size, 1.0])[self.own], weights)
+
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """The unknowns themselves."""
         pose, speed = self.replicate(u), self.replicate(v)

@@ -3,29 +3,44 @@
 On the ground: the eight corners of each block. Between a block and its carrier, of the six faces of
 each the one that separates the two boxes most is taken (the face part of the separating axis test),
 and with these two faces: the corners of the one body within the outline of the other's face, and
-where the two outlines cross, the crossing, as a point of the upper body. So the flat contact of two
-boxes, however turned and shifted, has all corners of the polygon in which they touch. Contact of
-two edges alone, both faces inclined by more than 60 degrees to each other, is left out, and so is
-the normal that two inclined edges have of their own: it is that of the lower body's face.
+the places where their edges cross (`space_crossings`). So the flat contact of two boxes, however
+turned and shifted, has all corners of the polygon in which they touch. Edges of faces that are
+inclined by more than 60 degrees to each other are left out.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from solver.rigid.compiled import compiled
+from solver.rigid.space_crossings import (
+    ENDS,
+    OUTLINE,
+    PARALLEL,
+    STEEP,
+    Crossings,
+    ends_of,
+    frame_of,
+    moved_along,
+    no_crossings,
+    unit,
+)
 from solver.rigid.space_model import Array, Numbers, SpaceModel, SpaceState
 from solver.rigid.space_rotation import product, to_body, to_space
 
-SLOTS = 24
-"""Places for contact points of a pair: 8 corners of the upper body, 8 of the lower, 8 ends of
-the upper face's edges where they cross those of the lower one."""
+CORNERS = 16
+"""Places for contact points of a pair: first 8 corners of the upper body and 8 of the lower one,"""
+
+SLOTS = CORNERS + ENDS
+"""then the ends of the upper face's edges where they cross those of the lower one."""
 
 TOP = 5
 """Number of the top face: 2 * axis + (0 for the negative side, 1 for the positive)."""
 
-OUTLINE = 1e-6
-"""How far beyond its outline a face still carries, relative to its half widths."""
+FLAT = -0.999
+"""Cosine between the normals of two faces that lie flat on each other."""
 
 
 @compiled
@@ -115,37 +130,64 @@ def _face_corners(face: int) -> Numbers:
 
 
 @compiled
-def _crossings(over: Array, limits: Array, ring: Array, places: Array, found: Array) -> None:
-    """Ends of the edges of a face within the outline of another (Liang and Barsky 1984).
+def _cross(
+    over: Array,
+    ring: Array,
+    faces: tuple[Array, Array, Array],
+    frames: tuple[Array, Array],
+    centres: tuple[Array, Array],
+    points: tuple[Array, Array],
+) -> Crossings:
+    """Ends of the edges of a face within the outline of another.
 
     Ends that are corners of the one or the other face are left out.
 
     Args:
-        over: (4, 3) the corners of the face over the other one: gap, place along it.
-        limits: (2,) half widths of the outline.
+        over: (4, 3) the corners of the upper face over the lower one: gap, place along it.
         ring: (4, 3) the same corners in their own body.
-        places: (8, 3) filled in: the ends in the body of the edges,
-        found: (8, 3) and over the other face.
+        faces: Axes of the lower face, its half widths (2,), normal of the upper face in space.
+        frames: Rotations of the upper and the lower body.
+        centres: Their centres.
+        points: Filled in: (ENDS, 3) the ends in the upper body, and their gap and place.
     """
+    axes, limits, facing = faces[0], faces[1][1:], faces[2]
+    places, found, crossings = points[0], points[1], no_crossings(ENDS)
+    up = to_space(frames[1], axes[0])
     for k in range(4):
-        a, way = over[k, 1:], over[(k + 1) % 4, 1:] - over[k, 1:]
-        enters, leaves = 0.0, 1.0
-        for axis in range(2):
-            for sign in (-1.0, 1.0):
-                pace, room = sign * way[axis], limits[axis] * (1 + OUTLINE) - sign * a[axis]
-                if pace > 0:
-                    leaves = min(leaves, room / pace)
-                elif pace < 0:
-                    enters = max(enters, room / pace)
-                elif room < 0:
-                    leaves = -1.0
-        for number, t in ((2 * k, enters), (2 * k + 1, leaves)):
-            beyond = np.abs(a + t * way) - limits
-            if not (enters < leaves and OUTLINE < t < 1 - OUTLINE):
+        along = over[(k + 1) % 4] - over[k]
+        ends, sides = ends_of(over[k, 1:], along[1:], limits)
+        for number, t, side in ((2 * k, ends[0], sides[0]), (2 * k + 1, ends[1], sides[1])):
+            if side == 0 or not (ends[0] < ends[1] and OUTLINE < t < 1 - OUTLINE):
                 continue
-            if np.min(beyond) < -OUTLINE * np.max(limits):
-                places[number] = (1 - t) * ring[k] + t * ring[(k + 1) % 4]
-                found[number] = (1 - t) * over[k] + t * over[(k + 1) % 4]
+            seat, across = over[k] + t * along, int(abs(side)) - 1
+            other = 3 - across
+            if abs(seat[other]) > limits[other - 1] - OUTLINE * np.max(limits):
+                continue
+            edge = ring[(k + 1) % 4] - ring[k]
+            place, border = ring[k] + t * edge, axes[other]
+            way = unit(edge)
+            a, b = to_space(frames[0], way), to_space(frames[1], border)
+            sine, rise, frame = frame_of(a, b, up)
+            if sine < PARALLEL:
+                if facing @ up < FLAT:
+                    places[number], found[number] = place, seat
+                continue
+            if rise < STEEP:
+                continue
+            seat[0], seat[across] = faces[1][0], math.copysign(limits[across - 1], side)
+            foot = to_body(axes, seat)
+            crossing = way, foot, border, frame
+            place, foot = moved_along(place, crossing, centres, frames, 1.0)
+            beyond = abs(axes[other] @ foot) > limits[other - 1] * (1 + OUTLINE)
+            part = ((place - ring[k]) @ way) / math.sqrt(np.sum(edge * edge))
+            if beyond or part < -OUTLINE or part > 1 + OUTLINE:
+                continue
+            distance = centres[0] - centres[1] + to_space(frames[0], place)
+            distance -= to_space(frames[1], foot)
+            places[number], found[number, 0], found[number, 1:] = place, frame[0] @ distance, 0.0
+            crossings.way[number], crossings.foot[number] = way, foot
+            crossings.border[number], crossings.axes[number] = border, frame
+    return crossings
 
 
 @compiled
@@ -163,11 +205,12 @@ def _merge(state: SpaceState, frames: Array, u: int, c: int, places: Array, foun
 @compiled
 def points_between(
     model: SpaceModel, state: SpaceState, frames: Array, pair: int, reach: float
-) -> tuple[int, int, Array, Array]:
+) -> tuple[int, int, Array, Array, Crossings]:
     """The points of a block and its carrier: the two faces, places in their bodies, and gaps.
 
     Returns:
-        Face of the carrier, face of the block, places (SLOTS, 3), (SLOTS, 3) gap and place along.
+        Face of the carrier, face of the block, places (SLOTS, 3), (SLOTS, 3) gap and place along,
+        the crossings among the last ENDS of them.
     """
     u, c, half = model.upper[pair], model.lower[pair], model.half
     places, found = np.zeros((SLOTS, 3)), np.full((SLOTS, 3), np.inf)
@@ -175,21 +218,22 @@ def points_between(
     shift = state.place[u] - state.place[c]
     below, apart = separating_face(half[c], half[u], to_body(frames[c], shift), turn)
     above, beyond = separating_face(half[u], half[c], to_body(frames[u], -shift), turn.T)
+    none = no_crossings(ENDS)
     if max(apart, beyond) > reach:
-        return below, above, places, found
+        return below, above, places, found, none
     places[:8], places[8:16] = corners_of(half[u]), corners_of(half[c])
     found[:8] = points_on_face(state, frames, half, u, c, below, places[:8])
     found[8:16] = points_on_face(state, frames, half, c, u, above, places[8:16])
-    facing = to_space(frames[u], face_axes(above)[0]) @ to_space(frames[c], face_axes(below)[0])
-    if facing > -0.5:
-        return below, above, places, found
+    axes, facing = face_axes(below), to_space(frames[u], face_axes(above)[0])
+    if facing @ to_space(frames[c], axes[0]) > -0.5:
+        return below, above, places, found, none
+    limits = half[c, np.array([below // 2, (below // 2 + 1) % 3, (below // 2 + 2) % 3])]
     ring, over = places[_face_corners(above)], np.empty((4, 3))
     for k in range(4):
-        over[k] = to_space(
-            face_axes(below), to_body(frames[c], shift + to_space(frames[u], ring[k]))
-        )
-        over[k, 0] -= half[c, below // 2]
-    limits = half[c, np.array([(below // 2 + 1) % 3, (below // 2 + 2) % 3])]
-    _crossings(over, limits, ring, places[16:], found[16:])
+        over[k] = to_space(axes, to_body(frames[c], shift + to_space(frames[u], ring[k])))
+        over[k, 0] -= limits[0]
+    turns, centres = (frames[u], frames[c]), (state.place[u], state.place[c])
+    points = places[CORNERS:], found[CORNERS:]
+    crossings = _cross(over, ring, (axes, limits, facing), turns, centres, points)
     _merge(state, frames, u, c, places, found)
-    return below, above, places, found
+    return below, above, places, found, crossings

@@ -8,6 +8,7 @@ import numpy as np
 
 from solver.rigid.compiled import compiled
 from solver.rigid.space_boxes import (
+    CORNERS,
     SLOTS,
     TOP,
     corners_of,
@@ -15,6 +16,7 @@ from solver.rigid.space_boxes import (
     points_between,
     points_on_face,
 )
+from solver.rigid.space_crossings import moved_along, no_crossings, normal_between
 from solver.rigid.space_model import Array, Contacts, SpaceModel, SpaceState
 from solver.rigid.space_rotation import cross, rotation_of, to_space
 
@@ -41,6 +43,21 @@ def _approach(model: SpaceModel, state: SpaceState, pair: int, dt: float, pull: 
 
 
 @compiled
+def _rest(kept: Array, face: int, gap: float, crossing: bool) -> float:
+    """Gap at which a point that was found sunk in is held: to push it out would gain energy.
+
+    Args:
+        kept: What is remembered of the point.
+        face: The face that it may touch now.
+        gap: m.
+        crossing: Whether edges cross there: that is another place in each step.
+    """
+    if crossing or kept[6] != face + 1:
+        return min(gap, 0.0)
+    return min(max(kept[7], gap), 0.0)
+
+
+@compiled
 def contacts_of(
     model: SpaceModel, state: SpaceState, frames: Array, dt: float, ground: Array
 ) -> Contacts:
@@ -57,6 +74,7 @@ def contacts_of(
     pull = math.sqrt(np.sum((model.gravity - ground) ** 2))
     whole = np.empty((most, 5), dtype=np.int64)
     arm, axes, start = np.empty((most, 3)), np.empty((most, 3, 3)), np.empty((most, 3))
+    rest, edges = np.empty(most), no_crossings(most)
     for k in range(len(model.upper)):
         u, c, reach = model.upper[k], model.lower[k], _approach(model, state, k, dt, pull)
         below, above = TOP, 0
@@ -66,8 +84,10 @@ def contacts_of(
                 continue
             places = corners_of(model.half[u])
             found = points_on_face(state, frames, model.half, u, c, TOP, places)
+            crossings = no_crossings(0)
         else:
-            below, above, places, found = points_between(model, state, frames, k, reach)
+            found_there = points_between(model, state, frames, k, reach)
+            below, above, places, found, crossings = found_there
         for slot in range(len(places)):
             if found[slot, 0] > reach:
                 continue
@@ -76,10 +96,19 @@ def contacts_of(
             whole[m, 0], whole[m, 1], whole[m, 2], whole[m, 3] = k, slot, body, base
             whole[m, 4] = face
             arm[m], start[m], axes[m] = places[slot], found[slot], face_axes(face)
+            end = slot - CORNERS
+            if end >= 0 and np.any(crossings.way[end] != 0):
+                axes[m], edges.way[m] = crossings.axes[end], crossings.way[end]
+                edges.foot[m], edges.border[m] = crossings.foot[end], crossings.border[end]
+            rest[m] = _rest(state.memory[k, slot], face, start[m, 0], end >= 0)
+            start[m, 0] -= rest[m]
             m += 1
     pair, slots, bodies = whole[:m, 0].copy(), whole[:m, 1].copy(), whole[:m, 2].copy()
     bases, faces = whole[:m, 3].copy(), whole[:m, 4].copy()
-    return Contacts(pair, slots, bodies, bases, faces, arm[:m], axes[:m], start[:m])
+    sides = edges.way[:m], edges.foot[:m], edges.border[:m]
+    return Contacts(
+        pair, slots, bodies, bases, faces, arm[:m], axes[:m], start[:m], rest[:m], *sides
+    )
 
 
 @compiled
@@ -95,6 +124,44 @@ def chosen(contacts: Contacts, mask: Array) -> Contacts:
         contacts.arm[kept],
         contacts.axes[kept],
         contacts.start[kept],
+        contacts.rest[kept],
+        contacts.way[kept],
+        contacts.foot[kept],
+        contacts.border[kept],
+    )
+
+
+@compiled
+def moved_on(contacts: Contacts, frames: Array, place: Array, share: float) -> Contacts:
+    """The points with crossings a share of the way from where they were to where they are.
+
+    Args:
+        contacts: m points.
+        frames: Rotations of all bodies.
+        place: Their centres, m.
+        share: Of the way: one half for the middle of a step, if all the rest is that at its end.
+    """
+    arm, foot = contacts.arm.copy(), contacts.foot.copy()
+    for q in range(len(arm)):
+        way = contacts.way[q]
+        if np.any(way != 0):
+            i, j = contacts.body[q], contacts.base[q]
+            crossing = way, foot[q], contacts.border[q], contacts.axes[q]
+            turns, centres = (frames[i], frames[j]), (place[i], place[j])
+            arm[q], foot[q] = moved_along(arm[q], crossing, centres, turns, share)
+    return Contacts(
+        contacts.pair,
+        contacts.slot,
+        contacts.body,
+        contacts.base,
+        contacts.face,
+        arm,
+        contacts.axes,
+        contacts.start,
+        contacts.rest,
+        contacts.way,
+        foot,
+        contacts.border,
     )
 
 
@@ -110,11 +177,12 @@ def rows_of(
 
         z = R_c^T (x - x_c),   z_{n+1} - z_n = R_c,mean^T (dx - dx_c - psi_c x (x - x_c)_mean),
 
-    and the force e on the one body and -e on the other act at one point of space. With rotations
-    and places of an instant they give velocities.
+    and the force e on the one body and -e on the other act at one point of space; those of a
+    crossing act at its places on both edges (`space_crossings`). With rotations and places of an
+    instant they give velocities.
 
     Args:
-        contacts: m points.
+        contacts: m points, crossings half-way (`moved_on`).
         mean: (n + 1, 3, 3) mean rotations.
         shift: (n + 1, 3) mean places of the bodies.
 
@@ -128,7 +196,16 @@ def rows_of(
         i, j = contacts.body[q], contacts.base[q]
         arm = to_space(mean[i], contacts.arm[q])
         distance = shift[i] - shift[j] + arm
+        crossing = np.any(contacts.way[q] != 0)
+        if crossing:
+            distance = to_space(mean[j], contacts.foot[q])
+            a, b = to_space(mean[i], contacts.way[q]), to_space(mean[j], contacts.border[q])
+            normal = normal_between(a, b, contacts.axes[q, 0])
         for k in range(3):
-            e = to_space(mean[j], contacts.axes[q, k])
+            e = contacts.axes[q, k]
+            if not crossing:
+                e = to_space(mean[j], e)
+            elif k == 0:
+                e = normal
             along[q, k], turn[q, k], back[q, k] = e, cross(arm, e), -cross(distance, e)
     return along, turn, back

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from solver.rigid.compiled import compiled
+from solver.rigid.space_boxes import CORNERS
 from solver.rigid.space_model import Array, Contacts, SpaceModel, SpaceState
 from solver.rigid.space_motion import REGULAR
 
@@ -36,7 +37,7 @@ def recalled(state: SpaceState, contacts: Contacts) -> tuple[Array, Array]:
         if kept[6] == contacts.face[q] + 1:
             force[q] = kept[2:5]
             # Crossings of edges wander along both bodies: they hold what is there.
-            if contacts.slot[q] < 16:
+            if contacts.slot[q] < CORNERS:
                 anchor[q] = kept[:2]
     return force, anchor
 

@@ -56,8 +56,8 @@ class SpaceState(NamedTuple):
     inertia_force: Array
     """p, the inertia of the platform against its spring, N, (2,)."""
     memory: Array
-    """(k, SLOTS, 7): anchor (2), force (3), slip rate (m/s, 0: stuck), 1 + number of its face
-    (0: away)."""
+    """(k, SLOTS, 8): anchor (2), force (3), slip rate (m/s, 0: stuck), 1 + number of its face
+    (0: away), the gap that it is held at (m, 0 or below)."""
     broken: Array
     """(k, SLOTS) 1 where the cohesion is lost."""
     slip: Array
@@ -82,9 +82,17 @@ class Contacts(NamedTuple):
     arm: Array
     """(m, 3) place in its body, m."""
     axes: Array
-    """(m, 3, 3) rows normal and two tangential, in the body of the face."""
+    """(m, 3, 3) rows normal and two tangential, in the body of the face; of a crossing in space."""
     start: Array
-    """(m, 3) gap and place along the face, m."""
+    """(m, 3) gap, from `rest` on, and place along the face, m."""
+    rest: Array
+    """(m,) gap of a point that was found sunk in and is held there; 0 for others, m."""
+    way: Array
+    """(m, 3) of a crossing the direction of the edge in the point's body; 0 for others."""
+    foot: Array
+    """(m, 3) its place on the other edge, in the body of the face, m."""
+    border: Array
+    """(m, 3) the direction of that edge, in that body."""
 
 
 class Solution(NamedTuple):

@@ -162,7 +162,7 @@ def state_of(
         velocity=velocity,
         spin=spin,
         inertia_force=inertia_force,
-        memory=np.zeros((pairs, SLOTS, 7)),
+        memory=np.zeros((pairs, SLOTS, 8)),
         broken=np.zeros((pairs, SLOTS)),
         slip=np.zeros((n, 2)),
         exchanged=np.zeros(5),

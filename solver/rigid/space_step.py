@@ -50,7 +50,7 @@ def _remember(model: SpaceModel, state: SpaceState, s: Solution) -> None:
             moved = np.zeros(2)
         kept[:2] = anchor[q] + moved if force[0] > 0 else place
         kept[2:5] = force
-        kept[6] = s.contacts.face[q] + 1.0
+        kept[6], kept[7] = s.contacts.face[q] + 1.0, s.contacts.rest[q]
         if s.sliding[q] == 1:
             kept[5] = math.hypot(moved[0], moved[1]) / s.dt
             state.broken[s.contacts.pair[q], s.contacts.slot[q]] = 1.0

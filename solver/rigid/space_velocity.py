@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.rigid.compiled import compiled
-from solver.rigid.space_contact import chosen, rotations, rows_of
+from solver.rigid.space_contact import chosen, moved_on, rotations, rows_of
 from solver.rigid.space_friction import settle
 from solver.rigid.space_law import slips
 from solver.rigid.space_model import Array, Solution, SpaceModel, SpaceState
@@ -76,6 +76,7 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: Solution) -> None:
         return
     kept = np.flatnonzero(s.force[:, 0] > 0)
     frames = rotations(state.quaternion)
+    shut = moved_on(shut, frames, state.place, 1.0)
     rows = rows_of(shut, frames, state.place)
     yields, turning = _mobility(model, frames)
     W = compliance(shut, rows, yields, turning)

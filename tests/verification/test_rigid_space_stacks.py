@@ -186,3 +186,24 @@ def test_from_a_scene() -> None:
     outcome = system.advance(200, 1e-3)
     assert outcome.failure is None
     assert outcome.rows.shape == (200, len(system.columns))
+
+
+@pytest.mark.parametrize("offsets", [(0.52, 0.5), (0.503, 0.35), (0.51, 0.45)])
+def test_a_cube_tips_over_the_edges_of_what_carries_it(offsets: tuple[float, float]) -> None:
+    """Where its edges cross them, and where it meets the side: contact only takes energy."""
+    lower = {"name": "lower", "width": 1.0, "thickness": 1.0, "height": 0.5}
+    cube = {"name": "cube", "on": "lower", "width": 0.4, "thickness": 0.4, "height": 0.4}
+    placed = {"offset": offsets[0], "offset_second": offsets[1]}
+    common = {"model": "rigid", "density": 2400.0}
+    scene = {
+        "dimension": 3,
+        "block": [lower | common, cube | common | placed],
+        "contact": {"friction": 0.5},
+        "time": {"end": 1.2, "step": 1e-3},
+    }
+    system = SpaceSystem.from_scene(parse_scene(scene))
+    history = run(system, 1200, 1e-3)
+    scale = 1e-3 * 2400.0 * 0.4**3 * G * 0.4
+    assert np.diff(history["energy.contact_J"]).min() > -1e-6 * scale
+    assert np.abs(history["energy.ledger_error_J"]).max() < 1e-8 * scale
+    assert history["cube.centre_z_m"][-1] < 0.5
