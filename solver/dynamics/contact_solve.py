@@ -116,6 +116,7 @@ class ContactSolve:
         self._softening = np.where(self._points.softness > 0, 0.0, np.concatenate(softening))
         self._near: Indices = np.empty(0, dtype=np.int64)
         self._corrections = 0
+        self._strained: Array | None = None
 
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""
@@ -135,12 +136,29 @@ class ContactSolve:
         self._stale = self._turns or self._response is not last
         self._corrections = 0
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
+        if not outcome.converged and self._restiffens(balance):
+            return self.solve(balance, guess)
         while outcome.converged and (points.wake(u) or points.break_loose()):
             before = outcome.iterations
             u, outcome = self._solver.solve(u, self._tolerance(guess))
             outcome = replace(outcome, iterations=outcome.iterations + before)
         seen = points.contacts(u) if outcome.converged else []
         return Solution(u, seen, self._solver.residual, outcome)
+
+    def _restiffens(self, balance: Balance) -> bool:
+        """Give meshed bodies the stiffness of the strained state of a step that failed, once."""
+        meshed = [
+            (body, own)
+            for body, own in zip(self.system.bodies, self.system.slices, strict=True)
+            if not isinstance(body, DenseBody)
+        ]
+        if balance.way is None or self._strained is balance.start or not meshed:
+            return False
+        for body, own in meshed:
+            body.restiffen(balance.start[own])
+        self._strained = balance.start
+        self._responses.clear()
+        return True
 
     def _responses_for(self, weights: tuple[TangentWeights, ...]) -> list[Response]:
         """What the bodies offer for a step size."""

@@ -35,6 +35,11 @@ tolerance: the residual before it, times the factor by which the correction befo
 Then what is left is round-off, and hardly depends on the number of ranks. A single correction tells
 nothing of this; bodies that do not turn need no more."""
 
+PATIENCE, SLOW, MOST = 30, 15, 300
+"""Iterations after which the residual has to have halved within so many of the last ones, and the
+most there are. Bodies whose volume hardly changes converge slowly, but surely, where they are
+strained or turn fast; an iteration that goes to and fro does not, and a shorter step is better."""
+
 GROWN = 1e8
 """A residual that grew by this factor does not fall again (of those that did: by 140 at most)."""
 
@@ -111,6 +116,7 @@ class NonlinearSolver:
         """
         self._residual = residual
         self._first = self._before = self._shrunk = 0.0
+        self._past: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
         self._shell = shell = PETSc.Mat().createPython(
@@ -123,7 +129,7 @@ class NonlinearSolver:
         snes.setFunction(self._function, self._r)
         snes.setConvergenceTest(self._judge)
         snes.setJacobian(self._jacobian, shell, shell)
-        snes.setTolerances(rtol=0.0, atol=0.0, stol=1e-15, max_it=30)
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=1e-15, max_it=MOST)
         ksp = snes.getKSP()
         ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = ksp.getPC()
@@ -159,6 +165,8 @@ class NonlinearSolver:
         rtol, atol, stol, _ = snes.getTolerances()
         if iterations == 0:
             self._first = self._before = residual
+            self._past.clear()
+        self._past.append(residual)
         before, self._before = self._before, residual
         shrunk, self._shrunk = self._shrunk, residual / before if before else 0.0
         if not np.isfinite(residual):
@@ -174,6 +182,8 @@ class NonlinearSolver:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE)
         if residual > GROWN * self._first > GROWN * atol:  # grown from more than round-off
             return int(PETSc.SNES.ConvergedReason.DIVERGED_DTOL)
+        if iterations >= PATIENCE and residual > 0.5 * self._past[-1 - SLOW]:
+            return int(PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT)
         return 0
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:

@@ -168,6 +168,8 @@ class ElasticBody:
         linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
         self.stiffness_matrix = PackedForm(linear * dx).matrix()
         self._diagonal = self.stiffness_matrix.getDiagonal().array
+        self._stress, self._dx = stress, dx
+        self._strained: tuple[fem.Function, PackedForm] | None = None
         inertia = fem.Constant(domain, material.density) * ufl.inner(trial, test)
         self.mass_matrix = PackedForm(
             inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
@@ -368,8 +370,31 @@ class ElasticBody:
         self._interface = interface
         self._factorizations.clear()
 
+    def restiffen(self, u: Array) -> None:
+        """From now on, the stiffness of the body as it is strained at u, turned back; collective.
+
+        Args:
+            u: Owned displacement, m.
+        """
+        if self._strained is None:
+            state, trial = fem.Function(self.space), ufl.TrialFunction(self.space)
+            gradient = ufl.grad(state)
+            stress = (ufl.Identity(self.dimension) + gradient) * self._stress(
+                green_strain(gradient)
+            )
+            force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self.space))) * self._dx
+            self._strained = state, PackedForm(ufl.derivative(force, state, trial))
+        state, form = self._strained
+        shape = self.arm + u.reshape(-1, self.dimension)
+        self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
+        self.stiffness_matrix = form.matrix()
+        self._factorizations.clear()
+
     def factorization(self, weights: TangentWeights) -> Factorization:
-        """The tangent of the unrotated body for these weights, factorized once and kept."""
+        """The tangent of the unrotated body for these weights, factorized once and kept.
+
+        Its stiffness is that of the undeformed body, or of the one that `restiffen` was given last.
+        """
         if weights not in self._factorizations:
             matrix = self.stiffness_matrix.copy()
             matrix.scale(weights.stiffness)

@@ -105,15 +105,37 @@ def test_averaged_internal_force_works_exactly(thing):
     assert body.internal_force(new) @ (new - old) == pytest.approx(change, rel=1e-11)
 
 
+def stiffness_times(body: ElasticBody, v: np.ndarray) -> np.ndarray:
+    x, y = body.stiffness_matrix.createVecs()
+    x.array[:] = v
+    body.stiffness_matrix.mult(x, y)
+    return y.array.copy()
+
+
 def test_stiffness_is_the_derivative_of_the_internal_force_at_rest(thing):
     body = thing.body
     body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
     v = thing.direction(3)
-    x, y = body.stiffness_matrix.createVecs()
-    x.array[:] = v
-    body.stiffness_matrix.mult(x, y)
     expected = slope(lambda s: body.internal_force(s * v, static=True))
-    assert y.array == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    found = stiffness_times(body, v)
+    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+
+
+def test_stiffness_of_a_strained_body_is_the_derivative_there(thing):
+    """Turned back with the body; of the undeformed one it is that at rest again."""
+    body = thing.body
+    body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
+    v, u = thing.direction(3), thing.displacement(6, 0.7)
+    before, rotation = stiffness_times(body, v), body.rotation(u)
+    turned = (v.reshape(-1, 2) @ rotation.T).ravel()
+    expected = slope(lambda s: body.internal_force(u + s * turned, static=True))
+    expected = (expected.reshape(-1, 2) @ rotation).ravel()
+    body.restiffen(u)
+    found = stiffness_times(body, v)
+    body.restiffen(np.zeros(body.size))
+    assert np.abs(found - before).max() > 0.02 * np.abs(before).max()
+    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    assert stiffness_times(body, v) == pytest.approx(before, abs=1e-12 * np.abs(before).max())
 
 
 def test_work_of_the_viscous_force(thing):

@@ -188,3 +188,33 @@ def test_a_heavy_rigid_block_on_a_light_stiff_one() -> None:
     cost = result.summary["cost"]
     assert cost["newton_iterations"] < 4 * cost["steps"]
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
+
+
+def test_rigid_blocks_that_stick_to_each_other_on_a_plate() -> None:
+    """Large ones in short steps: round-off of where their corners are tells of no force."""
+
+    def rigid(name: str, on: str, width: float, density: float) -> dict[str, Any]:
+        return block(name, "rigid", on, width, 3.0) | {"density": density}
+
+    tables = {
+        "block": [
+            rigid("lower", "foundation", 30.0, 2500.0),
+            rigid("upper", "lower", 25.0, 3700.0),
+        ],
+        "contact": {"friction": 1000.0},
+        "foundation": {
+            **{"kind": "elastic", "width": 100.0, "height": 17.0, "density": 700.0},
+            **{"young": 1.4e8, "poisson": 0.2, "cells": [3, 2], "support": "rollers"},
+            **{"period": 1.2, "damping_ratio": 0.05},
+        },
+        "motion": {
+            **{"kind": "ricker", "amplitude_g": 6.0, "duration": 0.18},
+            "vertical": {"kind": "half_sine", "amplitude_g": 2.0, "duration": 0.14},
+        },
+        "time": {"end": 0.1, "step": 6e-4},
+    }
+    result = simulate(parse_scene(tables))
+    assert result.status == "completed"
+    cost, energy = result.summary["cost"], result.summary["energy"]
+    assert cost["rejected_steps"] == 0 and cost["newton_iterations"] < 4 * cost["steps"]
+    assert energy["largest_gain_fraction"] < 1e-8 and energy["ledger_error_fraction"] < 1e-11
