@@ -46,16 +46,19 @@ PLACED = 2
 SOFTENING = 1e-9
 """Relative diagonal of W for points between rigid bodies: makes their forces unique."""
 
-EVENING = 0.99
-"""Forces of rigid points of which no motion tells (two corners that push against each other) become
-even step by step: with nothing to hold them back they grow until round-off of them shows."""
-
-FINE = 1e4
-"""Round-off of the place of a point between rigid bodies means this part of their weight."""
-
 LIGHT = 1e-12
 """The same where one of the two is meshed. Its elasticity tells how forces are shared, but is as
 small as that beside the motion of a light body as a whole; with more, corrections would creep."""
+
+EVENING = 0.99
+"""Forces of rigid points of which no motion tells (two corners that push against each other) become
+even step by step: with nothing to hold them back they grow until their round-off shows."""
+
+FINE = 1e4
+"""The weight of a rigid body over what round-off of the places of its points on another one means
+for their forces, at least."""
+
+NONE: Array = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +117,8 @@ class ContactSolve:
         self._turns = any(link.interface.carrier.turns for link in links)
         softening = [np.full(link.interface.count, _softening(system, link)) for link in links]
         self._softening = np.where(self._points.softness > 0, 0.0, np.concatenate(softening))
+        self._softened = bool(self._softening.any())
+        self._held = self._least = NONE
         self._near: Indices = np.empty(0, dtype=np.int64)
         self._corrections = 0
         self._strained: Array | None = None
@@ -127,8 +132,9 @@ class ContactSolve:
         self._balance, points = balance, self._points
         static = balance.way is None
         points.begin(balance.contact, guess, step=balance.step, static=static, glued=balance.glued)
-        self._held = EVENING * points.force
-        self._least = self._least_softness(balance.load)
+        if self._softened:
+            self._held = NONE if static else EVENING * points.force
+            self._least = NONE if static else self._least_softness(balance.load)
         last, self._response = self._response, self._responses_for(tuple(balance.weights))
         for response, rotation in zip(self._response, balance.rotations, strict=True):
             response.begin(rotation)
@@ -268,7 +274,7 @@ class ContactSolve:
             near = self._near  # the same numbers, known by the same array
             # W holds the interface's own softness too, which is no part of y.
             q = y[near] - image(W, force) + force * points.softness[near, None]
-            if self._balance.way is not None:
+            if len(self._held):
                 # That of rigid points acts on what forces differ by from those of the last step.
                 q += self._soft[:, None] * (force - self._held[near])
             q[:, 1:] -= points.anchor[near]
@@ -308,9 +314,12 @@ class ContactSolve:
             W = np.zeros((m, d, m, d))
             for response in self._response:
                 response.couple(self._place, self._contact_weight, W)
-            self._soft = self._softening[near] * np.einsum("ijij->ij", W).max(axis=1)
-            self._soft = np.maximum(self._soft, self._least[near])
-            soft = points.softness[near] + self._soft
+            soft = points.softness[near]
+            if self._softened:
+                self._soft = self._softening[near] * np.einsum("ijij->ij", W).max(axis=1)
+                if len(self._least):
+                    self._soft = np.maximum(self._soft, self._least[near])
+                soft = soft + self._soft
             number = np.arange(m)
             for k in range(d):
                 W[number, k, number, k] += soft

@@ -379,9 +379,8 @@ class ElasticBody:
         if self._strained is None:
             state, trial = fem.Function(self.space), ufl.TrialFunction(self.space)
             gradient = ufl.grad(state)
-            stress = (ufl.Identity(self.dimension) + gradient) * self._stress(
-                green_strain(gradient)
-            )
+            turning = ufl.Identity(self.dimension) + gradient
+            stress = turning * self._stress(green_strain(gradient))
             force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self.space))) * self._dx
             self._strained = state, PackedForm(ufl.derivative(force, state, trial))
         state, form = self._strained
