@@ -130,7 +130,7 @@ def _face_corners(face: int) -> Numbers:
 
 
 @compiled
-def _cross(
+def _crossings(
     over: Array,
     ring: Array,
     faces: tuple[Array, Array, Array],
@@ -234,6 +234,6 @@ def points_between(
         over[k, 0] -= limits[0]
     turns, centres = (frames[u], frames[c]), (state.place[u], state.place[c])
     points = places[CORNERS:], found[CORNERS:]
-    crossings = _cross(over, ring, (axes, limits, facing), turns, centres, points)
+    crossings = _crossings(over, ring, (axes, limits, facing), turns, centres, points)
     _merge(state, frames, u, c, places, found)
     return below, above, places, found, crossings

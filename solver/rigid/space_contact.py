@@ -86,8 +86,7 @@ def contacts_of(
             found = points_on_face(state, frames, model.half, u, c, TOP, places)
             crossings = no_crossings(0)
         else:
-            found_there = points_between(model, state, frames, k, reach)
-            below, above, places, found, crossings = found_there
+            below, above, places, found, crossings = points_between(model, state, frames, k, reach)
         for slot in range(len(places)):
             if found[slot, 0] > reach:
                 continue
