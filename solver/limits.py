@@ -112,7 +112,7 @@ def _refuse_soft(where: str, young: float, pressure: float) -> None:
 
 def _refuse_soft_corner(block: BlockSpec, cell: Sequence[float], pressure: float) -> None:
     """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
-    strain = pressure * _bottom(block) / _bottom_of(cell, block) / block.elasticity[0]
+    strain = pressure * _bottom(block) / _facet_below(cell, block) / block.elasticity[0]
     if strain > LARGEST_CORNER_STRAIN:
         got = f"{block.elasticity[0]:g}, strained by {strain:.2g} on a corner cell alone"
         least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
@@ -183,6 +183,16 @@ def _bottom(block: BlockSpec) -> float:
 def _bottom_of(cell: Sequence[float], block: BlockSpec) -> float:
     """Area of the bottom of a cell of these edges (m), m2; in the plane as thick as the block."""
     return math.prod(cell[:-1]) * (block.thickness if len(cell) == 2 else 1.0)
+
+
+def _facet_below(cell: Sequence[float], block: BlockSpec) -> float:
+    """Area of the facet of a corner cell (m) that a block leans on, m2: beyond 45 degrees a side.
+
+    In space the smaller of its two.
+    """
+    if abs(block.tilt_deg) <= 45.0:
+        return _bottom_of(cell, block)
+    return cell[-1] * (block.thickness if len(cell) == 2 else min(cell[:-1]))
 
 
 def _equal_parts(sides: Sequence[float], cells: Sequence[int]) -> list[float]:

@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Scalar = TypeVar("Scalar", bound=np.generic)
 
+MOST_CROSSED = 8
+"""How often a point may cross an edge in the corrections of a step."""
+
 GLUE = 1e6
 """Coefficient of friction that holds anything."""
 
@@ -88,6 +91,7 @@ class AllPoints:
         )
         self._margin = MARGIN * self._size
         self._out: NDArray[np.bool_] | None = None
+        self._was_out: NDArray[np.bool_] | None = None
 
     def begin(
         self, memories: Sequence[Memory], guess: Array, *, step: float, static: bool, glued: bool
@@ -109,6 +113,8 @@ class AllPoints:
         self.seen: list[tuple[Seen, Seat]] = []
         self._slipped = [memory.slipped for memory in memories]
         self._bind(None)
+        self._was_out = None
+        self._crossed = np.zeros(len(self.force), dtype=np.int64)
         self.asleep = [not static and self._far(k, guess) for k in range(len(self.links))]
 
     def look(self, number: int, u: Array) -> tuple[Seen, Seat]:
@@ -126,7 +132,20 @@ class AllPoints:
                 if self._out is None:
                     self._out = np.zeros(len(self.force), dtype=bool)
                 self._out[self.own[number]] = off
+        self._settle_edges()
         return parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+
+    def _settle_edges(self) -> None:
+        """Points that go to and fro over an edge, pushed off and falling back, stay off."""
+        last, self._was_out = self._was_out, self._out
+        if last is None and self._out is None:
+            return
+        none = np.zeros(len(self.force), dtype=bool)
+        was, is_out = (none if out is None else out for out in (last, self._out))
+        self._crossed += was != is_out
+        lively = self._crossed > MOST_CROSSED
+        if lively.any():
+            self._out = self._was_out = is_out | lively
 
     def _off(self, number: int, seat: Seat) -> NDArray[np.bool_] | None:
         """Points beyond the edge of their carrier, where it has one.
