@@ -117,6 +117,11 @@ class ContactSolve:
         self._turns = any(link.interface.carrier.turns for link in links)
         softening = [np.full(link.interface.count, _softening(system, link)) for link in links]
         self._softening = np.where(self._points.softness > 0, 0.0, np.concatenate(softening))
+        self._pairs = [
+            (link, own)
+            for link, own in zip(links, self._points.own, strict=True)
+            if _softening(system, link) == SOFTENING
+        ]
         self._softened = bool(self._softening.any())
         self._held = self._least = NONE
         self._near: Indices = np.empty(0, dtype=np.int64)
@@ -179,9 +184,12 @@ class ContactSolve:
     def _least_softness(self, load: Array) -> Array:
         """Of the points between rigid bodies: round-off of places is to mean little force."""
         least = np.zeros(len(self._softening))
-        for link, own in zip(self._points.links, self._points.own, strict=True):
-            weight = self.system.part(load, link.body)
-            if weight is not None and weight.any() and np.any(self._softening[own] == SOFTENING):
+        for link, own in self._pairs:
+            assert link.body is not None
+            body = self.system.bodies[link.body]
+            assert isinstance(body, DenseBody)
+            weight = body.replicate(load[self.system.slices[link.body]])
+            if weight.any():
                 round_off = float(np.finfo(float).eps) * link.interface.size
                 least[own] = FINE * round_off / np.linalg.norm(weight)
         return least

@@ -56,6 +56,10 @@ SCENES: dict[str, dict[str, Any]] = {
     "frame": {"foundation": FRAME},
     "elastic on elastic": {"block": [BLOCK, TOP | {"friction": 0.05}]},
     "rigid on elastic": {"block": [BLOCK, TOP | {"friction": 0.05, "model": "rigid"}]},
+    "rigid on rigid": {
+        "block": [BLOCK | {"model": "rigid"}, TOP | {"friction": 0.05, "model": "rigid"}],
+        "foundation": PLATE | ON_ROLLERS,
+    },
     "elastic on rigid": {"block": [BLOCK | {"model": "rigid"}, TOP | {"friction": 0.05}]},
     "rollers in space": {
         "dimension": 3,
