@@ -80,6 +80,7 @@ class PlaneSolver:
             "other r": other_r(newton, LENGTHS),
             "continuation": continuation(self._newton),
             "damped continuation": continuation(newton),
+            "enumeration": _enumerated,
             "tresca": tresca(newton),
             "projected": projected(newton),
         }
@@ -177,6 +178,18 @@ class PlaneSolver:
                 return found
             states = States(code, rule)
         return None
+
+
+def _enumerated(system: LocalSystem, start: Array) -> Array | None:
+    """Every state of every point, for as few points as that is bearable."""
+    if len(start) > compiled.ENUMERATED_POINTS:
+        return None
+    q, scaling, forces = system.q.ravel(), system.scaling.ravel(), np.zeros(start.size)
+    states = np.zeros(len(start), dtype=np.int64)
+    bounds = compiled.Bounds(system.bounds.mu, system.bounds.cohesion, np.zeros_like(states))
+    W = system.W.reshape(len(q), len(q))
+    found = compiled.enumeration(W, q, scaling, bounds, states, forces)
+    return forces.reshape(start.shape) if found else None
 
 
 def _one_point(system: LocalSystem) -> Array | None:

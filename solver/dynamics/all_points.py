@@ -69,6 +69,7 @@ class AllPoints:
         force: Point forces f of the present iterate, (points, d), N.
         anchor: Stick memory, (points, d-1), m.
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
+        round_off: Of their gaps, (points,), m.
         seen: Surface and seat of each interface at the present iterate.
     """
 
@@ -90,6 +91,7 @@ class AllPoints:
             [np.full(link.interface.count, link.interface.size) for link in links]
         )
         self._margin = MARGIN * self._size
+        self.round_off = 2 * float(np.finfo(float).eps) * self._size
         self._out: NDArray[np.bool_] | None = None
         self._was_out: NDArray[np.bool_] | None = None
 

@@ -286,6 +286,8 @@ class ContactSolve:
                 # That of rigid points acts on what forces differ by from those of the last step.
                 q += self._soft[:, None] * (force - self._held[near])
             q[:, 1:] -= points.anchor[near]
+            if not force.any():  # nothing tells that a gap of round-off is small
+                q[np.abs(q[:, 0]) < points.round_off[near], 0] = 0.0
             new = self._rubbed(W, q, force, y, scaling)
             points.force[near] = new
             for k, response in enumerate(self._response):

@@ -18,6 +18,7 @@ from solver.contact.local_problem import (
 )
 from solver.contact.local_system import LocalSystem, diagonal_scaling
 from solver.rigid.discs import TOUCHING_SLOPE
+from solver.rigid.local_problem import ENUMERATED_POINTS
 
 
 @pytest.fixture(autouse=True, params=["machine code", "numpy"])
@@ -337,7 +338,10 @@ def test_every_rescue_finds_what_newton_finds(d, rescue, points):
         scaling = row_sum_scaling(W) if d == 2 else diagonal_scaling(W)
         rescues = solver.rescues | solver.cohesive
         found = rescues[rescue](LocalSystem(W, q, scaling, bounds), np.zeros_like(q))
-        assert found == pytest.approx(expected, abs=1e-9)
+        if rescue == "enumeration" and points > ENUMERATED_POINTS:
+            assert found is None
+        else:
+            assert found == pytest.approx(expected, abs=1e-9)
 
 
 # Points and seed of `stiff` for which Newton's method cycles; the last seven had been settled by
