@@ -121,8 +121,8 @@ def trouble(result: Result) -> str:
     gain, error = energy["largest_gain_fraction"], energy["ledger_error_fraction"]
     if gain >= LARGEST_GAIN:
         return f"energy gain {gain:.1e}"
-    moving = float(result.history["energy.kinetic_J"].max()) / energy["scale_J"]
-    if error >= max(LARGEST_LEDGER_ERROR, ROUND_OFF * moving):
+    moving, scale = float(result.history["energy.kinetic_J"].max()), energy["scale_J"]
+    if error * scale >= max(LARGEST_LEDGER_ERROR * scale, ROUND_OFF * moving) > 0:
         return f"ledger error {error:.1e}"
     return ""
 
