@@ -185,13 +185,14 @@ class ContactSolve:
         """Of the points between rigid bodies: round-off of places is to mean little force."""
         least = np.zeros(len(self._softening))
         for link, own in self._pairs:
-            assert link.body is not None
-            body = self.system.bodies[link.body]
-            assert isinstance(body, DenseBody)
-            weight = body.replicate(load[self.system.slices[link.body]])
-            if weight.any():
-                round_off = float(np.finfo(float).eps) * link.interface.size
-                least[own] = FINE * round_off / np.linalg.norm(weight)
+            weights = [
+                float(np.linalg.norm(body.replicate(load[self.system.slices[number]])))
+                for number, body in enumerate(self.system.bodies)
+                if number in (link.body, link.carrier) and isinstance(body, DenseBody)
+            ]
+            lightest = min((weight for weight in weights if weight > 0), default=math.inf)
+            round_off = float(np.finfo(float).eps) * link.interface.size
+            least[own] = FINE * round_off / lightest
         return least
 
     def _tolerance(self, u: Array) -> float:
