@@ -31,9 +31,9 @@ def angles(**model: object) -> np.ndarray:
 
 @pytest.mark.serial
 def test_elastic_blocks_tend_to_the_rigid_one() -> None:
-    """Within 3e-3 at 1e13 Pa and 6 % at 1e11 Pa; a quarter off at 1e9 Pa."""
+    """Within 1 % at 1e13 Pa and 6 % at 1e11 Pa; a quarter off at 1e9 Pa."""
     rigid = angles(model="rigid")
-    for young, least, most in ((1e9, 0.1, 0.5), (1e11, 0.0, 0.06), (1e13, 0.0, 3e-3)):
+    for young, least, most in ((1e9, 0.1, 0.5), (1e11, 0.0, 0.06), (1e13, 0.0, 0.01)):
         elastic = angles(young=young, poisson=0.2, cells=[6, 16])
         distance = np.linalg.norm(elastic - rigid) / np.linalg.norm(rigid)
         assert least <= distance < most
