@@ -112,13 +112,14 @@ def _refuse_soft(where: str, young: float, pressure: float) -> None:
 
 def _refuse_soft_corner(block: BlockSpec, cell: Sequence[float], pressure: float) -> None:
     """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
-    strain = pressure * _bottom(block) / _facet_below(cell, block) / block.elasticity[0]
+    load = pressure * _bottom(block) / block.elasticity[0]  # over E, m2
+    strain = load / _facet_below(cell, block)
     if strain > LARGEST_CORNER_STRAIN:
         got = f"{block.elasticity[0]:g}, strained by {strain:.2g} on a corner cell alone"
         least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
         allowed = f"young >= {least:.3g} (a strain of {LARGEST_CORNER_STRAIN:g}), or larger cells"
         raise SceneError(f"{block.name}.young", got, allowed)
-    material = _material(block)
+    material, strain = _material(block), load / _bottom_of(cell, block)
     squeezed = strain * material.longitudinal / material.shear
     if squeezed > SQUEEZED_CORNER:
         got = f"{material.young:g}, strained by {strain:.2g} on a corner cell alone"
