@@ -165,11 +165,11 @@ class ContactSolve:
         ]
         if balance.way is None or self._strained is balance.start or not meshed:
             return False
-        for body, own in meshed:
-            body.restiffen(balance.start[own])
         self._strained = balance.start
-        self._responses.clear()
-        return True
+        changed = [body.restiffen(balance.start[own]) for body, own in meshed]
+        if any(changed):
+            self._responses.clear()
+        return any(changed)
 
     def _responses_for(self, weights: tuple[TangentWeights, ...]) -> list[Response]:
         """What the bodies offer for a step size."""

@@ -27,6 +27,11 @@ from solver.parallel import global_sum
 Array = NDArray[np.float64]
 
 
+STRAINED = 0.1
+"""Change of the stiffness by strain, times (lambda + 2 mu)/mu, from which on iterations heed it:
+what they leave of an error is of that size."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Damping:
     """Rayleigh damping C = lambda_R M + beta_R K; the second part acts on the rate of Green strain.
@@ -370,11 +375,14 @@ class ElasticBody:
         self._interface = interface
         self._factorizations.clear()
 
-    def restiffen(self, u: Array) -> None:
+    def restiffen(self, u: Array) -> bool:
         """From now on, the stiffness of the body as it is strained at u, turned back; collective.
 
         Args:
             u: Owned displacement, m.
+
+        Returns:
+            Whether it differs from what it was by enough to be taken.
         """
         if self._strained is None:
             state, trial = fem.Function(self.space), ufl.TrialFunction(self.space)
@@ -386,8 +394,15 @@ class ElasticBody:
         state, form = self._strained
         shape = self.arm + u.reshape(-1, self.dimension)
         self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
-        self.stiffness_matrix = form.matrix()
+        strained = form.matrix()
+        change = strained.copy()
+        change.axpy(-1.0, self.stiffness_matrix)
+        share = change.norm(PETSc.NormType.INFINITY) / strained.norm(PETSc.NormType.INFINITY)
+        if share * self.material.longitudinal < STRAINED * self.material.shear:
+            return False
+        self.stiffness_matrix = strained
         self._factorizations.clear()
+        return True
 
     def factorization(self, weights: TangentWeights) -> Factorization:
         """The tangent of the unrotated body for these weights, factorized once and kept.
