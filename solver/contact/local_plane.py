@@ -29,6 +29,9 @@ Newton's method and its states of before left, these two settle 125."""
 
 STICK, SLIP, SMOOTH = 1.0, 2.0, 3.0
 
+ROUNDS = 40
+"""Of Newton's method, and one more for each point."""
+
 FEW = 24
 """Points up to which machine code is faster than LAPACK by way of numpy."""
 
@@ -162,11 +165,14 @@ class PlaneSolver:
     def _newton(
         self, system: LocalSystem, f: Array, discs: Discs, states: States | None = None
     ) -> Array | None:
-        """Active-set iteration until the states repeat themselves; None where they cycle."""
+        """Active-set iteration until the states repeat themselves; None where they cycle.
+
+        Or wander: many points have many states, and those that settle do so in few rounds.
+        """
         if states is None:
             states = States(*self._decide(system, f, discs))
         seen = set()
-        while states.key not in seen:
+        while states.key not in seen and len(seen) < ROUNDS + len(f):
             seen.add(states.key)
             found = self._forces(system, states)
             if found is None:
