@@ -171,7 +171,7 @@ class PlaneSolver:
         """
         if states is None:
             states = States(*self._decide(system, f, discs))
-        seen = set()
+        seen: set[bytes] = set()
         while states.key not in seen and len(seen) < ROUNDS + len(f):
             seen.add(states.key)
             found = self._forces(system, states)
