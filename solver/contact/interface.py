@@ -261,6 +261,9 @@ class Interface:
         before = 0.0 if self.theta == 1 else self.energy(memory)
         face.turn(rotation)
         memory.seat = face.seat(memory.surface.position, memory.seat.carrier)
+        apart = memory.force[:, 0] <= 0
+        if apart.any():  # the foot of a point that is away from the face moves as the face turns
+            memory.anchor[apart] = self.augmented(memory.surface, memory.seat)[apart, 1:]
         return 0.0 if self.theta == 1 else before - self.energy(memory)
 
     def _move(self, memory: Memory, y: Array, old: int, new: int) -> None:
