@@ -76,7 +76,7 @@ def full_steps(system: LocalSystem, start: Array, discs: Discs) -> Array | None:
         return nearest
     from solver.rigid import space_friction
 
-    W, q, force = _flat(system, start)
+    W, q, force = system.flat(start)
     patience = space_friction.Patience(ITERATIONS + len(start), TOLERANCE, 10 * TOLERANCE)
     if not space_friction.newton(W, q, force, discs, system.scaling[:, :2].copy(), patience):
         return None
@@ -95,13 +95,6 @@ def _solved(f: Array, trial: Array, nearest: Array) -> bool:
     return bool(np.abs(f - nearest).max() <= noise)
 
 
-def _flat(system: LocalSystem, start: Array) -> tuple[Array, Array, Array]:
-    """W, q and f as machine code takes them; f is a copy."""
-    size = start.size
-    W = np.ascontiguousarray(system.W.reshape(size, size))
-    return W, np.ascontiguousarray(system.q.reshape(size)), start.flatten()
-
-
 def in_machine_code(system: LocalSystem, start: Array) -> Array | None:
     """The methods of rigid blocks, which settle most of few points in a few milliseconds; polished.
 
@@ -112,7 +105,7 @@ def in_machine_code(system: LocalSystem, start: Array) -> Array | None:
         return None
     from solver.rigid import space_friction
 
-    W, q, force = _flat(system, start)
+    W, q, force = system.flat(start)
     if not space_friction.settle_with(W, q, force, system.discs):
         return None
     return newton(system, force.reshape(start.shape), system.discs)

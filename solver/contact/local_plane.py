@@ -113,9 +113,8 @@ class PlaneSolver:
 
     def _in_machine_code(self, system: LocalSystem, start: Array) -> Array | None:
         """Newton's method for few points, where numpy's calls would take longer than the work."""
-        count, forces = len(start), start.ravel().copy()
-        q, scaling = system.q.ravel(), system.scaling.ravel()
-        W = system.W.reshape(len(q), len(q))
+        count, scaling = len(start), system.scaling.ravel()
+        W, q, forces = system.flat(start)
         if len(self._decided) != count:
             self._free = np.zeros(count, dtype=np.int64)
             self._decided = np.empty(count, dtype=np.int64)
@@ -190,10 +189,9 @@ def _enumerated(system: LocalSystem, start: Array) -> Array | None:
     """Every state of every point, for as few points as that is bearable."""
     if len(start) > compiled.ENUMERATED_POINTS:
         return None
-    q, scaling, forces = system.q.ravel(), system.scaling.ravel(), np.zeros(start.size)
+    (W, q, forces), scaling = system.flat(start), system.scaling.ravel()
     states = np.zeros(len(start), dtype=np.int64)
     bounds = compiled.Bounds(system.bounds.mu, system.bounds.cohesion, np.zeros_like(states))
-    W = system.W.reshape(len(q), len(q))
     found = compiled.enumeration(W, q, scaling, bounds, states, forces)
     return forces.reshape(start.shape) if found else None
 

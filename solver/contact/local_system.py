@@ -65,6 +65,12 @@ class LocalSystem:
         """F - r y, which decides what state a point is in."""
         return f - self.scaling * (self.q + image(self.W, f))
 
+    def flat(self, force: Array) -> tuple[Array, Array, Array]:
+        """W, q and forces as machine code takes them; the forces are a copy."""
+        size = force.size
+        W = np.ascontiguousarray(self.W.reshape(size, size))
+        return W, np.ascontiguousarray(self.q.reshape(size)), force.flatten()
+
     @property
     def coulomb(self) -> Discs:
         """The law as it is."""

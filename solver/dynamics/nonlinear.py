@@ -115,7 +115,6 @@ class NonlinearSolver:
             options: PETSc options, as on a command line; they override what is set here.
         """
         self._residual = residual
-        self._first = self._before = self._shrunk = 0.0
         self._past: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
@@ -163,26 +162,26 @@ class NonlinearSolver:
         """SNES's own test, and an end where round-off keeps the residual from falling further."""
         unknowns, correction, residual = norms
         rtol, atol, stol, _ = snes.getTolerances()
+        past = self._past
         if iterations == 0:
-            self._first = self._before = residual
-            self._past.clear()
-        self._past.append(residual)
-        before, self._before = self._before, residual
-        shrunk, self._shrunk = self._shrunk, residual / before if before else 0.0
+            past.clear()
+        past.append(residual)
         if not np.isfinite(residual):
             return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
         if iterations == 0:
             return 0  # forces that balance need not obey the contact law of this step
+        first, before = past[0], past[-2]
+        shrunk = before / past[-3] if iterations > 1 and past[-3] else 0.0
         if residual <= atol and (iterations == 1 or before * shrunk <= EXPECTED * atol):
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
-        if residual <= rtol * self._first:
+        if residual <= rtol * first:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE)
         stands_still = iterations > 1 and residual > STANDS * before and residual < ROUND_OFF * atol
         if correction <= stol * unknowns or stands_still:
             return int(PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE)
-        if residual > GROWN * self._first > GROWN * atol:  # grown from more than round-off
+        if residual > GROWN * first > GROWN * atol:  # grown from more than round-off
             return int(PETSc.SNES.ConvergedReason.DIVERGED_DTOL)
-        if iterations >= PATIENCE and residual > 0.5 * self._past[-1 - SLOW]:
+        if iterations >= PATIENCE and residual > 0.5 * past[-1 - SLOW]:
             return int(PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT)
         return 0
 

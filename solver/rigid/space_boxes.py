@@ -145,7 +145,7 @@ def _crossings(
     Args:
         over: (4, 3) the corners of the upper face over the lower one: gap, place along it.
         ring: (4, 3) the same corners in their own body.
-        faces: Axes of the lower face, its half widths (2,), normal of the upper face in space.
+        faces: Axes of the lower face, half lengths of its box along them, normal of the upper face.
         frames: Rotations of the upper and the lower body.
         centres: Their centres.
         points: Filled in: (ENDS, 3) the ends in the upper body, and their gap and place.
@@ -193,7 +193,7 @@ def _crossings(
 @compiled
 def _merge(state: SpaceState, frames: Array, u: int, c: int, places: Array, found: Array) -> None:
     """Take out the carrier's corners that lie where a corner of the block touches."""
-    for i in range(8, 16):
+    for i in range(8, CORNERS):
         x = state.place[c] + to_space(frames[c], places[i])
         for j in range(8):
             gap = state.place[u] + to_space(frames[u], places[j]) - x

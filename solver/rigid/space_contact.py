@@ -165,6 +165,22 @@ def moved_on(contacts: Contacts, frames: Array, place: Array, share: float) -> C
 
 
 @compiled
+def halfway(
+    contacts: Contacts, state: SpaceState, frames: Array, mean: Array, shift: Array
+) -> Contacts:
+    """The points with crossings where they are in the middle of a step.
+
+    Args:
+        contacts: m points.
+        state: At the start of the step.
+        frames: Rotations there.
+        mean: Mean rotations of the step.
+        shift: Mean places of the bodies.
+    """
+    return moved_on(contacts, 2 * mean - frames, 2 * shift - state.place, 0.5)
+
+
+@compiled
 def rows_of(
     contacts: Contacts,
     mean: Array,
@@ -181,7 +197,7 @@ def rows_of(
     instant they give velocities.
 
     Args:
-        contacts: m points, crossings half-way (`moved_on`).
+        contacts: m points, crossings half-way (`halfway`).
         mean: (n + 1, 3, 3) mean rotations.
         shift: (n + 1, 3) mean places of the bodies.
 

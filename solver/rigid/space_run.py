@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.rigid.compiled import compiled
-from solver.rigid.space_contact import contacts_of, moved_on, rotations, rows_of
+from solver.rigid.space_contact import contacts_of, halfway, rotations, rows_of
 from solver.rigid.space_law import touched
 from solver.rigid.space_model import Array, Solution, SpaceModel, SpaceState
 from solver.rigid.space_motion import changes, mean_motion
@@ -52,8 +52,8 @@ def _landing(model: SpaceModel, state: SpaceState, s: Solution, ground: Array) -
     points = contacts_of(model, state, frames, s.dt, ground)
     old = touched(state, points)
     mean, shift = mean_motion(state, frames, s.moved, s.turned)
-    halfway = moved_on(points, 2 * mean - frames, 2 * shift - state.place, 0.5)
-    change = changes(points, rows_of(halfway, mean, shift), s.moved, s.turned)
+    rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
+    change = changes(points, rows, s.moved, s.turned)
     first = 1.0
     for q in range(len(change)):
         gap = points.start[q, 0]

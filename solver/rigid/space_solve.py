@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.rigid.compiled import compiled
-from solver.rigid.space_contact import chosen, contacts_of, moved_on, rotations, rows_of
+from solver.rigid.space_contact import chosen, contacts_of, halfway, rotations, rows_of
 from solver.rigid.space_friction import settle
 from solver.rigid.space_law import follow_law, friction_at_start, recalled, slides, touched
 from solver.rigid.space_model import Array, Contacts, Solution, SpaceModel, SpaceState
@@ -139,8 +139,7 @@ def solve(
     while True:
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
-        halfway = moved_on(points, 2 * mean - frames, 2 * shift - state.place, 0.5)
-        rows = rows_of(halfway, mean, shift)
+        rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
         still, soft, law = (free, hat), (yields, turning), (anchor, mu, most, held)
         found, softness, cohesion = _linear(points, rows, still, soft, law, force)
         total, moment, pushed = act(points, rows, force, len(free))
