@@ -96,7 +96,7 @@ def build(
     stepper = Stepper(
         System(bodies),
         contacts,
-        GeneralizedAlpha(scene.time.rho_inf),
+        GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps),
         gravity=np.array(scene.gravity_vector),
         ground=ground_motion(scene),
         velocity_solve=scene.contact.velocity_solve,

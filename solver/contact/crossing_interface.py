@@ -71,6 +71,11 @@ class CrossingInterface(Interface):
         y[:, 0] -= self.crossings.rest
         return y
 
+    def inside(self, memory: Memory) -> Mask:
+        """Pairs that cross at this instant, not only at some time in its step."""
+        assert memory.seat.carrier is not None
+        return self.crossings.within(memory.surface.position, memory.seat.carrier.position)
+
     def push(self, old: Seat, new: Seat, force: Array) -> tuple[Array, Array | None]:
         """Point forces as vectors in space on the nodes of both outlines."""
         vectors = self.carrier.vectors(old, new, force)

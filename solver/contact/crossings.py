@@ -30,9 +30,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-PARALLEL = 1e-3
+PARALLEL = 1e-2
 """Edges that cross in plan at less than this angle (rad) do not: the polygon has hardly a corner
-there, and the ends of the edges touch in its place."""
+there, and the ends of the edges touch in its place. At still smaller angles a crossing would run
+along the edges when they bend a little, and iterations would not converge."""
 
 STEEP = 0.7
 """Least cosine between the normal of two edges and that of the lower face. Where it is steeper the
@@ -97,7 +98,7 @@ class Crossings(Meshed):
         else:
             self.present = self._turn(*middle)
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
-            self.present = self._within(edge, face.position) | self._within(*end)
+            self.present = self.within(edge, face.position) | self.within(*end)
         seat = self.seat(edge, face)
         self.present &= seat.place[:, 0] > -DEEP * self._length
         self.rest = np.minimum(seat.place[:, 0], 0.0)
@@ -129,8 +130,8 @@ class Crossings(Meshed):
         self.frame[good] = np.stack([n, under[j[good]], np.cross(n, under[j[good]])], axis=1)
         return np.asarray(good)
 
-    def _within(self, edge: Array, face: Array) -> Mask:
-        """Pairs that cross within both edges, but not where a corner touches the other face."""
+    def within(self, edge: Array, face: Array) -> Mask:
+        """Present pairs that cross within both edges, not where a corner touches the other face."""
         i, j = self._edges
         over, under = self.upper.chords(edge), self.lower.chords(face)
         sine = np.linalg.norm(np.cross(over[i], under[j]), axis=1)

@@ -286,6 +286,11 @@ class Interface:
         mu = law.coefficient(np.zeros(self.count) if speed is None else speed, slipped)
         return Bounds(mu, law.adhesion(self.area, memory.broken | slipped))
 
+    def inside(self, memory: Memory) -> Mask:
+        """Points that may touch and are not beyond an edge of their carrier."""
+        off = self.carrier.off(memory.seat)
+        return memory.eligible if off is None else memory.eligible & ~off
+
     def at_bound(self, force: Array, bounds: Bounds) -> Mask:
         """Closed points whose friction is at its bound."""
         size = np.sqrt((force[:, 1:] ** 2).sum(axis=1))
@@ -382,10 +387,8 @@ class Interface:
             after = self._gamma_column * surface.traction
             ends = self._work(force, after) + self._work(old.force, before)
             contact -= (1 - self.theta) * (0.5 * ends - self._work(force, before))
-        slipped, broken = old.slipped, old.broken
-        if not self.law.constant:
-            slipped = self.at_bound(force, bounds)
-            broken = old.broken | slipped
+        slipped = self.at_bound(force, bounds)
+        broken = old.broken if self.law.constant else old.broken | slipped
         memory = Memory(surface, seat, force, anchor, old.eligible, slipped, broken)
         return memory, Dissipation(friction, contact)
 

@@ -120,7 +120,7 @@ class ContactSolve:
         self._pairs = [
             (link, own)
             for link, own in zip(links, self._points.own, strict=True)
-            if _softening(system, link) == SOFTENING
+            if system.rigid(link)
         ]
         self._softened = bool(self._softening.any())
         self._held = self._least = NONE
@@ -340,9 +340,7 @@ class ContactSolve:
 
 def _softening(system: System, link: Link) -> float:
     """Of the points of an interface that have no softness of their own."""
-    members = [system.bodies[body] for body in (link.body, link.carrier) if body is not None]
-    meshed = any(not isinstance(member, DenseBody) for member in members)
-    return LIGHT if meshed else SOFTENING
+    return SOFTENING if system.rigid(link) else LIGHT
 
 
 def _factor(body: Body, weights: TangentWeights) -> Factorization | Array:

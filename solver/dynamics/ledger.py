@@ -45,9 +45,18 @@ class StepLedger:
     damping.
     """
 
-    def __init__(self, stepper: Stepper, old: State, new: State, dt: float):
-        """Take the states at both ends of a step; the energies of `new` are filled in."""
+    def __init__(self, stepper: Stepper, old: State, new: State, dt: float, skew: float):
+        """Take the states at both ends of a step; the energies of `new` are filled in.
+
+        Args:
+            stepper: Bodies, interfaces and ground.
+            old: State at t_n.
+            new: At t_{n+1}.
+            dt: Step, s.
+            skew: Of the scheme of the step, 1/2 - alpha_f.
+        """
         self._stepper, self._old, self._new, self._dt = stepper, old, new, dt
+        self._skew = skew
 
     def exchange(self, residual: Array) -> Exchange:
         """Work of the ground, losses by damping and in time integration.
@@ -95,5 +104,5 @@ class StepLedger:
         return Exchange(
             input=-float(moved @ stepper.mean_base(old.time, self._dt)),
             damping=float(total[4]),
-            numerical=float(stepper.scheme.skew * increment - total[5]),
+            numerical=float(self._skew * increment - total[5]),
         )

@@ -32,6 +32,7 @@ class State:
         exchanged: Interface energy lost since t_n by choosing other contact points, J.
         motions: What `rigid_motion` found, body by body.
         turning: How bodies turned at the start of the last step; None before the first.
+        unsettled: Steps that are still to be damped since contact changed.
     """
 
     time: float
@@ -45,6 +46,7 @@ class State:
     exchanged: float = 0.0
     motions: dict[int, RigidMotion] = field(default_factory=dict)
     turning: Turning | None = None
+    unsettled: int = 0
 
     def rigid_motion(self, system: System, number: int) -> RigidMotion:
         """The motion of a body as a whole; asked for by several, and worked out once."""

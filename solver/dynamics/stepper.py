@@ -16,6 +16,7 @@ from solver.contact.interface import Memory, carry_over
 from solver.contact.local_problem import LocalProblem
 from solver.dynamics.all_points import joined
 from solver.dynamics.contact_solve import Balance, ContactSolve, Solution, add_contact_forces
+from solver.dynamics.events import contact_changed
 from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.dynamics.impulses import VelocityImpulses
 from solver.dynamics.ledger import StepLedger, energies
@@ -64,13 +65,17 @@ class Stepper:
         """Acceleration of the ground at a time, (d,), m/s2."""
         self.mean_base = lru_cache(maxsize=1)(motion.mean)  # a step asks several times
         """Mean acceleration of the ground over a step: its start and length, m/s2."""
-        self._weights = lru_cache(lambda dt: [body.weights(scheme, dt) for body in system.bodies])
+        self._weights = lru_cache(self._weights_of)
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(system.dimension)
         # A step may go without its velocity solve: it is not worth the slow methods.
         self.velocity_local = LocalProblem(system.dimension, patience=1)
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
+
+    def _weights_of(self, scheme: GeneralizedAlpha, dt: float) -> list[TangentWeights]:
+        """Of the tangent of each body."""
+        return [body.weights(scheme, dt) for body in self.system.bodies]
 
     def _join(self, facing: Sequence[frozenset[int]]) -> None:
         """Build the interfaces of these faces of each contact; tangents change with them."""
@@ -258,7 +263,8 @@ class Stepper:
         Raises:
             StepFailed: `state` can then be tried again with another step.
         """
-        scheme, system = self.scheme, self.system
+        scheme = self.scheme.damped if state.unsettled else self.scheme
+        system = self.system
         self._turn(state, dt)
         af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
         load = self._load(state.time, dt)
@@ -282,7 +288,7 @@ class Stepper:
         ]
         balance = Balance(
             contact=state.contacts,
-            weights=self._weights(dt),
+            weights=self._weights(scheme, dt),
             constant=constant,
             load=weighted,
             start=state.u,
@@ -291,8 +297,12 @@ class Stepper:
             step=dt,
         )
         solution = self._solved(balance, joined(drifted))
-        new, exchange = self._update(start, dt, solution, load)
+        new, exchange = self._update(start, dt, solution, load, scheme)
         new.p, new.turning = self._turned(new.p, half), turning
+        new.unsettled = max(state.unsettled - 1, 0)
+        rigid = [system.rigid(link) for link in self.links]
+        if contact_changed(state.contacts, new.contacts, rigid):
+            new.unsettled = self.scheme.damped_steps
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations
         return new, exchange
@@ -307,10 +317,10 @@ class Stepper:
         return joined([body.turned(p[own], vector) for body, own, vector in bodies])
 
     def _update(
-        self, state: State, dt: float, solution: Solution, load: Array
+        self, state: State, dt: float, solution: Solution, load: Array, scheme: GeneralizedAlpha
     ) -> tuple[State, Exchange]:
         """State at t_{n+1} and the ledger of the step."""
-        scheme, system = self.scheme, self.system
+        system = self.system
         du = solution.u - state.u
         mean = np.asarray(du / dt)
         v = 2 * mean - state.v
@@ -335,7 +345,7 @@ class Stepper:
             friction, lost = friction + loss.friction, lost + loss.contact
         p[system.fixed] = 0.0
         new = State(state.time + dt, solution.u, v, p, contacts)
-        ledger = StepLedger(self, state, new, dt)
+        ledger = StepLedger(self, state, new, dt, scheme.skew)
         exchange = ledger.exchange(solution.residual)
         exchange.friction, exchange.contact = friction, lost
         if self.velocity_solve:

@@ -73,6 +73,11 @@ class System:
         parts = zip(self.bodies, self.slices, strict=True)
         return np.concatenate([body.inertia(vector[own]) for body, own in parts])
 
+    def rigid(self, link: Link) -> bool:
+        """Whether neither of the two bodies is meshed: their point forces are not unique then."""
+        members = [self.bodies[body] for body in (link.body, link.carrier) if body is not None]
+        return all(isinstance(member, DenseBody) for member in members)
+
     def rotation(self, u: Array, body: int | None) -> Array:
         """The rotation of a body, (d, d); that of the ground is none."""
         if body is None:

@@ -165,10 +165,8 @@ class BlockObserver:
         deepest = 0.0
         for number in self._member.contacts:
             interface, memory = self._stepper.links[number].interface, state.contacts[number]
-            may, off = memory.eligible, interface.carrier.off(memory.seat)
-            if off is not None:
-                may = may & ~off
-            deepest = min(deepest, float(np.min(memory.seat.place[may, 0], initial=0.0)))
+            gap = memory.seat.place[interface.inside(memory), 0]
+            deepest = min(deepest, float(np.min(gap, initial=0.0)))
         return max(0.0, -deepest)
 
     def _motion(self, state: State) -> tuple[Sequence[float], Sequence[float], Array]:

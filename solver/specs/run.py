@@ -30,6 +30,8 @@ class TimeSpec(Checked):
     """dt, s."""
     rho_inf: Annotated[float, Number(at_least=0, at_most=1)] = 0.8
     """Spectral radius of generalized-alpha at infinity."""
+    damped_steps: Annotated[int, Number(at_least=0)] = 8
+    """Steps after a change of contact that are taken with rho_inf = 0; none where it is 1."""
     initial: Literal["static", "unstressed"] = "static"
     """Begin with gravity in equilibrium (blocks that begin closed), or without stress."""
     smallest: NotNegative = 0.0

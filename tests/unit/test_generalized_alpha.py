@@ -143,6 +143,34 @@ def test_energy_identity(rho, pushed):
         assert system.energy - energy == pytest.approx(ledger, abs=1e-11 * (1 + abs(before)))
 
 
+def test_the_stored_energy_is_the_same_for_every_rho():
+    """Steps of different rho_inf one after the other: E + r.K^-1 r/4 never rises."""
+    rng = np.random.default_rng(9)
+    system = Linear(GeneralizedAlpha(0.8), seed=3)
+    inverse = np.linalg.inv(system.K)
+
+    def stored() -> float:
+        return system.energy + system.r @ inverse @ system.r / 4
+
+    for _ in range(300):
+        system.scheme = GeneralizedAlpha(rng.uniform())
+        before, r = stored(), system.r
+        system.advance(10 ** rng.uniform(-2, 0.5), np.zeros(5))
+        drag, dr = 3 * (1 - system.scheme.rho_inf) / (1 + system.scheme.rho_inf), system.r - r
+        expected = -drag / 4 * dr @ inverse @ dr
+        assert stored() - before == pytest.approx(expected, abs=1e-11 * (1 + abs(before)))
+
+
+def test_steps_after_a_change_of_contact():
+    """As damped as can be, whatever rho_inf; but where nothing is to be damped they are not."""
+    assert GeneralizedAlpha(0.8).damped == GeneralizedAlpha(0.0)
+    assert GeneralizedAlpha(0.0).damped == GeneralizedAlpha(0.0)
+    assert GeneralizedAlpha(1.0).damped == GeneralizedAlpha(1.0)
+    # Three steps a period, as of the paper's block on its corner at 1e-3 s.
+    eight = amplification(GeneralizedAlpha(0.0), GeneralizedAlpha(0.0).beta, 2.2**2)
+    assert max(abs(np.linalg.eigvals(eight))) ** 8 < 0.06
+
+
 @pytest.mark.parametrize("rho", RHO)
 @pytest.mark.parametrize("stiffness", [1e-3, 10.0])
 def test_energy_identity_with_damping_and_jumps(rho, stiffness):

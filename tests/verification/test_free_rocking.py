@@ -43,11 +43,15 @@ def run() -> Result:
     return simulate(scene())
 
 
-def test_it_completes_with_one_factorization(run: Result) -> None:
+def test_it_completes_with_one_factorization_of_each_scheme(run: Result) -> None:
+    """Of the steps of rho_inf 0.8, and of those after changes of contact; one without these."""
     assert run.status == "completed"
     assert run.summary["cost"]["steps"] == 3000
     assert run.summary["cost"]["rejected_steps"] == 0
-    assert run.summary["cost"]["factorizations"] == 1
+    assert run.summary["cost"]["factorizations"] == 2
+    for override in ("time.damped_steps=0", "time.rho_inf=0", "time.rho_inf=1"):
+        short = simulate(scene("time.end=0.22", override))
+        assert short.summary["cost"]["factorizations"] == 1
     assert len(run.history) == 3001
 
 
@@ -60,10 +64,13 @@ def test_impacts_follow_housner(run: Result) -> None:
     assert times[1:5] == pytest.approx(list(reference[1:5]), rel=0.03)
 
 
-def test_it_comes_to_rest_where_it_stood(run: Result) -> None:
+def test_it_comes_to_rest_where_it_stood() -> None:
+    """Soon after 3 s; Housner's block rocks until 3.7 s."""
+    run = simulate(scene("time.end=3.3"))
     angle, slip = run.history["block.angle_rad"], run.history["block.slip_m"]
     assert np.abs(angle[-100:]).max() < 1e-3 * scene().blocks[0].shape.slenderness
-    assert np.abs(slip).max() < 2e-3
+    assert np.abs(slip).max() < 1e-3
+    assert abs(slip[-1]) < 5e-4
     assert run.summary["blocks"]["block"]["mode"] == "rock"
 
 
@@ -111,18 +118,29 @@ def test_reaction_before_the_first_impact(rho_inf: float, largest: float) -> Non
     assert np.std(noise[window]) < largest
 
 
-@pytest.mark.parametrize("override", ["time.rho_inf=0.5", "damping.stiffness=1e-5"])
-def test_reaction_between_impacts(override: str) -> None:
-    """With a little damping the vibration that an impact starts dies within the swing."""
-    result = simulate(scene("time.end=1.1", override))
+@pytest.mark.parametrize(
+    ("largest", "overrides"),
+    [
+        (0.02, []),
+        (0.02, ["time.step=2e-3"]),
+        (0.05, ["time.damped_steps=0", "time.rho_inf=0.5"]),
+        (0.05, ["time.damped_steps=0", "damping.stiffness=1e-5"]),
+    ],
+)
+def test_reaction_between_impacts(largest: float, overrides: list[str]) -> None:
+    """The vibration that an impact starts and the step does not resolve is over within it.
+
+    Nothing is filtered. Without steps that are damped it dies within the swing.
+    """
+    result = simulate(scene("time.end=1.4", *overrides))
     time = result.history["time_s"]
     weight = scene().blocks[0].shape.weight(9.81)
     noise = result.history["block.normal_force_N"] / weight - rigid_body_reaction(result)
-    impacts = [i["time_s"] for i in result.summary["blocks"]["block"]["impacts"][:4]]
-    assert len(impacts) == 4
+    impacts = [i["time_s"] for i in result.summary["blocks"]["block"]["impacts"][:5]]
+    assert len(impacts) == 5
     for begin, end in itertools.pairwise([0.0, *impacts]):
         window = (time > begin + 0.4 * (end - begin)) & (time < begin + 0.9 * (end - begin))
-        assert np.std(noise[window]) < 0.05
+        assert np.std(noise[window]) < largest
 
 
 @pytest.mark.parametrize(

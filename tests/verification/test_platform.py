@@ -110,21 +110,21 @@ def test_published_numbers() -> None:
 
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_the_acceleration_does_not_alternate_while_the_block_sticks(platform: str) -> None:
-    """Second differences are those of a smooth curve once the vibration of the block has died.
+    """Second differences are next to those of a smooth curve a hundredth of a second after a stop.
 
-    Friction falls from mu N to what holds the block when sliding ends: an elastic block rings. At
-    rho_inf 0.5 that is over after two hundredths of a second.
+    Friction falls from mu N to what holds the block when sliding ends: an elastic block rings. The
+    damped steps take that out: without them it is .17 here, on the plate .87.
     """
-    run = scene(platform, 0.3, 0.6, "time.rho_inf=0.5")
+    run = scene(platform, 0.3, 0.6)
     result, exact = simulate(run), reference(run)
     acceleration = result.history["platform.acceleration_m_s2"]
     still = exact.slip_velocity == 0.0
     begins = np.flatnonzero(np.diff(still.astype(int)) > 0)
     ends = np.flatnonzero(np.diff(still.astype(int)) < 0)
-    phase = slice(begins[0] + 60, ends[-1] - 10)
+    phase = slice(begins[0] + 20, ends[-1] - 10)
     assert phase.stop - phase.start > 50
     second = np.abs(np.diff(acceleration[phase], 2))
-    assert second.max() < 5e-3 * np.abs(acceleration).max()
+    assert second.max() < 0.02 * np.abs(acceleration).max()
     np.testing.assert_allclose(
         acceleration[phase], exact.drift_acceleration[phase], atol=0.02 * np.abs(acceleration).max()
     )

@@ -50,8 +50,9 @@ def test_rigid_block_against_housner():
 
 
 def test_soft_block_against_finer_steps():
+    """The damped steps after the release leave an error of third order, seen at 4e-3 s."""
     soft = {"young": 5e7, "poisson": 0.2, "thickness": 0.75, "cells": [3, 8]}
-    found = [angles(COARSEST / n, **soft) for n in (1, 2, 4, 8)]
+    found = [angles(COARSEST / n, **soft) for n in (2, 4, 8, 16)]
     differences = [np.linalg.norm(coarse - fine) for coarse, fine in pairwise(found)]
     orders = np.log2(np.divide(differences[:-1], differences[1:]))
     assert orders == pytest.approx(2.0, abs=0.1)

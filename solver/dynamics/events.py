@@ -1,0 +1,53 @@
+"""Changes of contact that shake the bodies: points that open, close, stick, slip or turn round."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.contact.interface import Memory
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+SHARE = 1e-3
+"""Of the forces of an interface: points that carry less, together, shake nothing."""
+
+
+def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequence[bool]) -> bool:
+    """Whether points that carry something changed their state of contact in a step.
+
+    Args:
+        old: Memory of each interface at t_n.
+        new: At t_{n+1}.
+        rigid: Whether neither of the bodies that touch is meshed.
+    """
+    return any(_changed(*each) for each in zip(old, new, rigid, strict=True))
+
+
+def _changed(old: Memory, new: Memory, rigid: bool) -> bool:
+    """The same for one interface."""
+    before, after = old.force, new.force
+    slipped = _slipping(old, rigid)
+    states = (before[:, 0] > 0) != (after[:, 0] > 0)
+    states |= slipped != _slipping(new, rigid)
+    states |= slipped & (np.einsum("ij,ij->i", before[:, 1:], after[:, 1:]) < 0)
+    if not states.any():
+        return False
+    carried = np.maximum(_sizes(before), _sizes(after))
+    return bool(carried[states].sum() > SHARE * carried.sum())
+
+
+def _slipping(memory: Memory, rigid: bool) -> Mask:
+    """Points that slip; which of those of two rigid bodies do is chance, unless all of them do."""
+    if not rigid:
+        return memory.slipped
+    closed = memory.force[:, 0] > 0
+    return closed & bool(memory.slipped[closed].all())
+
+
+def _sizes(force: Array) -> Array:
+    """Magnitudes of point forces."""
+    return np.asarray(np.linalg.norm(force, axis=1), dtype=np.float64)
