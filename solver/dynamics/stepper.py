@@ -65,7 +65,9 @@ class Stepper:
         """Acceleration of the ground at a time, (d,), m/s2."""
         self.mean_base = lru_cache(maxsize=1)(motion.mean)  # a step asks several times
         """Mean acceleration of the ground over a step: its start and length, m/s2."""
-        self._weights = lru_cache(self._weights_of)
+        self._weights = lru_cache(
+            lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
+        )
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(system.dimension)
         # A step may go without its velocity solve: it is not worth the slow methods.
@@ -73,16 +75,13 @@ class Stepper:
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
-    def _weights_of(self, scheme: GeneralizedAlpha, dt: float) -> list[TangentWeights]:
-        """Of the tangent of each body."""
-        return [body.weights(scheme, dt) for body in self.system.bodies]
-
     def _join(self, facing: Sequence[frozenset[int]]) -> None:
         """Build the interfaces of these faces of each contact; tangents change with them."""
         self.links: tuple[Link, ...] = tuple(
             Link(contact.join(faces), contact.body, contact.carrier)
             for contact, faces in zip(self._contacts, facing, strict=True)
         )
+        self._rigid = [self.system.rigid(link) for link in self.links]
         for link in self.links:
             body = None if link.body is None else self.system.bodies[link.body]
             if link.interface.theta and isinstance(body, ElasticBody):
@@ -300,8 +299,7 @@ class Stepper:
         new, exchange = self._update(start, dt, solution, load, scheme)
         new.p, new.turning = self._turned(new.p, half), turning
         new.unsettled = max(state.unsettled - 1, 0)
-        rigid = [system.rigid(link) for link in self.links]
-        if contact_changed(state.contacts, new.contacts, rigid):
+        if contact_changed(state.contacts, new.contacts, self._rigid):
             new.unsettled = self.scheme.damped_steps
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations
