@@ -63,7 +63,7 @@ class MeshedRun:
         self._observer = Observer(
             self.assembly, self.state, platform=scene.carrier_moves, ground=ground
         )
-        self._steps = self._rejected = self._iterations = 0
+        self._steps = self._rejected = self._damped = self._iterations = 0
         self._judge = None
         if scene.time.tolerance is not None:  # adaptive
             size = min(block.shape.half_diagonal for block in scene.blocks)
@@ -109,6 +109,7 @@ class MeshedRun:
             judge = self._judge
             if judge is not None and not judge.accepts(new, step) and ladder.reject():
                 continue
+            self._damped += bool(self.state.unsettled)
             self.state = new
             ladder.accept(climb=judge is None or judge.climbs())
             self.state.time = ladder.time
@@ -145,6 +146,7 @@ class MeshedRun:
         return {
             "steps": self._steps,
             "rejected_steps": self._rejected,
+            "damped_steps": self._damped,
             "newton_iterations": self._iterations,
             "factorizations": sum(body.factorizations for body in bodies),
             "unknowns": system.unknowns,

@@ -271,6 +271,8 @@ class Interface:
         memory.force[new], memory.force[old] = memory.force[old], 0.0
         memory.anchor[new] = y[new, 1:] + memory.force[new, 1:] * self.softness[new]
         memory.anchor[old] = y[old, 1:]
+        for kept in (memory.slipped, memory.broken):
+            kept[new] = kept[old]
 
     def bounds(self, memory: Memory, slipped: Mask, speed: Array | None) -> Bounds:
         """Bounds of friction at all points.

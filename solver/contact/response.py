@@ -140,6 +140,8 @@ class ElasticResponse:
         self._rotation = self._middle = np.eye(body.dimension)
         self._shift: Array | None = None
         self._coupled = np.array((self._rotation, self._middle))
+        self._ports: Indices = np.empty(0, dtype=np.int64)
+        self._load: Array | None = None
 
     def begin(self, rotation: Array | None) -> None:
         """The rotation of the body at the start of a step, (d, d); None: an equilibrium."""

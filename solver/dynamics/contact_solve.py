@@ -1,4 +1,4 @@
-"""The nonlinear problem of one step, solved with one factorization per body.
+"""The nonlinear problem of one step, solved with one factorization per body, step size and rho_inf.
 
 The residual is the exact nonlinear one. The tangent of a meshed body is that of the undeformed one,
 turned with the body's rotation R (K(u) = R K_0 R^T up to terms of the size of the strain), so that
@@ -114,6 +114,7 @@ class ContactSolve:
         self._solver = NonlinearSolver(system.comm, system.size, *functions, options)
         self._responses: dict[tuple[TangentWeights, ...], list[Response]] = {}
         self._response: list[Response] = []
+        self._coupled: list[Response] = []
         self._turns = any(link.interface.carrier.turns for link in links)
         softening = [np.full(link.interface.count, _softening(system, link)) for link in links]
         self._softening = np.where(self._points.softness > 0, 0.0, np.concatenate(softening))
@@ -140,11 +141,11 @@ class ContactSolve:
         if self._softened:
             self._held = NONE if static else EVENING * points.force
             self._least = NONE if static else self._least_softness(balance.load)
-        last, self._response = self._response, self._responses_for(tuple(balance.weights))
+        self._response = self._responses_for(tuple(balance.weights))
         for response, rotation in zip(self._response, balance.rotations, strict=True):
             response.begin(rotation)
         # W of points on planes that stand or only move along is the same as long as the bodies are.
-        self._stale = self._turns or self._response is not last
+        self._stale = self._turns
         self._corrections = 0
         u, outcome = self._solver.solve(guess, self._tolerance(guess))
         if not outcome.converged and self._restiffens(balance):
@@ -319,7 +320,8 @@ class ContactSolve:
         points = self._points
         if same(near, self._near):
             near = self._near  # known by the same array
-        if self._stale or near is not self._near:
+        # Steps of another size or rho_inf may have gone by without any point near.
+        if self._stale or near is not self._near or self._response is not self._coupled:
             m, d = len(near), self.system.dimension
             self._place = Near(near, points.frames_at(near), seats)
             W = np.zeros((m, d, m, d))
@@ -335,6 +337,7 @@ class ContactSolve:
             for k in range(d):
                 W[number, k, number, k] += soft
             self._near, self._turned, self._stale = near, (W, row_sum_scaling(W)), False
+            self._coupled = self._response
         return self._turned
 
 

@@ -15,6 +15,9 @@ Mask = NDArray[np.bool_]
 SHARE = 1e-3
 """Of the forces of an interface: points that carry less, together, shake nothing."""
 
+TRIFLE = 1e-6
+"""Of the forces of all interfaces, likewise: one that only grazes is all of its own."""
+
 
 def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequence[bool]) -> bool:
     """Whether points that carry something changed their state of contact in a step.
@@ -24,20 +27,20 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
         new: At t_{n+1}.
         rigid: Whether neither of the bodies that touch is meshed.
     """
-    return any(_changed(*each) for each in zip(old, new, rigid, strict=True))
+    parts = [_changed(*each) for each in zip(old, new, rigid, strict=True)]
+    least = TRIFLE * sum(carried for _, carried in parts)
+    return any(changed > max(SHARE * carried, least) for changed, carried in parts)
 
 
-def _changed(old: Memory, new: Memory, rigid: bool) -> bool:
-    """The same for one interface."""
+def _changed(old: Memory, new: Memory, rigid: bool) -> tuple[float, float]:
+    """What the points of an interface carry that changed, and what all of them do, N."""
     before, after = old.force, new.force
     slipped = _slipping(old, rigid)
     states = (before[:, 0] > 0) != (after[:, 0] > 0)
     states |= slipped != _slipping(new, rigid)
     states |= slipped & (np.einsum("ij,ij->i", before[:, 1:], after[:, 1:]) < 0)
-    if not states.any():
-        return False
     carried = np.maximum(_sizes(before), _sizes(after))
-    return bool(carried[states].sum() > SHARE * carried.sum())
+    return float(carried[states].sum()), float(carried.sum())
 
 
 def _slipping(memory: Memory, rigid: bool) -> Mask:

@@ -8,7 +8,7 @@ import math
 class Ladder:
     """Time as a whole number of ticks of the smallest step, so that no round-off gathers.
 
-    Each step size keeps its own factorization; halving reaches the same few sizes again and again.
+    Each step size keeps its own factorizations; halving reaches the same few sizes again and again.
     Where steps fail again and again the ladder is climbed ever later: each failure doubles the
     number of steps that have to succeed first, up to `LONGEST_WAIT`; each rung that holds halves
     it.

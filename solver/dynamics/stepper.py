@@ -25,6 +25,7 @@ from solver.dynamics.system import Link, System
 from solver.dynamics.turning import Turning
 from solver.excitation.motion import GroundMotion
 from solver.mechanics.elastic_body import ElasticBody
+from solver.parallel import any_rank
 
 Array = NDArray[np.float64]
 
@@ -299,7 +300,8 @@ class Stepper:
         new, exchange = self._update(start, dt, solution, load, scheme)
         new.p, new.turning = self._turned(new.p, half), turning
         new.unsettled = max(state.unsettled - 1, 0)
-        if contact_changed(state.contacts, new.contacts, self._rigid):
+        changed = contact_changed(state.contacts, new.contacts, self._rigid)
+        if any_rank(system.comm, changed):
             new.unsettled = self.scheme.damped_steps
         exchange.contact += state.exchanged
         exchange.iterations = solution.outcome.iterations

@@ -101,18 +101,20 @@ def swaying(run: Scene) -> tuple[Array, Array]:
 
 @pytest.mark.parametrize(("young", "expected"), [("5e10", 0.0165), ("5e11", 0.0045)])
 def test_the_difference_from_the_rigid_block_is_that_of_sway(young: str, expected: float) -> None:
-    """At every instant within 0.6 % of the peak slip of the block that slides and sways.
+    """The block that slides and sways is as far from the rigid one, a third of that from this one.
 
-    At 50 GPa this independent block is 1.6 % off the rigid one, and so is the elastic one: none of
-    that stiffness can be within 0.5 % (docs/method.md).
+    At 50 GPa it is 1.6 % off: no elastic block of that stiffness can be within 0.5 % of the rigid
+    one (docs/method.md). At 500 GPa its distance is compared, not its slips: time stepping counts.
     """
     common = "contact.friction=0.1", "motion.cycles=2", "time.end=1.3", "time.step=2e-4"
     run = scene(*common, f"block.young={young}")
     result, (times, slips) = simulate(run), swaying(run)
     assert largest_difference(times, slips, run) == pytest.approx(expected, rel=0.1)
     assert against_the_rigid_block(result, run) == pytest.approx(expected, rel=0.15)
-    there = np.interp(result.history["time_s"], times, slips)
-    assert np.abs(result.history["block.slip_m"] - there).max() < 6e-3 * np.abs(slips).max()
+    if young == "5e10":
+        there = np.interp(result.history["time_s"], times, slips)
+        apart = np.abs(result.history["block.slip_m"] - there).max() / np.abs(slips).max()
+        assert apart < 0.35 * expected
 
 
 def test_sticking_at_reversals_falls_with_the_root_of_stiffness() -> None:

@@ -1,0 +1,67 @@
+"""What damped steps after changes of contact do to the reactions and impacts of the paper's block.
+
+    ./in-env python3 benchmarks/damped_steps.py
+
+Writes `benchmarks/damped_steps.csv`, a row for each time step and number of damped steps: the
+standard deviation of (N - N_rigid)/(m g) over .4 to .9 of each of the first five swings, N_rigid
+being the reaction of a rigid block that turns about its corner with the angle and speed of the run,
+and the fifth impact against Housner's.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rows import processes_wanted, side_by_side, write_table
+
+from solver.reference.housner import housner
+from solver.scene import load_scene
+from solver.simulate import simulate
+
+SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
+TABLE = Path(__file__).with_suffix(".csv")
+
+SWINGS = 5
+CASES = [(1e-3, 0), (1e-3, 2), (1e-3, 4), (1e-3, 8), (2e-3, 8), (5e-4, 0), (5e-4, 8), (2e-4, 8)]
+
+
+def run(case: tuple[float, int]) -> dict[str, Any]:
+    """One row."""
+    step, damped = case
+    chosen = [f"time.step={step}", f"time.damped_steps={damped}", "time.end=1.6"]
+    scene = load_scene(SCENE, chosen)
+    shape, result = scene.blocks[0].shape, simulate(scene)
+    history, gravity = result.history, scene.gravity
+    left = shape.slenderness - np.abs(history["block.angle_rad"])
+    spin = history["block.angular_velocity_rad_s"]
+    rigid = 1 - 0.75 * np.sin(left) ** 2
+    rigid -= shape.half_diagonal * np.cos(left) * spin**2 / gravity
+    noise = history["block.normal_force_N"] / shape.weight(gravity) - rigid
+    times, impacts = history["time_s"], result.summary["blocks"]["block"]["impacts"]
+    ends = [impact["time_s"] for impact in impacts[:SWINGS]]
+    row: dict[str, Any] = {"step": step, "damped_steps": damped}
+    for number, (begin, end) in enumerate(itertools.pairwise([0.0, *ends]), start=1):
+        place = (times - begin) / (end - begin)
+        row[f"swing_{number}"] = f"{noise[(place > 0.4) & (place < 0.9)].std():.3f}"
+    exact = housner(shape, gravity=gravity, tilt=math.radians(3.0), end=1.6, step=1e-3)
+    row["fifth_impact_error"] = f"{ends[-1] / exact.impacts[SWINGS - 1] - 1:.2%}"
+    row["iterations"] = result.summary["cost"]["newton_iterations"]
+    return row
+
+
+def main() -> int:
+    """Run all."""
+    processes = processes_wanted(__doc__)
+    rows = side_by_side(run, CASES, processes=processes, name="damped steps")
+    write_table(TABLE, rows)
+    sys.stdout.write(TABLE.read_text(encoding="utf-8"))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

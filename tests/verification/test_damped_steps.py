@@ -1,0 +1,87 @@
+"""Steps after a change of contact: how many, with which scheme, and that nothing is left of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from solver.build import build, initial_state
+from solver.dynamics.stepper import Stepper
+from solver.scene import Scene, parse_scene
+from solver.simulate import simulate
+
+SQUAT = {"width": 1.0, "height": 0.5, "mass": 1000.0, "cells": [2, 2], "poisson": 0.2}
+
+
+def thrown(young: float, speed: float, step: float, *overrides: str) -> Scene:
+    """A squat block that is thrown upwards and lands, again and again."""
+    return parse_scene(
+        {
+            "block": [SQUAT | {"young": young, "velocity": [0.0, speed]}],
+            "contact": {"friction": 0.3},
+            "time": {"end": 0.4, "step": step},
+        },
+        overrides=overrides,
+    )
+
+
+@pytest.mark.parametrize("count", [3, 8])
+def test_so_many_steps_after_each_change(count: int) -> None:
+    """Counted down from a change on, from the start again at the next one."""
+    scene = thrown(1e9, 0.3, 2e-3, f"time.damped_steps={count}")
+    assembly = build(scene)
+    stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
+    left, landings = 0, 0
+    for _ in range(100):
+        closed = state.contacts[0].force[:, 0] > 0
+        state, _ = stepper.advance(state, scene.time.step)
+        landed = not closed.any() and bool((state.contacts[0].force[:, 0] > 0).any())
+        landings += landed
+        flies = not closed.any() and not landed
+        left = count if landed else max(left - 1, 0)
+        if landed or flies:
+            assert state.unsettled == left
+        left = state.unsettled
+    assert landings > 0
+
+
+def test_a_step_that_fails_leaves_the_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is tried again with half the step is as damped as the step would have been."""
+    scene = thrown(1e9, 0.3, 2e-3)
+    assembly = build(scene)
+    stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
+    state.unsettled = 5
+    skews: list[float] = []
+    update = Stepper._update
+
+    def watch(self: Stepper, *given):  # type: ignore[no-untyped-def]
+        skews.append(given[-1].skew)
+        return update(self, *given)
+
+    monkeypatch.setattr(Stepper, "_update", watch)
+    one, _ = stepper.advance(state, scene.time.step)
+    two, _ = stepper.advance(state, scene.time.step / 2)
+    assert state.unsettled == 5
+    assert skews == [0.5, 0.5]
+    assert {one.unsettled, two.unsettled} <= {4, 8}
+
+
+def test_landing_after_a_flight_that_began_with_damped_steps() -> None:
+    """The tangent changes while nothing is near: what belongs to points is built anew."""
+    result = simulate(thrown(1e9, 0.3, 1e-2))
+    assert result.status == "completed"
+    cost = result.summary["cost"]
+    assert 8 <= cost["damped_steps"] < cost["steps"]
+    assert cost["newton_iterations"] < 4 * cost["steps"]
+
+
+def test_without_them() -> None:
+    """None where they are switched off, or where rho_inf is 1 nothing is damped in them."""
+    off = simulate(thrown(1e9, 0.3, 2e-3, "time.damped_steps=0"))
+    assert off.summary["cost"]["damped_steps"] == 0
+    kept, lost = (
+        simulate(thrown(1e9, 0.3, 2e-3, f"time.rho_inf={rho}")).summary["energy"]["loss"]
+        for rho in (1.0, 0.8)
+    )
+    assert abs(kept["numerical_J"]) < 1e-6 * lost["numerical_J"]
+    assert np.isfinite(lost["contact_J"])
