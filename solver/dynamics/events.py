@@ -27,20 +27,25 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
         new: At t_{n+1}.
         rigid: Whether neither of the bodies that touch is meshed.
     """
-    parts = [_changed(*each) for each in zip(old, new, rigid, strict=True)]
-    least = TRIFLE * sum(carried for _, carried in parts)
-    return any(changed > max(SHARE * carried, least) for changed, carried in parts)
+    states = [_changed(*each) for each in zip(old, new, rigid, strict=True)]
+    if not any(changed.any() for changed in states):
+        return False
+    carried = [np.maximum(_sizes(a), _sizes(b)) for a, b in zip(old, new, strict=True)]
+    least = TRIFLE * sum(float(sizes.sum()) for sizes in carried)
+    return any(
+        float(sizes[changed].sum()) > max(SHARE * float(sizes.sum()), least)
+        for changed, sizes in zip(states, carried, strict=True)
+    )
 
 
-def _changed(old: Memory, new: Memory, rigid: bool) -> tuple[float, float]:
-    """What the points of an interface carry that changed, and what all of them do, N."""
+def _changed(old: Memory, new: Memory, rigid: bool) -> Mask:
+    """Points of an interface that opened, closed, stuck, slipped or turned round."""
     before, after = old.force, new.force
     slipped = _slipping(old, rigid)
     states = (before[:, 0] > 0) != (after[:, 0] > 0)
     states |= slipped != _slipping(new, rigid)
-    states |= slipped & (np.einsum("ij,ij->i", before[:, 1:], after[:, 1:]) < 0)
-    carried = np.maximum(_sizes(before), _sizes(after))
-    return float(carried[states].sum()), float(carried.sum())
+    states |= slipped & ((before[:, 1:] * after[:, 1:]).sum(axis=1) < 0)
+    return states
 
 
 def _slipping(memory: Memory, rigid: bool) -> Mask:
@@ -51,6 +56,6 @@ def _slipping(memory: Memory, rigid: bool) -> Mask:
     return closed & bool(memory.slipped[closed].all())
 
 
-def _sizes(force: Array) -> Array:
-    """Magnitudes of point forces."""
-    return np.asarray(np.linalg.norm(force, axis=1), dtype=np.float64)
+def _sizes(memory: Memory) -> Array:
+    """Magnitudes of point forces, N."""
+    return np.asarray(np.linalg.norm(memory.force, axis=1), dtype=np.float64)

@@ -60,3 +60,11 @@ def test_points_that_carry_next_to_nothing():
     assert not contact_changed([light], [memory(STICKS, OPEN)], [False])
     alone = replace(light, force=light.force * [[0], [1]])
     assert contact_changed([memory(OPEN, OPEN)], [alone], [False])
+
+
+def test_an_interface_that_grazes_shakes_nothing():
+    """All of its force changes, but it is next to none beside that of the others."""
+    heavy, open_, grazing = memory(STICKS), memory(OPEN), memory((1e-6, 0.0, False))
+    assert not contact_changed([heavy, open_], [heavy, grazing], [False, False])
+    assert contact_changed([heavy, open_], [heavy, memory((0.1, 0.0, False))], [False, False])
+    assert contact_changed([open_], [grazing], [False])
