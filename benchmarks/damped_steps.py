@@ -17,11 +17,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rows import processes_wanted, side_by_side, write_table
 
 from solver.reference.housner import housner
-from solver.scene import load_scene
-from solver.simulate import simulate
+from solver.scene import Scene, load_scene
+from solver.simulate import Result, simulate
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
@@ -30,26 +31,43 @@ SWINGS = 5
 CASES = [(1e-3, 0), (1e-3, 2), (1e-3, 4), (1e-3, 8), (2e-3, 8), (5e-4, 0), (5e-4, 8), (2e-4, 8)]
 
 
+def reaction_noise(scene: Scene, result: Result) -> NDArray[np.float64]:
+    """(N - N_rigid)/(m g), row by row; N_rigid while the block turns about one corner."""
+    shape, history, gravity = scene.blocks[0].shape, result.history, scene.gravity
+    left = shape.slenderness - np.abs(history["block.angle_rad"])
+    spin = history["block.angular_velocity_rad_s"]
+    rigid = 1 - 0.75 * np.sin(left) ** 2
+    rigid -= shape.half_diagonal * np.cos(left) * spin**2 / gravity
+    return history["block.normal_force_N"] / shape.weight(gravity) - rigid
+
+
+def scatter(scene: Scene, result: Result) -> list[float]:
+    """Standard deviation of the noise over .4 to .9 of each of the first swings."""
+    times, noise = result.history["time_s"], reaction_noise(scene, result)
+    found = []
+    for begin, end in itertools.pairwise([0.0, *impact_times(result)]):
+        place = (times - begin) / (end - begin)
+        found.append(float(noise[(place > 0.4) & (place < 0.9)].std()))
+    return found
+
+
+def impact_times(result: Result) -> list[float]:
+    """Of the first impacts, s."""
+    impacts = result.summary["blocks"]["block"]["impacts"][:SWINGS]
+    return [impact["time_s"] for impact in impacts]
+
+
 def run(case: tuple[float, int]) -> dict[str, Any]:
     """One row."""
     step, damped = case
     chosen = [f"time.step={step}", f"time.damped_steps={damped}", "time.end=1.6"]
     scene = load_scene(SCENE, chosen)
     shape, result = scene.blocks[0].shape, simulate(scene)
-    history, gravity = result.history, scene.gravity
-    left = shape.slenderness - np.abs(history["block.angle_rad"])
-    spin = history["block.angular_velocity_rad_s"]
-    rigid = 1 - 0.75 * np.sin(left) ** 2
-    rigid -= shape.half_diagonal * np.cos(left) * spin**2 / gravity
-    noise = history["block.normal_force_N"] / shape.weight(gravity) - rigid
-    times, impacts = history["time_s"], result.summary["blocks"]["block"]["impacts"]
-    ends = [impact["time_s"] for impact in impacts[:SWINGS]]
     row: dict[str, Any] = {"step": step, "damped_steps": damped}
-    for number, (begin, end) in enumerate(itertools.pairwise([0.0, *ends]), start=1):
-        place = (times - begin) / (end - begin)
-        row[f"swing_{number}"] = f"{noise[(place > 0.4) & (place < 0.9)].std():.3f}"
-    exact = housner(shape, gravity=gravity, tilt=math.radians(3.0), end=1.6, step=1e-3)
-    row["fifth_impact_error"] = f"{ends[-1] / exact.impacts[SWINGS - 1] - 1:.2%}"
+    for number, noise in enumerate(scatter(scene, result), start=1):
+        row[f"swing_{number}"] = f"{noise:.3f}"
+    exact = housner(shape, gravity=scene.gravity, tilt=math.radians(3.0), end=1.6, step=1e-3)
+    row["fifth_impact_error"] = f"{impact_times(result)[-1] / exact.impacts[SWINGS - 1] - 1:.2%}"
     row["iterations"] = result.summary["cost"]["newton_iterations"]
     return row
 

@@ -15,6 +15,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,7 @@ WITH_FIELDS = {"block": [BLOCK, TOP], "foundation": PLATE | ON_ROLLERS}
 
 def run_all(folder: Path, end: float) -> None:
     """Run every scene up to `end` (s) on the ranks that there are; collective."""
+    # Not above: the process that starts mpirun must not be a rank itself.
     from mpi4py import MPI
 
     from solver.scene import parse_scene
@@ -146,8 +148,6 @@ def differences(folder: Path) -> Iterator[dict[str, Any]]:
 
 def main() -> int:
     """Run all, on one, two and three ranks; 0 where every run completed."""
-    from tempfile import TemporaryDirectory
-
     with TemporaryDirectory() as name:
         for ranks in (1, 2, 3):
             done = run_on(ranks, Path(name), 1.0)

@@ -55,7 +55,7 @@ def rigid(step: float) -> Scene:
 
 
 def in_whole_steps(scene: Scene) -> NDArray[np.float64]:
-    """Angles of a rigid block in the engine of meshed bodies, whose steps no impact cuts, rad."""
+    """Angles of a block in the engine of meshed bodies, whose steps no impact cuts, rad."""
     engine = MeshedRun(scene, lambda line: None)
     stepper, state = engine.assembly.stepper, engine.state
     angles = [scene.blocks[0].tilt]

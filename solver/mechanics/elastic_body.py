@@ -1,4 +1,4 @@
-"""An elastic body: what it weighs, how it resists, a factorization for each step and rho_inf.
+"""An elastic body: what it weighs, how it resists, factorized for each step size and rho_inf.
 
 Total Lagrangian, St. Venant-Kirchhoff. All vectors hold the owned unknowns of a rank, node by node,
 and belong to the whole thickness.
