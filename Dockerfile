@@ -14,10 +14,10 @@ RUN echo 'Acquire::Check-Valid-Until "false";' > /etc/apt/apt.conf.d/90valid-unt
  && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
         python3-dolfinx-real python3-gmsh python3-petsc4py-real python3-mpi4py \
         python3-numpy python3-scipy python3-numba python3-pyvista python3-matplotlib \
-        python3-tqdm python3-tomli-w \
+        python3-tqdm python3-tomli-w python3-pebble \
         libopenblas0-pthread openmpi-bin libopenmpi-dev g++ libc6-dev pkg-config \
         python3-dev python3-pip python3-setuptools python3-wheel \
-        python3-pytest python3-pytest-xdist python3-mypy \
+        python3-pytest python3-pytest-xdist python3-hypothesis python3-mypy \
         libgl1 libglx-mesa0 xvfb xauth fonts-dejavu-core \
         git make \
  && rm -rf /var/lib/apt/lists/*
@@ -40,7 +40,7 @@ ENV LANG=C.UTF-8 \
     ROCKSLIP_SUITE=${SUITE}
 
 # In this stage `rockslip` is the program of the mounted repository (PYTHONPATH).
-RUN printf '#!/bin/sh\nexec python3 -m solver "$@"\n' > /usr/local/bin/rockslip \
+RUN printf '#!/bin/sh\nexec python3 -m rockslip "$@"\n' > /usr/local/bin/rockslip \
  && chmod +x /usr/local/bin/rockslip
 
 FROM environment AS program

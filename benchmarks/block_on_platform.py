@@ -22,8 +22,8 @@ import numpy as np
 from rows import processes_wanted, side_by_side, write_table
 
 from solver.reference.platform import PlatformReference, sliding_on_platform
+from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import simulate
 
 TABLE = Path(__file__).with_suffix(".csv")
 

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from rows import processes_wanted, side_by_side, write_table
 
 from solver.reference.housner import housner
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, load_scene
-from solver.simulate import Result, simulate
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")

@@ -27,8 +27,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from rows import write_table
 from tqdm import tqdm
 
+from solver.run.simulate import simulate
 from solver.scene import parse_scene, scene_to_toml
-from solver.simulate import simulate
 
 TABLE = Path(__file__).with_suffix(".csv")
 STEPS = 300

@@ -34,21 +34,21 @@ from mpi4py import MPI
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Plane
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
-from solver.contact.seats import Seat
-from solver.contact.surfaces import Seen
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
-from solver.mechanics.supports import Support
-from solver.reference.hertz import HertzLine, contact_modulus
-from solver.statics import Tractions, contact_tractions, shifted, support_load
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.supports import Support
+from solver.contact.body_points import SurfaceState
+from solver.contact.candidates import MeshedContactPair
+from solver.contact.plane_target import Plane
+from solver.contact.projection import ContactKinematics
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import System
+from solver.verification.disc_mesh import disc_mesh
+from solver.verification.hertz import HertzLine, contact_modulus
+from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ class NearGround(Plane):
         self.places: Array | None = None
         """Of the points on the undeformed body, (points, 2), m."""
 
-    def seat(self, position: Array, carrier: Seen | None) -> Seat:
+    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         if self.places is not None:
             position = position - (1 - self.share) * self.places * (0.0, 1.0)
@@ -109,7 +109,7 @@ class Disc:
         body = ElasticBody(made.mesh, material, supports=[top])
         law = FrictionLaw.coulomb(0.0)
         ground = NearGround(self.share)
-        contact = ContactFaces(body, made.facet_tags, ground, law, points=self.points)
+        contact = MeshedContactPair(body, made.facet_tags, ground, law, points=self.points)
         stepper = Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
         stepper.start(np.zeros(body.size), np.zeros(body.size))
         ground.places = stepper.links[0].interface.points.reference

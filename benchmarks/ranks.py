@@ -91,8 +91,8 @@ def run_all(folder: Path, end: float) -> None:
     # Not above: the process that starts mpirun must not be a rank itself.
     from mpi4py import MPI
 
+    from solver.run.simulate import simulate
     from solver.scene import parse_scene
-    from solver.simulate import simulate
 
     common = {
         "block": [BLOCK],

@@ -25,12 +25,11 @@ from matplotlib.figure import Figure
 from rows import write_table
 from tqdm import tqdm
 
-from solver.excitation.table1 import table1_suite
-from solver.post.style import colour, legend_above, new_figure, save
+from solver.excitation.synthetic.table1 import table1_suite
+from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.reference.answer import reference_history
-from solver.scene import Scene, parse_scene
-from solver.simulate import simulate
-from solver.specs import SyntheticSpec
+from solver.run.simulate import simulate
+from solver.scene import Scene, SyntheticSpec, parse_scene
 
 TABLE = Path(__file__).with_suffix(".csv")
 PICTURE = TABLE.parents[1] / "docs" / "pictures" / "suite_cost.png"

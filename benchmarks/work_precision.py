@@ -21,14 +21,14 @@ import numpy as np
 from hertz import PHASES, Disc, constant, true_pressure
 
 from solver.scene import load_scene
-from solver.study.error_runtime_beside import read_beside
-from solver.study.error_runtime_family import Family, Outcome, Rung, climb
-from solver.study.error_runtime_findings import Findings
-from solver.study.error_runtime_ladders import NAMES
-from solver.study.error_runtime_picture import picture
-from solver.study.error_runtime_reference import Reference
-from solver.study.error_runtime_study import study
-from solver.study.error_runtime_table import text, write_csv
+from solver.study.error_runtime.beside import read_beside
+from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
+from solver.study.error_runtime.findings import Findings
+from solver.study.error_runtime.ladders import NAMES
+from solver.study.error_runtime.picture import picture
+from solver.study.error_runtime.reference import Reference
+from solver.study.error_runtime.study import study
+from solver.study.error_runtime.table import text, write_csv
 from solver.study.machine import machine
 
 HERE = Path(__file__).resolve().parent
@@ -76,7 +76,7 @@ def loads(disc: Disc, facets: int) -> list[float]:
     return [float(load) for load in np.pi * disc.modulus * halves**2 / (4 * disc.radius)]
 
 
-def press(facets: int, points: str) -> Outcome:
+def press(facets: int, points: str) -> RunOutcome:
     """One mesh under all loads; seconds are those of one load."""
     disc = Disc(radius=1.0, young=1.0, half=RATIO, facet=RATIO / facets, points=points)
     began = perf_counter()
@@ -97,7 +97,7 @@ def press(facets: int, points: str) -> Outcome:
     measures = {"contact.pressure": np.concatenate(linear), "contact.peak": np.array(peaks)}
     if points == "nodes":
         measures["contact.facet_pressure"] = np.concatenate(level)
-    return Outcome(
+    return RunOutcome(
         measures=measures,
         loop_s=(ended - ready) / len(forces),
         setup_s=ready - began,
@@ -108,7 +108,7 @@ def press(facets: int, points: str) -> Outcome:
 def hertz_findings(repeat: int, longest: float) -> Findings:
     """The same for Hertz's line contact, by facets on the half-width."""
     families = [
-        Family(
+        LadderFamily(
             name=f"points {points}",
             size="facets",
             rungs=tuple(

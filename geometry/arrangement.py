@@ -7,11 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.block import Block
+from geometry.types import Array
 
-Array = NDArray[np.float64]
 Placement = Callable[[Array], Array]
 
 

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometry.types import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,13 +9,12 @@ from mpi4py import MPI
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.foundation import Frame
 from geometry.gmsh_model import CELLS, MeshedBody, make, split_into_simplices
 from geometry.tags import CellTag, FacetTag
+from geometry.types import Array
 
-Array = NDArray[np.float64]
 Box = tuple[int, ...]
 """A box of the coarse grid, by its place along each direction."""
 

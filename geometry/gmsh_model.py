@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from geometry.compat import model_to_mesh
 from geometry.tags import CellTag, FacetTag
-
-Array = NDArray[np.float64]
+from geometry.types import Array, Indices, Mask
 
 CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 """Shapes of cells in the plane and in space, the usual one first."""
@@ -176,9 +175,7 @@ def split_into_simplices(lines: list[Array]) -> None:
             gmsh.model.mesh.addElementsByType(entity, part, [], pieces.ravel())
 
 
-def _pieces(
-    cells: NDArray[np.uint64], odd: NDArray[np.bool_], around: NDArray[np.int64]
-) -> NDArray[np.uint64]:
+def _pieces(cells: NDArray[np.uint64], odd: Mask, around: Indices) -> NDArray[np.uint64]:
     """A simplex at each odd corner with its neighbours; in hexahedra one more, of the even ones."""
     corner = np.column_stack([np.arange(len(around)), around])
     cut = cells[:, corner][odd]

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from mpi4py import MPI
 
-import numpy as np
 from dolfinx.mesh import Mesh
-from numpy.typing import NDArray
 
 from geometry.arrangement import Placement
 from geometry.block import Block
@@ -14,8 +12,7 @@ from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS, MeshedBody, box, make, rectangle
 from geometry.grading import centred, graded, graded_to_both_ends
 from geometry.tags import CellTag
-
-Array = NDArray[np.float64]
+from geometry.types import Array
 
 
 def block_mesh(

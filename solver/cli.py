@@ -14,12 +14,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
+from solver import VERSION
 from solver.arguments import add_overrides, add_scene
 from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
-from solver.folders import claim_folder
 from solver.launcher import launched_rank
+from solver.run.folders import claim_folder
 from solver.study.command import add_studies
-from solver.version import VERSION
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
@@ -105,10 +105,10 @@ def build_parser() -> Parser:
 def run_scene(options: argparse.Namespace) -> int:
     """`rockslip run`: every rank reads the same scene and takes part."""
     from solver.excitation.motion import ground_motion
+    from solver.law.switch import interpret_if_short
     from solver.parallel import abort_on_exceptions, on_first_rank, world
-    from solver.petsc_options import parse_options
-    from solver.rigid.switch import interpret_if_short
     from solver.scene import parse_scene, read_text
+    from solver.stepping.petsc_options import parse_options
 
     try:
         comm = world()
@@ -126,7 +126,7 @@ def run_scene(options: argparse.Namespace) -> int:
         interpret_if_short(scene)
     try:
         comm = world(meshed=not scene.is_rigid)
-        from solver.simulate import simulate
+        from solver.run.simulate import simulate
 
         if not scene.is_rigid:
             import_module("dolfinx")
@@ -134,8 +134,8 @@ def run_scene(options: argparse.Namespace) -> int:
         raise EnvironmentTrouble(_remedy(error)) from error
     folder = options.output or Path(path.stem + ".out")
     on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
-    from solver.post.report import report
-    from solver.progress import Progress
+    from solver.results.report import report
+    from solver.run.progress import Progress
 
     result = simulate(
         scene,
@@ -155,7 +155,7 @@ def run_scene(options: argparse.Namespace) -> int:
 def check_scene(options: argparse.Namespace) -> int:
     """`rockslip check`."""
     if launched_rank() == 0:
-        from solver.check import describe
+        from solver.run.describe import describe
         from solver.scene import load_scene
 
         sys.stdout.write(describe(load_scene(options.scene, options.overrides)))
@@ -166,9 +166,9 @@ def run_reference(options: argparse.Namespace) -> int:
     """`rockslip reference`: one rank does it, in the time that the others need to leave."""
     if launched_rank() != 0:
         return 0
-    from solver.post.report import report
-    from solver.post.summary import summarise, write_json
     from solver.reference.answer import reference_history, reference_name
+    from solver.results.report import report
+    from solver.results.summary import summarise, write_json
     from solver.scene import load_scene, scene_to_toml
 
     scene = load_scene(options.scene, options.overrides)
@@ -196,11 +196,11 @@ def plot_runs(options: argparse.Namespace) -> int:
     """`rockslip plot`."""
     if launched_rank() != 0:
         return 0
-    from solver.post.runs import read_run
+    from solver.results.runs import read_run
 
     runs = [read_run(folder) for folder in options.runs]
     try:
-        from solver.post.pictures import picture_run, picture_runs
+        from solver.pictures.pictures import picture_run, picture_runs
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
     if len(runs) == 1:

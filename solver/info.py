@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from solver import VERSION
 from solver.errors import EnvironmentTrouble
-from solver.version import VERSION
 
 #: Python packages whose versions matter, by the attribute that holds the version.
 PACKAGES = {

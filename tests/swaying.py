@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from geometry.block import Block
 from geometry.mesh import block_mesh
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
+from solver.bodies.elastic_body import ElasticBody
+from solver.scene.material import Material
 
 Array = NDArray[np.float64]
 

@@ -62,8 +62,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from solver.cli import main as rockslip
-from solver.post.style import BLUE, ORANGE, legend_above, new_figure, save
-from solver.post.verdict import verdict
+from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save
+from solver.results.verdict import verdict
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
-from solver.contact.rules import ON_FACET, Rule, facet_rule, on_facets
-
-Array = NDArray[np.float64]
+from solver.contact.quadrature import ON_FACET, Rule, facet_rule, on_facets
+from solver.types import Array
 
 # a + b.x >= 0 for each side of the reference facets
 SIDES = {

@@ -7,16 +7,13 @@ there, so that the stick memory is 0 at the start of every step.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solver.contact.crossings import Crossings
-from solver.contact.friction import FrictionLaw
+from solver.contact.body_points import SurfaceState
+from solver.contact.edge_crossings import Crossings
 from solver.contact.interface import Interface, Key, Memory
-from solver.contact.seats import Seat, spread
-from solver.contact.surfaces import Seen
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from solver.contact.projection import ContactKinematics, spread
+from solver.law.friction import FrictionLaw
+from solver.types import Array, Mask
 
 
 class CrossingInterface(Interface):
@@ -36,11 +33,11 @@ class CrossingInterface(Interface):
         surface, carried = self._seen(u, carrier_u)
         none = np.zeros(self.count, dtype=bool)
         seat = self.crossings.meet(surface.position, carried, (surface.position, carried.position))
-        eligible = self.crossings.present.copy()
+        may_touch = self.crossings.present.copy()
         force, anchor = np.zeros((self.count, 3)), np.zeros((self.count, 2))
-        return Memory(surface, seat, force, anchor, eligible, none, none)
+        return Memory(surface, seat, force, anchor, may_touch, none, none)
 
-    def _seen(self, u: Array | None, carrier_u: Array | None) -> tuple[Seen, Seen]:
+    def _seen(self, u: Array | None, carrier_u: Array | None) -> tuple[SurfaceState, SurfaceState]:
         """Where the nodes of both outlines are."""
         return self.points.observe(u), self.crossings.points.observe(carrier_u)
 
@@ -57,15 +54,17 @@ class CrossingInterface(Interface):
         memory.seat = self.crossings.meet(
             memory.surface.position, memory.seat.carrier, (middle[0].position, middle[1].position)
         )
-        memory.eligible = self.crossings.present.copy()
-        memory.force[~memory.eligible] = 0.0
+        memory.may_touch = self.crossings.present.copy()
+        memory.force[~memory.may_touch] = 0.0
         memory.anchor[:] = 0.0
 
-    def turn(self, memory: Memory, rotation: Array, carrier_rotation: Array | None) -> float:
+    def rotate_frame(
+        self, memory: Memory, rotation: Array, carrier_rotation: Array | None
+    ) -> float:
         """Nothing is left to do after `prepare`, and no energy is stored."""
         return 0.0
 
-    def augmented(self, surface: Seen, seat: Seat) -> Array:
+    def augmented(self, surface: SurfaceState, seat: ContactKinematics) -> Array:
         """Y = (g - rest, s) of all pairs, (16, 3), m."""
         y = seat.place.copy()
         y[:, 0] -= self.crossings.rest
@@ -76,9 +75,11 @@ class CrossingInterface(Interface):
         assert memory.seat.carrier is not None
         return self.crossings.within(memory.surface.position, memory.seat.carrier.position)
 
-    def push(self, old: Seat, new: Seat, force: Array) -> tuple[Array, Array | None]:
+    def point_forces(
+        self, old: ContactKinematics, new: ContactKinematics, force: Array
+    ) -> tuple[Array, Array | None]:
         """Point forces as vectors in space on the nodes of both outlines."""
         vectors = self.carrier.vectors(old, new, force)
         assert old.tip is not None and new.tip is not None
         on_points = spread(old.tip, new.tip, vectors, self.points.count)
-        return on_points, self.carrier.react(old, new, vectors)
+        return on_points, self.carrier.reaction(old, new, vectors)

@@ -12,10 +12,10 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from solver.contact.clipping import on_polygons
-from solver.contact.rules import Rule, facet_rule, on_facets, on_pieces
+from solver.contact.quadrature import Rule, facet_rule, on_facets, on_pieces
 from solver.parallel import Layer
+from solver.types import Array, Indices
 
-Array = NDArray[np.float64]
 Records = tuple[NDArray[Any], ...]
 
 
@@ -26,14 +26,14 @@ class Evaluations:
     The rows are in one order on every rank.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: Indices
     values: Array
     gradients: Array
     node_positions: Array
     normal: Array
     weight: Array
     size: Array
-    tag: NDArray[np.int64]
+    tag: Indices
     position: Array
 
 
@@ -47,9 +47,9 @@ class Sides:
         tags: Its tag, (facets,).
     """
 
-    cells: NDArray[np.int64]
-    sides: NDArray[np.int64]
-    tags: NDArray[np.int64]
+    cells: Indices
+    sides: Indices
+    tags: Indices
 
 
 def tagged_sides(domain: mesh.Mesh, facet_tags: mesh.MeshTags) -> Sides:
@@ -86,7 +86,7 @@ def facet_kind(cell: basix.CellType) -> basix.CellType:
     return kind
 
 
-def cell_nodes(V: fem.FunctionSpace, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+def cell_nodes(V: fem.FunctionSpace, cells: Indices) -> tuple[Indices, Array]:
     """Global numbers (cells, k) and positions (cells, k, d) of the nodes of cells."""
     dofs = V.dofmap.list[cells]
     numbers = V.dofmap.index_map.local_to_global(dofs.ravel()).reshape(dofs.shape)
@@ -175,7 +175,7 @@ def _area(jacobian: Array, edges: Array) -> Array:
     return np.linalg.norm(np.cross(spanned[:, 0], spanned[:, 1]), axis=1)
 
 
-def _cell_heights(mapping: Any, kind: basix.CellType, x: Array, sides: NDArray[np.int64]) -> Array:
+def _cell_heights(mapping: Any, kind: basix.CellType, x: Array, sides: Indices) -> Array:
     """Cell volume over facet area, both from the Jacobian at their centres, m, (facets,)."""
     origin, edges = facet_frames(kind)
     corners = basix.geometry(facet_kind(kind))
@@ -195,8 +195,8 @@ def _cell_heights(mapping: Any, kind: basix.CellType, x: Array, sides: NDArray[n
 
 
 def shared_layer(
-    V: fem.FunctionSpace, nodes: NDArray[np.int64], positions: Array, scale: float
-) -> tuple[NDArray[np.int64], Array, Layer]:
+    V: fem.FunctionSpace, nodes: Indices, positions: Array, scale: float
+) -> tuple[Indices, Array, Layer]:
     """The layer of some nodes, in an order that no partition changes.
 
     Args:

@@ -21,17 +21,15 @@ from petsc4py import PETSc
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from solver.contact.carriers import Carrier
-from solver.contact.face import DEEP, Face
-from solver.contact.friction import Bounds, FrictionLaw
-from solver.contact.points import SurfaceState
-from solver.contact.seats import Seat
-from solver.contact.surfaces import NitschePoints, Seen, SurfacePoints
+from solver.contact.body_points import NitschePoints, SurfacePoints, SurfaceState
+from solver.contact.facet_target import DEEP, Face
+from solver.contact.nitsche_points import NitscheState
+from solver.contact.plane_target import Carrier
+from solver.contact.projection import ContactKinematics
+from solver.law.friction import Bounds, FrictionLaw
+from solver.types import Array, Indices, Mask
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Key = tuple[float, ...]
 
 EVEN = 1e-9
@@ -47,17 +45,17 @@ class Memory:
         seat: Their gaps and tangential positions.
         force: f = w l, (points, d), N: normal, tangential; on the body of the points.
         anchor: Stick memory, (points, d-1), m.
-        eligible: Points that may touch: of the coinciding points of a corner, the one whose face
+        may_touch: Points that may touch: of the coinciding points of a corner, the one whose face
             opposes the carrier; none that came round the carrier's edge.
         slipped: Points that slipped in the last step.
         broken: Points that have lost their cohesion.
     """
 
-    surface: Seen
-    seat: Seat
+    surface: SurfaceState
+    seat: ContactKinematics
     force: Array
     anchor: Array
-    eligible: Mask
+    may_touch: Mask
     slipped: Mask
     broken: Mask
 
@@ -98,7 +96,7 @@ class Interface:
         self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
         """Of the whole body that is carried, m."""
-        self._corners: list[NDArray[np.int64]] = []
+        self._corners: list[Indices] = []
         self.weight: Array
         self.area: Array
         self.inverse_gamma: Array
@@ -155,26 +153,28 @@ class Interface:
         return self._keys
 
     @staticmethod
-    def _coinciding(places: Array) -> list[NDArray[np.int64]]:
+    def _coinciding(places: Array) -> list[Indices]:
         """Groups of points of different faces that share a place."""
         _, group = np.unique(np.round(places, 9), axis=0, return_inverse=True)
         members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
         return [m for m in members if len(m) > 1]
 
-    def observe(self, u: Array | None, carrier_u: Array | None) -> tuple[Seen, Seat]:
+    def observe(
+        self, u: Array | None, carrier_u: Array | None
+    ) -> tuple[SurfaceState, ContactKinematics]:
         """Where the points and their carrier are for the unknowns of both bodies."""
         surface = self.points.observe(u)
         return surface, self._seat(surface, carrier_u)
 
-    def _seat(self, surface: Seen, carrier_u: Array | None) -> Seat:
+    def _seat(self, surface: SurfaceState, carrier_u: Array | None) -> ContactKinematics:
         """Gaps and tangential positions; a carrier without unknowns stands still."""
         points = self.carrier.points
         carried = None if points is None else points.observe(carrier_u)
         return self.carrier.seat(surface.position, carried)
 
-    def augmented(self, surface: Seen, seat: Seat) -> Array:
+    def augmented(self, surface: SurfaceState, seat: ContactKinematics) -> Array:
         """Y = (g, s) - T/gamma_h of all points, (points, d), m."""
-        if not isinstance(surface, SurfaceState):
+        if not isinstance(surface, NitscheState):
             return seat.place
         scaled: Array = self._gamma_column * surface.traction
         return seat.place - scaled @ self.carrier.frame.T
@@ -184,10 +184,10 @@ class Interface:
         surface, seat = self.observe(u, carrier_u)
         y = self.augmented(surface, seat)
         none = np.zeros(self.count, dtype=bool)
-        eligible = self.eligible(rotation, seat)
-        return Memory(surface, seat, np.zeros_like(y), y[:, 1:].copy(), eligible, none, none)
+        may_touch = self.may_touch(rotation, seat)
+        return Memory(surface, seat, np.zeros_like(y), y[:, 1:].copy(), may_touch, none, none)
 
-    def eligible(self, rotation: Array, seat: Seat) -> Mask:
+    def may_touch(self, rotation: Array, seat: ContactKinematics) -> Mask:
         """Points that may touch.
 
         At each corner it is the point whose face looks most against the carrier, and all other
@@ -204,28 +204,30 @@ class Interface:
             mask &= seat.place[:, 0] > -DEEP * self.carrier.length
         return mask
 
-    def _let_alone(self, memory: Memory) -> Mask:
+    def _ignored_until_open(self, memory: Memory) -> Mask:
         """Points that sank elsewhere, until they are out again: contact would throw them out.
 
         Beside a face, or before the face that they are on joined: Gauss points of one face do not
         keep another from sinking in at an edge between them.
         """
-        outside = ~memory.eligible
+        outside = ~memory.may_touch
         for corner in self._corners:
-            outside[corner] = not memory.eligible[corner].any()
-        off = self.carrier.off(memory.seat)
+            outside[corner] = not memory.may_touch[corner].any()
+        off = self.carrier.beyond_edge(memory.seat)
         if off is not None:
             outside |= off
-        return outside & self.sunk(memory) if outside.any() else outside
+        return outside & self.penetrating(memory) if outside.any() else outside
 
-    def sunk(self, memory: Memory) -> Mask:
+    def penetrating(self, memory: Memory) -> Mask:
         """Points deeper in the carrier than closed ones are pressed."""
         length = self.carrier.length if isinstance(self.carrier, Face) else self.size
         pressed = float(np.max(memory.force[:, 0], initial=0.0)) * self.softness
         deeper: Mask = memory.seat.place[:, 0] < -pressed - EVEN * length
         return deeper
 
-    def turn(self, memory: Memory, rotation: Array, carrier_rotation: Array | None) -> float:
+    def rotate_frame(
+        self, memory: Memory, rotation: Array, carrier_rotation: Array | None
+    ) -> float:
         """Before a step: the frame of a carrier that turns, the points of corners chosen anew.
 
         Anchors and point forces turn with the carrier; a force moves with its place to the other
@@ -238,19 +240,19 @@ class Interface:
         exchanged = 0.0
         if isinstance(self.carrier, Face) and carrier_rotation is not None:
             exchanged = self._turn_face(self.carrier, memory, carrier_rotation)
-        eligible = self.eligible(rotation, memory.seat) & ~self._let_alone(memory)
-        if (eligible == memory.eligible).all():
+        may_touch = self.may_touch(rotation, memory.seat) & ~self._ignored_until_open(memory)
+        if (may_touch == memory.may_touch).all():
             return exchanged
         before = self.energy(memory)
         y = self.augmented(memory.surface, memory.seat)
         for corner in self._corners:
-            new = corner[eligible[corner]]
-            old = corner[memory.eligible[corner]]
+            new = corner[may_touch[corner]]
+            old = corner[memory.may_touch[corner]]
             if len(new) and len(old) and new[0] != old[0]:
                 self._move(memory, y, int(old[0]), int(new[0]))
-        lost = np.flatnonzero(~eligible)
+        lost = np.flatnonzero(~may_touch)
         memory.force[lost], memory.anchor[lost] = 0.0, y[lost, 1:]
-        memory.eligible = eligible
+        memory.may_touch = may_touch
         return exchanged + before - self.energy(memory)
 
     def _turn_face(self, face: Face, memory: Memory, rotation: Array) -> float:
@@ -259,7 +261,7 @@ class Interface:
         Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
         """
         before = 0.0 if self.theta == 1 else self.energy(memory)
-        face.turn(rotation)
+        face.rotate_frame(rotation)
         memory.seat = face.seat(memory.surface.position, memory.seat.carrier)
         apart = memory.force[:, 0] <= 0
         if apart.any():  # the foot of a point that is away from the face moves as the face turns
@@ -290,8 +292,8 @@ class Interface:
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
-        off = self.carrier.off(memory.seat)
-        return memory.eligible if off is None else memory.eligible & ~off
+        off = self.carrier.beyond_edge(memory.seat)
+        return memory.may_touch if off is None else memory.may_touch & ~off
 
     def at_bound(self, force: Array, bounds: Bounds) -> Mask:
         """Closed points whose friction is at its bound."""
@@ -299,15 +301,17 @@ class Interface:
         limit = bounds.cohesion + bounds.mu * force[:, 0]
         return (force[:, 0] > 0) & (size >= limit * (1 - 1e-9))
 
-    def push(self, old: Seat, new: Seat, force: Array) -> tuple[Array, Array | None]:
+    def point_forces(
+        self, old: ContactKinematics, new: ContactKinematics, force: Array
+    ) -> tuple[Array, Array | None]:
         """Point forces as vectors in space on the body's points, and on the carrier's own."""
         vectors = self.carrier.vectors(old, new, force)
-        return vectors, self.carrier.react(old, new, vectors)
+        return vectors, self.carrier.reaction(old, new, vectors)
 
     def traction_pull(
         self,
-        old: Seen,
-        new: Seen,
+        old: SurfaceState,
+        new: SurfaceState,
         force: Array,
         traction_weight: float,
         contact_weight: float,
@@ -322,7 +326,7 @@ class Interface:
                 leave it out.
             contact_weight: w_c.
         """
-        assert isinstance(old, SurfaceState) and isinstance(new, SurfaceState)
+        assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
         pull = -contact_weight * (force @ self.carrier.frame)
         if traction_weight:
             averaged = traction_weight * new.traction + (1 - traction_weight) * old.traction
@@ -337,7 +341,7 @@ class Interface:
         half the change of f.T/gamma_h but for the circulation (f.dT - T.df)/(2 gamma_h).
         """
         stored = 0.5 * float(np.vdot(memory.force, memory.force * self._soft_column))
-        if isinstance(memory.surface, SurfaceState):
+        if isinstance(memory.surface, NitscheState):
             scaled = self._gamma_column * memory.surface.traction
             if self.theta:
                 pulled = self._weight_column * memory.surface.traction
@@ -354,12 +358,17 @@ class Interface:
         """Theta sum of w |T_{n+1} - T_n|^2/gamma_h, J: its part in the numerical dissipation."""
         if not self.theta:
             return 0.0
-        assert isinstance(old.surface, SurfaceState) and isinstance(new.surface, SurfaceState)
+        assert isinstance(old.surface, NitscheState) and isinstance(new.surface, NitscheState)
         change = new.surface.traction - old.surface.traction
         return float(np.vdot(self._pull_column * change, self._weight_column * change))
 
     def remember(
-        self, old: Memory, surface: Seen, seat: Seat, force: Array, bounds: Bounds
+        self,
+        old: Memory,
+        surface: SurfaceState,
+        seat: ContactKinematics,
+        force: Array,
+        bounds: Bounds,
     ) -> tuple[Memory, Dissipation]:
         """The memory after a step, and what friction, closing and opening of points dissipated.
 
@@ -382,16 +391,16 @@ class Interface:
         grown = (force - old.force) * self._soft_column
         stored = 0.5 * float(np.vdot(grown, force + old.force))
         contact = -float(np.vdot(force, y - y_old)) - stored - friction
-        contact -= self.carrier.lapse(old.seat, seat, force)
-        if self.theta != 1 and isinstance(surface, SurfaceState):
-            assert isinstance(old.surface, SurfaceState)
+        contact -= self.carrier.work_defect(old.seat, seat, force)
+        if self.theta != 1 and isinstance(surface, NitscheState):
+            assert isinstance(old.surface, NitscheState)
             before = self._gamma_column * old.surface.traction
             after = self._gamma_column * surface.traction
             ends = self._work(force, after) + self._work(old.force, before)
             contact -= (1 - self.theta) * (0.5 * ends - self._work(force, before))
         slipped = self.at_bound(force, bounds)
         broken = old.broken if self.law.constant else old.broken | slipped
-        memory = Memory(surface, seat, force, anchor, old.eligible, slipped, broken)
+        memory = Memory(surface, seat, force, anchor, old.may_touch, slipped, broken)
         return memory, Dissipation(friction, contact)
 
 
@@ -402,7 +411,7 @@ def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) ->
     for k, key in enumerate(new.keys()):
         if key in place:
             before, joining[k] = place[key], False
-            for name in ("force", "anchor", "eligible", "slipped", "broken"):
+            for name in ("force", "anchor", "may_touch", "slipped", "broken"):
                 getattr(fresh, name)[k] = getattr(memory, name)[before]
-    fresh.eligible &= ~(joining & new.sunk(fresh))
+    fresh.may_touch &= ~(joining & new.penetrating(fresh))
     return fresh

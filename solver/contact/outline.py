@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solver.contact.seats import EdgeSpots
-from solver.contact.surfaces import FacePoints
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from solver.contact.body_points import FacePoints
+from solver.contact.projection import EdgeInterpolation
+from solver.types import Array, Indices
 
 SIDES = ((1, "low", 0, 1.0), (0, "high", 1, 1.0), (1, "high", 0, -1.0), (0, "low", 1, -1.0))
 """Of each edge: the axis across it, at which end of that, the axis along it, the direction."""
@@ -72,16 +69,16 @@ class Outline:
         """The other way round."""
         return self._begins[segment] - edge + where * self._lengths[segment]
 
-    def spots(self, segment: Indices, where: Array, position: Array) -> EdgeSpots:
+    def spots(self, segment: Indices, where: Array, position: Array) -> EdgeInterpolation:
         """The places at `where` on segments, for positions of the nodes."""
         x = where
         if self._degree == 1:
             weights = np.stack([1 - x, x], axis=1)
         else:
             weights = np.stack([(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)], axis=1)
-        return EdgeSpots(self._pieces[segment], weights, segment, x, position)
+        return EdgeInterpolation(self._pieces[segment], weights, segment, x, position)
 
-    def nowhere(self, position: Array) -> EdgeSpots:
+    def nowhere(self, position: Array) -> EdgeInterpolation:
         """No place at all."""
         empty = np.zeros(0)
         return self.spots(empty.astype(np.int64), empty, position)

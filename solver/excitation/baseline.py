@@ -6,9 +6,8 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from solver.types import Array
 
 Baseline = Literal["none", "constant", "linear", "quadratic"]
 

@@ -6,14 +6,15 @@ import numpy as np
 
 from solver.excitation.motion import BaseMotion
 from solver.excitation.pulses import Pulse
-from solver.excitation.sampled import Array, SampledMotion
+from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     arias_intensity,
     peak_ground,
     response_spectrum,
     significant_duration,
 )
-from solver.excitation.units import STANDARD_GRAVITY
+from solver.scene.units import STANDARD_GRAVITY
+from solver.types import Array
 
 Lines = list[tuple[str, str]]
 

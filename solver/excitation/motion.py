@@ -6,28 +6,26 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.excitation.pulses import Rectangular, Ricker, Sine
-from solver.excitation.units import STANDARD_GRAVITY, UNITS
-from solver.scene import Scene
-from solver.specs import (
+from solver.scene import (
     HalfSineSpec,
     MotionSpec,
     OneSineSpec,
     RecordSpec,
     RectangularSpec,
     RickerSpec,
+    Scene,
     SineSpec,
     StillSpec,
     SyntheticSpec,
     TableSpec,
 )
+from solver.scene.units import STANDARD_GRAVITY, UNITS
+from solver.types import Array
 
 RICKER_PERIODS = 3.0
 """Duration of a Ricker wavelet in periods 1/f: at its ends it is 1e-8 of what it is at its peak."""
-
-Array = NDArray[np.float64]
 
 
 class BaseMotion(Protocol):
@@ -79,7 +77,7 @@ def base_motion(spec: MotionSpec | None, end: float, where: str = "motion") -> B
 
         return read_record(spec, where)
     if isinstance(spec, SyntheticSpec):
-        from solver.excitation.synthetic import synthetic_motion
+        from solver.excitation.synthetic.suite_motion import synthetic_motion
 
         return synthetic_motion(spec)
     return _pulse(spec, end)

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from solver.checking import shown
 from solver.errors import SceneError
+from solver.scene.checking import shown
 
 
 @dataclass(frozen=True, slots=True)

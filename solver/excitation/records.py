@@ -7,17 +7,15 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solver.checking import shown
 from solver.errors import SceneError
 from solver.excitation.baseline import corrected
 from solver.excitation.numbers import Row, number_in, read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
-from solver.excitation.units import MOVED, UNITS, units_named
-from solver.specs import RecordSpec
-
-Array = NDArray[np.float64]
+from solver.scene import RecordSpec
+from solver.scene.checking import shown
+from solver.scene.units import MOVED, UNITS, units_named
+from solver.types import Array
 
 EXPECTED = "an accelerogram: PEER's .AT2, two columns (time, acceleration), or one with dt"
 

@@ -6,9 +6,8 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from solver.types import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

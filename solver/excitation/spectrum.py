@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solver.excitation.units import STANDARD_GRAVITY
+from solver.scene.units import STANDARD_GRAVITY
 
 Samples = NDArray[np.float64]
 

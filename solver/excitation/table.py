@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.checking import shown
 from solver.errors import SceneError
 from solver.excitation.numbers import read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
+from solver.scene.checking import shown
 
 ROW = "two numbers, time and acceleration"
 

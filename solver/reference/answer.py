@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.checking import shown
 from solver.errors import SceneError
 from solver.excitation.motion import base_motion
-from solver.post.history import History, scene_columns
+from solver.history.history import History, scene_columns
 from solver.reference.expected import expected_mode, vertical_motion
 from solver.reference.rows import ONLY, rock, slide, slide_on_platform
 from solver.scene import Scene
+from solver.scene.checking import shown
 
 #: Names of the answers.
 ROCKING, SLIDING = "rigid block, Housner 1963", "rigid block, sliding"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from solver.specs import FrictionSpec
+from solver.scene import FrictionSpec
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

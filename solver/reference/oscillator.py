@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Oscillator:
+class LinearOscillator:
     """u'' + 2 d u' + w2 u = load, in closed form for loads that are linear in time."""
 
     w2: float

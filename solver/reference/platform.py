@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.reference.friction import Resistance, coulomb
 from solver.reference.phases import (
@@ -25,9 +24,8 @@ from solver.reference.phases import (
     solve,
     still,
 )
-from solver.specs import Platform
-
-Array = NDArray[np.float64]
+from solver.scene import Platform
+from solver.types import Array
 
 BEYOND = 1 + 1e-11
 """Sticking ends where friction is exceeded by more than round-off, so that sliding does begin."""

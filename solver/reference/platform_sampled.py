@@ -14,22 +14,20 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.excitation.sampled import SampledMotion
 from solver.reference.friction import Resistance
-from solver.reference.oscillator import Oscillator
+from solver.reference.oscillator import LinearOscillator
 from solver.reference.phases import output_times
 from solver.reference.platform import BEYOND, PlatformReference
-from solver.specs import Platform
-
-Array = NDArray[np.float64]
+from solver.scene import Platform
+from solver.types import Array
 
 APART = 1e-9
 """Samples that are this near to an output time are taken to come with it, s."""
 
 
-class State(NamedTuple):
+class PlatformState(NamedTuple):
     """Where the block and the platform are."""
 
     slip: float
@@ -69,9 +67,9 @@ class Pair:
     """Gravity across the platform, m/s^2."""
     law: Resistance
     """With a friction force that does not depend on the speed."""
-    both: Oscillator
+    both: LinearOscillator
     """Block and platform as one."""
-    alone: Oscillator
+    alone: LinearOscillator
     """The platform below a block that slides."""
 
     @classmethod
@@ -79,7 +77,10 @@ class Pair:
         """Set up the two oscillators."""
         m, k, c = platform
         together = m + mass
-        both, alone = Oscillator(k / together, c / together / 2), Oscillator(k / m, c / m / 2)
+        both, alone = (
+            LinearOscillator(k / together, c / together / 2),
+            LinearOscillator(k / m, c / m / 2),
+        )
         return cls(platform, mass, normal, law, both, alone)
 
     def needed(self, drift: float, velocity: float) -> float:
@@ -87,7 +88,7 @@ class Pair:
         m, k, c = self.platform
         return -(c * velocity + k * drift) / (m + self.mass)
 
-    def way(self, state: State, slipped: bool) -> float:
+    def way(self, state: PlatformState, slipped: bool) -> float:
         """Which way the block slides from here on, +1 or -1; 0: it sticks."""
         if state.rate or self.law.none:
             return math.copysign(1, state.rate)
@@ -95,13 +96,15 @@ class Pair:
         limit = self.law.slides(self.normal, 0.0) if slipped else self.law.holds(self.normal, False)
         return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
 
-    def stick(self, state: State, segment: Segment, tau: float) -> State:
+    def stick(self, state: PlatformState, segment: Segment, tau: float) -> PlatformState:
         """Where both are after sticking for a time tau (s)."""
         load, slope = -segment.ground, -segment.slope
         u, v = self.both.after(state.drift, state.velocity, load, slope, tau)
-        return State(state.slip, 0.0, u, v)
+        return PlatformState(state.slip, 0.0, u, v)
 
-    def slide(self, state: State, segment: Segment, force: float, tau: float) -> State:
+    def slide(
+        self, state: PlatformState, segment: Segment, force: float, tau: float
+    ) -> PlatformState:
         """Where both are after sliding under a friction force (over the block's mass) for tau."""
         ground, slope = segment.ground, segment.slope
         load = -ground - self.mass / self.platform.mass * force
@@ -111,20 +114,22 @@ class Pair:
         passed = (force / 2 - ground / 2 - slope * tau / 6) * tau * tau
         rate = state.rate + gained - (v - state.velocity)
         slip = state.slip + (state.rate + state.velocity) * tau + passed - (u - state.drift)
-        return State(slip, rate, u, v)
+        return PlatformState(slip, rate, u, v)
 
-    def rise(self, state: State, ground: float) -> float:
+    def rise(self, state: PlatformState, ground: float) -> float:
         """Rate of the force that holds the block while it sticks, over its mass, m/s^3."""
         m, k, c = self.platform
         pull = -ground - 2 * self.both.d * state.velocity - self.both.w2 * state.drift
         return -(c * pull + k * state.velocity) / (m + self.mass)
 
-    def speeding(self, state: State, force: float) -> float:
+    def speeding(self, state: PlatformState, force: float) -> float:
         """Rate of the slip rate while the block slides, w', m/s^2."""
         m, k, c = self.platform
         return force + (c * state.velocity + k * state.drift + self.mass * force) / m
 
-    def gives(self, state: State, segment: Segment, end: State, slipped: bool) -> float | None:
+    def gives(
+        self, state: PlatformState, segment: Segment, end: PlatformState, slipped: bool
+    ) -> float | None:
         """When sticking ends inside a segment, at whose end it would lead to `end`; None: never."""
         limit = BEYOND * self.law.holds(self.normal, slipped)
 
@@ -146,7 +151,7 @@ class Pair:
         return None
 
     def stops(
-        self, state: State, segment: Segment, end: State, way: float, force: float
+        self, state: PlatformState, segment: Segment, end: PlatformState, way: float, force: float
     ) -> float | None:
         """When sliding ends inside a segment, at whose end it would lead to `end`; None: never."""
 
@@ -219,9 +224,9 @@ def _ends(grid: Array, motion: SampledMotion) -> tuple[Array, Array]:
     return np.where(inside, values[:-1], 0.0), np.where(inside, values[1:], 0.0)
 
 
-def _states(pair: Pair, segments: Sequence[Segment], velocity: float) -> Iterator[State]:
+def _states(pair: Pair, segments: Sequence[Segment], velocity: float) -> Iterator[PlatformState]:
     """The states at the start and after each segment."""
-    state, slipped = State(0.0, velocity, 0.0, 0.0), velocity != 0
+    state, slipped = PlatformState(0.0, velocity, 0.0, 0.0), velocity != 0
     way = pair.way(state, slipped)
     yield state
     for whole in segments:
@@ -232,8 +237,8 @@ def _states(pair: Pair, segments: Sequence[Segment], velocity: float) -> Iterato
 
 
 def _phase(
-    pair: Pair, state: State, segment: Segment, way: float, slipped: bool, idle: bool
-) -> tuple[State, Segment, float, bool, bool]:
+    pair: Pair, state: PlatformState, segment: Segment, way: float, slipped: bool, idle: bool
+) -> tuple[PlatformState, Segment, float, bool, bool]:
     """Go on to the next event, or to the end of the segment."""
     rest = Segment(0.0, 0.0, 0.0)
     if way:

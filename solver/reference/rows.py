@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.errors import SceneError
 from solver.excitation.motion import BaseMotion
@@ -20,8 +19,7 @@ from solver.reference.platform import sliding_on_platform
 from solver.reference.platform_sampled import sampled_sliding_on_platform
 from solver.reference.sliding import sliding
 from solver.scene import Scene
-
-Array = NDArray[np.float64]
+from solver.types import Array
 
 ONLY = "where a rigid-body reference is asked for"
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.excitation.motion import GroundMotion
-
-Array = NDArray[np.float64]
+from solver.types import Array
 
 
 class SteppedGround:

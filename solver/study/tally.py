@@ -6,7 +6,7 @@ import sys
 import time as clock
 from typing import Any
 
-from solver.progress import EVERY_PART, EVERY_SECONDS
+from solver.run.progress import EVERY_PART, EVERY_SECONDS
 
 
 class Tally:

@@ -76,9 +76,9 @@ def test_check_tells_of_a_platform(granite: Path, capsys: Captured) -> None:
 def test_check_reports_the_period_of_meshed_foundations(
     granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module: Any = types.ModuleType("solver.foundations")
+    module: Any = types.ModuleType("solver.build.foundation")
     module.natural_period = lambda asked: 0.25 if asked.foundation.kind == "frame" else 0.51
-    monkeypatch.setitem(sys.modules, "solver.foundations", module)
+    monkeypatch.setitem(sys.modules, "solver.build.foundation", module)
     text = checked(capsys, *PLATE)
     assert "meshed plate, 2 x 0.1 x 0.75 m, on rollers density 1676.67 kg/m3" in text
     assert "mesh 96 quadrilaterals of degree 1, 125 nodes, 250 unknowns" in text
@@ -98,7 +98,7 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
     from geometry.foundation import Frame, Plate
     from geometry.frame_mesh import FrameCells, frame_mesh
     from geometry.mesh import block_mesh
-    from solver.check import _frame_grid, _grid
+    from solver.run.describe import _frame_grid, _grid
     from solver.scene import BlockSpec, ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
 
     def text(mesh: Any, kind: str) -> str:
@@ -138,7 +138,7 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
 def test_check_without_dolfinx_says_what_is_missing(
     granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "solver.foundations", None)
+    monkeypatch.setitem(sys.modules, "solver.build.foundation", None)
     assert main(["check", "granite.toml", "--set", *FRAME]) == 4
     assert "natural period" in capsys.readouterr().err
 

@@ -14,7 +14,7 @@ from scenes import SHORT_GRANITE
 
 from solver.cli import main
 from solver.errors import NotConverged
-from solver.folders import LEFT_BEHIND
+from solver.run.folders import LEFT_BEHIND
 
 HEAVY = ("dolfinx", "gmsh", "matplotlib", "mpi4py", "petsc4py", "pyvista")
 
@@ -35,9 +35,9 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
         (options["folder"] / "history.csv").write_text("new")
         return types.SimpleNamespace(status=status, summary=summary | {"status": status})
 
-    module: Any = types.ModuleType("solver.simulate")
+    module: Any = types.ModuleType("solver.run.simulate")
     module.simulate = simulate
-    monkeypatch.setitem(sys.modules, "solver.simulate", module)
+    monkeypatch.setitem(sys.modules, "solver.run.simulate", module)
     return remembered
 
 
@@ -190,7 +190,7 @@ class TestRun:
         else:
             assert title in output.out
 
-    @pytest.mark.parametrize("missing", ["solver.simulate", "dolfinx"])
+    @pytest.mark.parametrize("missing", ["solver.run.simulate", "dolfinx"])
     def test_what_cannot_be_imported_is_said_before_anything_is_written(
         self, granite: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured, missing: str
     ) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solver.study.columns import in_columns
+from solver.study.tables import in_columns
 
 
 def test_words_stand_left_and_numbers_right() -> None:

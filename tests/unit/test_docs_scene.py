@@ -11,10 +11,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import pytest
 
-from solver.check import describe
-from solver.checking import key_of, shown
-from solver.scene import Scene, parse_scene
-from solver.specs import (
+from solver.run.describe import describe
+from solver.scene import (
     BlockSpec,
     ColumnSpec,
     ContactSpec,
@@ -32,12 +30,15 @@ from solver.specs import (
     RectangularSpec,
     RickerSpec,
     RigidSpec,
+    Scene,
     SineSpec,
     StillSpec,
     SyntheticSpec,
     TableSpec,
     TimeSpec,
+    parse_scene,
 )
+from solver.scene.checking import key_of, shown
 
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "scene.md", ROOT / "README.md"

@@ -138,7 +138,7 @@ def test_this_python_comes_first(machine: Machine) -> None:
 def test_the_command_rockslip_is_the_program_of_this_repository(machine: Machine) -> None:
     machine.install("python3")
     assert machine.in_env("rockslip", "run", "a b.toml").returncode == 0
-    assert machine.calls("python3 -m") == ["python3 -m solver run a b.toml"]
+    assert machine.calls("python3 -m") == ["python3 -m rockslip run a b.toml"]
 
 
 def test_another_suite_is_not_this_python(machine: Machine) -> None:

@@ -15,13 +15,13 @@ import pytest
 from solver import cli
 from solver.errors import SceneError
 from solver.scene import Scene, parse_scene
-from solver.study.error_runtime_beside import Beside, read_beside
-from solver.study.error_runtime_family import Family, Outcome, Rung, climb
-from solver.study.error_runtime_findings import Findings
-from solver.study.error_runtime_ladders import NAMES, coarsest_step, families
-from solver.study.error_runtime_measures import check_patterns, chosen, words
-from solver.study.error_runtime_reference import Reference, limit, own_limit
-from solver.study.error_runtime_table import rows, text, write_csv, write_everything
+from solver.study.error_runtime.beside import Beside, read_beside
+from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
+from solver.study.error_runtime.findings import Findings
+from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
+from solver.study.error_runtime.measures import check_patterns, chosen, words
+from solver.study.error_runtime.reference import Reference, limit, own_limit
+from solver.study.error_runtime.table import rows, text, write_csv, write_everything
 
 ELASTIC = {
     "block": [
@@ -31,10 +31,10 @@ ELASTIC = {
 }
 
 
-def made_up(size: float, *, order: float, seconds: float, status: str = "completed") -> Outcome:
+def made_up(size: float, *, order: float, seconds: float, status: str = "completed") -> RunOutcome:
     """A run whose answer, 2 when exact, errs by size^order."""
     value = np.array([2.0 + size**order])
-    return Outcome(
+    return RunOutcome(
         measures={"block.peak_slip_m": value} if status == "completed" else {},
         loop_s=seconds,
         setup_s=0.5,
@@ -43,7 +43,7 @@ def made_up(size: float, *, order: float, seconds: float, status: str = "complet
     )
 
 
-def family(name: str, order: float, cost: float, *, own: bool = True) -> Family:
+def family(name: str, order: float, cost: float, *, own: bool = True) -> LadderFamily:
     """Steps 0.4 to 0.05, each twice as dear as the one before."""
     rungs = tuple(
         Rung(
@@ -54,7 +54,7 @@ def family(name: str, order: float, cost: float, *, own: bool = True) -> Family:
         )
         for size in (0.4, 0.2, 0.1, 0.05)
     )
-    return Family(name=name, size="step", rungs=rungs, own=own)
+    return LadderFamily(name=name, size="step", rungs=rungs, own=own)
 
 
 @pytest.fixture
@@ -138,13 +138,15 @@ def test_a_lucky_run_is_not_good_enough(findings: Findings) -> None:
             setting=f"step {size:g} s",
             size=size,
             work=1 / size,
-            solve=lambda value=value, size=size: Outcome(
+            solve=lambda value=value, size=size: RunOutcome(
                 measures={MEASURE: np.array([value])}, loop_s=1 / size, setup_s=0.0
             ),
         )
         for size, value in zip(sizes, values, strict=True)
     )
-    trials, _ = climb([Family(name="step", size="step", rungs=rungs)], repeat=1, longest=100.0)
+    trials, _ = climb(
+        [LadderFamily(name="step", size="step", rungs=rungs)], repeat=1, longest=100.0
+    )
     best = replace(findings, trials=trials).cheapest(MEASURE)
     assert best is not None and best.rung.setting == "step 0.1 s"
 
@@ -156,11 +158,13 @@ def test_climb_takes_the_median_and_leaves_out_what_takes_too_long() -> None:
             setting=f"{work:g}",
             size=1 / work,
             work=work,
-            solve=lambda: Outcome(measures={}, loop_s=next(seconds), setup_s=0.0),
+            solve=lambda: RunOutcome(measures={}, loop_s=next(seconds), setup_s=0.0),
         )
         for work in (1.0, 2.0, 8.0)
     )
-    trials, left_out = climb([Family(name="f", size="s", rungs=rungs)], repeat=3, longest=10.0)
+    trials, left_out = climb(
+        [LadderFamily(name="f", size="s", rungs=rungs)], repeat=3, longest=10.0
+    )
     assert [trial.loop_s for trial in trials] == [2.0, 4.0]
     assert trials[0].seconds == (1.0, 5.0, 2.0)
     assert left_out == ["f, 8 (about 16 s)"]
@@ -198,9 +202,9 @@ def test_adaptive_steps_check_the_limit_of_fixed_ones(answer: float, uncertainty
     """The steps go to 2, uncertain by 0.05; adaptive ones somewhere else."""
     strict = Rung(
         setting="tolerance 1e-9", size=1e-9, work=1.0,
-        solve=lambda: Outcome(measures={MEASURE: np.array([answer])}, loop_s=1.0, setup_s=0.0),
+        solve=lambda: RunOutcome(measures={MEASURE: np.array([answer])}, loop_s=1.0, setup_s=0.0),
     )  # fmt: skip
-    adaptive = Family(name="adaptive", size="tolerance", rungs=(strict,))
+    adaptive = LadderFamily(name="adaptive", size="tolerance", rungs=(strict,))
     trials, _ = climb([family("step", 1, 1.0), adaptive], repeat=1, longest=100.0)
     found = own_limit(trials, MEASURE)
     assert found is not None
@@ -212,8 +216,8 @@ def test_adaptive_steps_check_the_limit_of_fixed_ones(answer: float, uncertainty
 def test_limit_of_steps_and_meshes_together() -> None:
     """Answer 2 + step + h^2 in ladders through step 0.1, h 1: the limit of both is 2."""
 
-    def outcome(step: float, h: float) -> Outcome:
-        return Outcome(measures={MEASURE: np.array([2 + step + h**2])}, loop_s=1.0, setup_s=0.0)
+    def outcome(step: float, h: float) -> RunOutcome:
+        return RunOutcome(measures={MEASURE: np.array([2 + step + h**2])}, loop_s=1.0, setup_s=0.0)
 
     def rungs(pairs: list[tuple[float, float]], which: int) -> tuple[Rung, ...]:
         return tuple(
@@ -221,8 +225,12 @@ def test_limit_of_steps_and_meshes_together() -> None:
             for pair in pairs
         )
 
-    ladder = Family(name="step", size="step", rungs=rungs([(s, 1.0) for s in (0.2, 0.1, 0.05)], 0))
-    meshes = Family(name="mesh", size="cells", rungs=rungs([(0.1, h) for h in (2.0, 1.0, 0.5)], 1))
+    ladder = LadderFamily(
+        name="step", size="step", rungs=rungs([(s, 1.0) for s in (0.2, 0.1, 0.05)], 0)
+    )
+    meshes = LadderFamily(
+        name="mesh", size="cells", rungs=rungs([(0.1, h) for h in (2.0, 1.0, 0.5)], 1)
+    )
     trials, _ = climb([ladder, meshes], repeat=1, longest=100.0)
     found = own_limit(trials, MEASURE)
     assert found is not None
@@ -287,13 +295,13 @@ def test_ladders_stay_within_the_run() -> None:
     assert coarsest_step(short) == 2e-3
 
 
-def _never(scene: Scene) -> Outcome:
+def _never(scene: Scene) -> RunOutcome:
     raise AssertionError("nothing is run here")
 
 
 def subject(rung: Rung) -> Scene:
     """The scene of a rung."""
-    solve: partial[Outcome] = rung.solve  # type: ignore[assignment]
+    solve: partial[RunOutcome] = rung.solve  # type: ignore[assignment]
     return solve.args[0]
 
 
@@ -326,7 +334,9 @@ def test_runs_that_failed_stand_in_the_table_without_errors(findings: Findings) 
         setting="step 1 s", size=1.0, work=1.0,
         solve=partial(made_up, 1.0, order=1, seconds=1.0, status="not converged"),
     )  # fmt: skip
-    trials, _ = climb([Family(name="bad", size="step", rungs=(failing,))], repeat=3, longest=9.0)
+    trials, _ = climb(
+        [LadderFamily(name="bad", size="step", rungs=(failing,))], repeat=3, longest=9.0
+    )
     changed = replace(findings, trials=[*findings.trials, *trials])
     row = rows(changed)[-1]
     assert row["status"] == "not converged"
@@ -360,7 +370,7 @@ def test_picture(findings: Findings, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from matplotlib.figure import Figure
 
-    from solver.study.error_runtime_picture import draw
+    from solver.study.error_runtime.picture import draw
 
     figure: Figure = draw(findings, [MEASURE])
     axes = figure.axes[0]

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solver.contact.events import contact_changed
 from solver.contact.interface import Memory
-from solver.contact.seats import Seat
-from solver.dynamics.events import contact_changed
+from solver.contact.projection import ContactKinematics
 
 
 def memory(*points: tuple[float, float, bool]) -> Memory:
@@ -15,7 +15,7 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     force = np.array([point[:2] for point in points])
     slipped = np.array([point[2] for point in points])
     none, yes = np.zeros((len(points), 1)), np.ones(len(points), dtype=bool)
-    seat = Seat(np.zeros((len(points), 2)))
+    seat = ContactKinematics(np.zeros((len(points), 2)))
     return Memory(None, seat, force, none, yes, slipped, ~yes)  # type: ignore[arg-type]
 
 

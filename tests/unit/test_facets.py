@@ -12,10 +12,10 @@ from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
-from solver.contact.points import contact_points
-from solver.contact.rules import facet_rule, on_pieces
-from solver.contact.surface import carrier_surface
-from solver.mechanics.material import Material
+from solver.contact.carrier_surface import carrier_surface
+from solver.contact.nitsche_points import contact_points
+from solver.contact.quadrature import facet_rule, on_pieces
+from solver.scene.material import Material
 
 COMM = MPI.COMM_WORLD
 SHAPE = Block(width=0.3, height=0.5, thickness=0.4, density=1000.0)

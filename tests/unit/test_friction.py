@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from solver.contact.friction import Bounds, FrictionLaw
-from solver.contact.local_problem import LocalProblem, image
-from solver.contact.velocity import VelocityContact
-from solver.rigid.discs import TOUCHING_SLOPE
+from solver.law.discs import TOUCHING_SLOPE
+from solver.law.friction import Bounds, FrictionLaw
+from solver.law.local_problem import LocalProblem, image
+from solver.law.velocity import VelocityContact
 
 
 def mask(*values: int) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
+from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 RHO = [0.0, 0.3, 0.5, 0.8, 1.0]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from solver.mechanics.kinematics import lean, polar_rotation, unwrap
+from solver.bodies.kinematics import lean, polar_rotation, unwrap
 
 
 def positive(rng: np.random.Generator, size: int) -> np.ndarray:

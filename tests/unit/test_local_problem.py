@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from solver.contact import local_disc, local_plane
-from solver.contact.friction import Bounds
-from solver.contact.local_disc import DiscSolver, newton
-from solver.contact.local_plane import PlaneSolver
-from solver.contact.local_problem import (
+from solver.law import local_disc, local_plane
+from solver.law.discs import TOUCHING_SLOPE
+from solver.law.few_points import ENUMERATED_POINTS
+from solver.law.friction import Bounds
+from solver.law.local_disc import DiscSolver, newton
+from solver.law.local_plane import PlaneSolver
+from solver.law.local_problem import (
     LocalProblem,
     NoContactSolution,
     image,
     row_sum_scaling,
 )
-from solver.contact.local_system import LocalSystem, diagonal_scaling
-from solver.rigid.discs import TOUCHING_SLOPE
-from solver.rigid.local_problem import ENUMERATED_POINTS
+from solver.law.local_system import LocalSystem, diagonal_scaling
 
 
 @pytest.fixture(autouse=True, params=["machine code", "numpy"])

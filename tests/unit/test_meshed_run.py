@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from solver.meshed_run import MeshedRun
-from solver.rigid.compiled import NUMBA
+from solver.law.compiled import NUMBA
+from solver.run.meshed import MeshedRun
 from solver.scene import parse_scene
 
 COMPILING = "compiling the local problem of contact"

@@ -5,7 +5,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from solver.dynamics.nonlinear import NonlinearSolver
+from solver.stepping.nonlinear import NonlinearSolver
 
 pytestmark = pytest.mark.serial
 

@@ -12,8 +12,8 @@ from geometry.block import Block
 from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.contact.points import contact_points
-from solver.mechanics.material import Material
+from solver.contact.nitsche_points import contact_points
+from solver.scene.material import Material
 
 COMM = MPI.COMM_WORLD
 SHAPE = Block(width=0.3, height=0.5, thickness=0.4, density=1000.0)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from solver.post import energy
-from solver.post.history import History, columns
+from solver.history.history import History, columns
+from solver.results import energy
 
 
 def test_scale_adds_start_power_and_weight() -> None:

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from processes import outside_mpirun
 
-from solver.post.paraview import paraview_script
+from solver.fields.paraview import paraview_script
 
 pyvista = pytest.importorskip("pyvista")
 pytest.importorskip("dolfinx")
@@ -28,8 +28,8 @@ from pathlib import Path
 from mpi4py import MPI
 import numpy as np
 from dolfinx import fem, mesh
-from solver.mechanics.material import Material
-from solver.post.fields import FieldWriter
+from solver.scene.material import Material
+from solver.fields.writer import FieldWriter
 
 file, degree, cell, plane = Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3], sys.argv[4]
 F = np.array([float(f) for f in sys.argv[5].split(",")]).reshape(2, 2)
@@ -106,10 +106,10 @@ from mpi4py import MPI
 import numpy as np
 from dolfinx import fem, mesh
 from geometry.block import Block
-from solver.mechanics.material import Material
-from solver.post.fields import FieldWriter
-from solver.post.pvd import PvdIndex
-from solver.post.rigid_fields import RigidFieldWriter
+from solver.scene.material import Material
+from solver.fields.writer import FieldWriter
+from solver.fields.pvd import PvdIndex
+from solver.fields.rigid_writer import RigidFieldWriter
 
 folder, dimension, degree, first = Path(sys.argv[1]), *map(int, sys.argv[2:5])
 comm = MPI.COMM_WORLD
@@ -206,7 +206,7 @@ def test_several_bodies_of_a_killed_run(
 def assert_drawn(file: Path, dimension: int, *, alone: bool) -> None:
     """Each cell, or each face of the surface, once; on several ranks those between them, too."""
     pytest.importorskip("matplotlib")
-    from solver.post.deformed import read_snapshots
+    from solver.pictures.deformed import read_snapshots
 
     (drawn,) = read_snapshots(file, [0.1], dimension)
     outlines = 2 * 3 + 1 if dimension == 2 else 2 * (2 * 2 + 2 * 3 + 2 * 3) + 6

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solver.errors import SceneError
-from solver.post.history import History, columns, scene_columns
+from solver.history.history import History, columns, scene_columns
 from solver.scene import parse_scene
 
 

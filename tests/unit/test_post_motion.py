@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver.post.history import History, scene_columns
-from solver.post.motion import block_motion, rotated, total_lean
-from solver.post.report import report
-from solver.post.summary import summarise
-from solver.post.upright import gravity_above_upright, upright_centre
+from solver.history.history import History, scene_columns
+from solver.results.motion import block_motion, rotated, total_lean
+from solver.results.report import report
+from solver.results.summary import summarise
+from solver.results.upright import gravity_above_upright, upright_centre
 from solver.scene import Scene, parse_scene
 
 Array = NDArray[np.float64]

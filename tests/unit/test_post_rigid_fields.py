@@ -10,8 +10,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from solver.post.pvd import PvdIndex
-from solver.post.rigid_fields import RigidFieldWriter
+from solver.fields.pvd import PvdIndex
+from solver.fields.rigid_writer import RigidFieldWriter
 
 
 def test_an_index_is_complete_after_every_piece(tmp_path: Path) -> None:
@@ -53,6 +53,6 @@ def test_a_rigid_block_alone(tmp_path: Path, writes: bool) -> None:
 @pytest.mark.serial
 def test_rigid_fields_import_neither_dolfinx_nor_vtk() -> None:
     """They are slow to import, and runs of rigid blocks take less time than that."""
-    code = "import solver.post.rigid_fields, solver.post.ground, sys; print(*sys.modules)"
+    code = "import solver.fields.rigid_writer, solver.fields.ground, sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"dolfinx", "vtk", "pyvista", "vtkmodules", "matplotlib"} & set(done.stdout.split())

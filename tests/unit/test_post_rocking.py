@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry.block import Block
-from solver.post import rocking
+from solver.results import rocking
 
 Array = NDArray[np.float64]
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=503.0 / 0.1875)

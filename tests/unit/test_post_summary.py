@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from scenes import BLOCK
 
-from solver.post.history import History, columns
-from solver.post.summary import summarise, write_json
+from solver.history.history import History, columns
+from solver.results.summary import summarise, write_json
 from solver.scene import Scene, parse_scene
 
 SCENE = f"""

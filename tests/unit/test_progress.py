@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from solver import progress
+from solver.run import progress
 
 
 class Terminal(io.StringIO):

@@ -15,7 +15,7 @@ from solver.errors import SceneError
 from solver.excitation.motion import base_motion
 from solver.excitation.records import read_record
 from solver.excitation.spectrum import response_spectrum
-from solver.specs import RecordSpec
+from solver.scene import RecordSpec
 
 G = 9.81
 VALUES = [0.01, -0.02, 0.035, 0.5, -0.125, 0.0, 0.25]

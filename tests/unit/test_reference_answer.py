@@ -11,7 +11,7 @@ import pytest
 
 from geometry.arrangement import initial_position
 from solver.errors import SceneError
-from solver.post.history import History
+from solver.history.history import History
 from solver.reference import answer
 from solver.reference.shenton import release_friction, rocking_friction
 from solver.scene import Scene, parse_scene

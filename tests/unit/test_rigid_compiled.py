@@ -6,21 +6,20 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from solver.rigid import compiled as module
-from solver.rigid.compiled import borrowed, compiled
-from solver.rigid.plane_model import new_memory
+from solver.law import compiled as module
+from solver.law.compiled import borrowed, compiled
+from solver.rigid.plane.model import new_memory
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 RUN = """
 import sys
-from solver.rigid.compiled import NUMBA
-from solver.rigid.plane import PlaneSystem
+from solver.law.compiled import NUMBA
+from solver.rigid.plane.system import PlaneSystem
 from solver.scene import parse_scene
 block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "tilt_deg": 3.0}
 scene = parse_scene({"block": [block], "time": {"end": 1.0, "step": 1e-3}})
@@ -80,23 +79,16 @@ def test_nothing_is_kept_where_nothing_can_be_written(
     assert compiled(triple)(2.0) == 6.0
 
 
-@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
-def test_code_is_kept_by_the_version_of_its_sources(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """A change of any file beside it gives a function another folder: also of one of constants."""
-    monkeypatch.setattr(module, "_digests", {})
+def test_code_is_kept_by_the_version_of_its_sources(tmp_path: Path) -> None:
+    """A change of any file, also of one of constants, and in a folder below, is another version."""
     (tmp_path / "steps.py").write_text("def step(x):\n    return x\n")
-    constants = tmp_path / "constants.py"
+    (tmp_path / "plane").mkdir()
+    constants = tmp_path / "plane" / "constants.py"
     constants.write_text("LIMIT = 1.0\n")
-    names: dict[str, Any] = {"__name__": "steps"}
-    source = tmp_path / "steps.py"
-    exec(compile(source.read_text(), str(source), "exec"), names)
-    before = module._sources(names["step"])
-    assert module._sources(names["step"]) == before
+    before = module.digest([tmp_path])
+    assert module.digest([tmp_path]) == before
     constants.write_text("LIMIT = 2.0\n")
-    module._digests.clear()
-    assert module._sources(names["step"]) != before
+    assert module.digest([tmp_path]) != before
 
 
 def test_borrowed_arrays_are_the_same_arrays() -> None:
@@ -117,12 +109,12 @@ def test_what_was_compiled_is_known_to_be_kept(tmp_path: Path) -> None:
     """Not before a function of the module was called, though its folder is there by then."""
     script = """
 import numpy as np
-from solver.rigid import local_problem
-from solver.rigid.compiled import is_kept
+from solver.law import few_points as local_problem
+from solver.law.compiled import is_kept
 name = local_problem.__name__
 before = is_kept(name)
 local_problem.row_sum_scaling(np.eye(2))
-print(before, is_kept(name), is_kept("solver.rigid.plane_rows"))
+print(before, is_kept(name), is_kept("solver.rigid.plane.rows"))
 """
     done = subprocess.run(
         [sys.executable, "-c", script],

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver.contact.friction import Bounds as Coulomb
-from solver.contact.local_problem import LocalProblem
-from solver.rigid import local_problem as local
-from solver.rigid.local_problem import BACKWARD, FORWARD, OPEN, STICK, Bounds, solve
+from solver.law import few_points as local
+from solver.law.few_points import BACKWARD, FORWARD, OPEN, STICK, Bounds, solve
+from solver.law.friction import Bounds as Coulomb
+from solver.law.local_problem import LocalProblem
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.post.history import scene_columns
-from solver.rigid import plane_advance, plane_rows
-from solver.rigid.plane import PlaneSystem
+from solver.history.history import scene_columns
+from solver.rigid.plane import advance as plane_advance
+from solver.rigid.plane import rows as plane_rows
+from solver.rigid.plane.system import PlaneSystem
+from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import simulate
 
 G = 9.81
 
@@ -123,7 +124,7 @@ def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(
     interpreted = getattr(plane_rows.advance, "py_func", plane_rows.advance)
     monkeypatch.setitem(interpreted.__globals__, "full_step", fails)
     monkeypatch.setitem(interpreted.__globals__, "borrowed", lambda arrays: arrays)
-    monkeypatch.setattr("solver.rigid.plane.advance", interpreted)
+    monkeypatch.setattr("solver.rigid.plane.system.advance", interpreted)
     system = PlaneSystem.from_scene(scene())
     outcome = system.advance(10, 1e-3)
     assert len(outcome.rows) == 5 and outcome.rejected == 5
@@ -173,7 +174,7 @@ def test_snapshots_show_where_the_corners_are_and_how_they_move(tmp_path: Path) 
     """Read back with pyvista: displaced corners and their velocities."""
     pyvista = pytest.importorskip("pyvista")
     given = scene("block.tilt_deg=10", "block.velocity=[0.3, 0.1]", "block.angular_velocity=2.0")
-    from solver.rigid.snapshots import RigidSnapshots
+    from solver.fields.rigid_snapshots import RigidSnapshots
 
     fields = RigidSnapshots(PlaneSystem.from_scene(given), tmp_path, given)
     fields.write(0.0)
@@ -202,8 +203,8 @@ def test_a_run_can_be_stopped() -> None:
         def show(self, *arguments: Any) -> None:
             """No display."""
 
-    from solver.post.history import History
-    from solver.rigid.simulation import RigidRun
+    from solver.history.history import History
+    from solver.run.rigid import RigidRun
 
     class Files:
         """No files; a snapshot every 20 steps."""

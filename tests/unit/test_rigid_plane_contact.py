@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from geometry.arrangement import initial_position
 from geometry.block import Block
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.rigid.plane_contact import (
+from solver.rigid.plane.contact import (
     compliance,
     distance,
     find_points,
@@ -21,14 +20,22 @@ from solver.rigid.plane_contact import (
     tangential_velocity,
     write_rows,
 )
-from solver.rigid.plane_model import Memory, State, System, Work, new_memory, new_work
-from solver.rigid.plane_start import PlaneBlock, PlanePlatform, state_of, system_of
-from solver.specs import FrictionSpec
+from solver.rigid.plane.model import (
+    PlaneMemory,
+    PlaneModel,
+    PlaneState,
+    PlaneWork,
+    new_memory,
+    new_work,
+)
+from solver.rigid.plane.start import PlaneBlock, PlanePlatform, state_of, system_of
+from solver.scene import FrictionSpec
+from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
 
 
-def parts(*, platform: bool = True) -> tuple[System, State, Memory, Work]:
+def parts(*, platform: bool = True) -> tuple[PlaneModel, PlaneState, PlaneMemory, PlaneWork]:
     """A block of 0.4 x 0.6 m with another one, 0.3 x 0.5 m, near its top."""
     law = FrictionSpec(static=0.5)
     lower = Block(width=0.4, height=0.6, thickness=1.0, density=1000.0)
@@ -51,7 +58,9 @@ def parts(*, platform: bool = True) -> tuple[System, State, Memory, Work]:
     return system, state, new_memory(points), new_work(points, len(state.q), 2)
 
 
-def listed(system: System, state: State, memory: Memory, work: Work) -> list[tuple[int, int]]:
+def listed(
+    system: PlaneModel, state: PlaneState, memory: PlaneMemory, work: PlaneWork
+) -> list[tuple[int, int]]:
     """Corner and face of the near points, as (block, block or -1)."""
     find_points(system, state, memory, work, 1e-3, 9.81)
     near = work.points[: work.counts[0]]
@@ -79,7 +88,7 @@ def test_rows_give_the_change_of_gap_and_place_exactly(face: int, size: float) -
         assert moved[k] == pytest.approx(after - before, abs=1e-14)
 
 
-def places(system: System, q: Array, k: int, face: int) -> Array:
+def places(system: PlaneModel, q: Array, k: int, face: int) -> Array:
     """Gap and tangential place of a point, the tangent being the normal turned clockwise."""
     x, y = local_place(system, q, k)
     c = int(system.face_of[k])

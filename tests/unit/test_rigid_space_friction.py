@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver.rigid.discs import Discs
-from solver.rigid.space_friction import eliminate, image, settle
-from solver.rigid.space_sweeps import one_point
+from solver.law.discs import Discs
+from solver.law.space_friction import eliminate, image, settle
+from solver.law.space_sweeps import one_point
 
 Array = NDArray[np.float64]
 

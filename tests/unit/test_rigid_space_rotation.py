@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from solver.rigid.space_rotation import (
+from solver.rigid.space.rotation import (
     advanced,
     cross,
     end_factor,

@@ -14,17 +14,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver import limits
 from solver.cli import main
 from solver.errors import SceneError
-from solver.limits import young_of_rigid
-from solver.scene import Scene, parse_scene
-from solver.study.stability_families import FAMILIES, matrix
-from solver.study.stability_matrix import Case, changed
-from solver.study.stability_sampler import draw
-from solver.study.stability_scenes import ROCK, STACK
-from solver.study.stability_table import as_csv, as_text, sentence
-from solver.study.stability_verdict import Verdict, judge, trouble
+from solver.scene import Scene, limits, parse_scene
+from solver.scene.limits import young_of_rigid
+from solver.study.stability.families import FAMILIES, matrix
+from solver.study.stability.matrix import StabilityCase, changed
+from solver.study.stability.sampler import draw
+from solver.study.stability.scenes import ROCK, STACK
+from solver.study.stability.table import as_csv, as_text, sentence
+from solver.study.stability.verdict import Verdict, judge, trouble
 
 pytestmark = pytest.mark.serial
 
@@ -71,7 +70,7 @@ def test_random_scenes_depend_on_seed_and_number_alone() -> None:
     assert counts["fine"] > 120
 
 
-def _word(case: Case) -> str:
+def _word(case: StabilityCase) -> str:
     try:
         parse_scene(case.tables)
     except SceneError:
@@ -255,11 +254,13 @@ def test_a_rigid_block_beside_meshed_ones_is_as_stiff_as_its_steps_allow() -> No
 
 def test_verdicts() -> None:
     rigid = changed(ROCK, {"block.model": "rigid"})
-    held = judge(Case(family="f", row="r", column="c", tables=rigid), 60.0)
+    held = judge(StabilityCase(family="f", row="r", column="c", tables=rigid), 60.0)
     assert (held.verdict, held.reason, held.steps) == ("holds", "", 600)
     assert held.energy_gain < 1e-5 and held.ledger_error < 1e-8
     assert math.isnan(held.penetration_over_static)
-    soft = judge(Case(family="f", row="r", column="c", tables=changed(ROCK, {"block.young": 1})), 9)
+    soft = judge(
+        StabilityCase(family="f", row="r", column="c", tables=changed(ROCK, {"block.young": 1})), 9
+    )
     assert soft.verdict == "refused" and soft.reason.startswith("block.young: got 1, strained")
 
 
@@ -286,7 +287,7 @@ def test_a_ledger_has_as_many_digits_as_the_energy_in_motion(moving: float, word
 def test_penetration_over_that_of_a_penalty_method() -> None:
     """A standing block: pressure rho g H, gamma (lambda + 2 mu)/h with lambda = 0."""
     changes = {"block.tilt_deg": 0.0, "block.poisson": 0.0, "time.end": 2e-3}
-    case = Case(family="f", row="r", column="c", tables=changed(ROCK, changes))
+    case = StabilityCase(family="f", row="r", column="c", tables=changed(ROCK, changes))
     held = judge(case, 60.0)
     static = 2680 * 9.81 * 1.0 / (100 * 5e10 / 0.1)
     ratio = held.penetration_over_height / held.penetration_over_static
@@ -296,7 +297,7 @@ def test_penetration_over_that_of_a_penalty_method() -> None:
 
 def test_a_scene_that_takes_too_long_is_stopped() -> None:
     tables = changed(ROCK, {"block.model": "rigid", "time.end": 5000.0, "time.step": 1e-4})
-    verdict = judge(Case(family="f", row="r", column="c", tables=tables), 0.2)
+    verdict = judge(StabilityCase(family="f", row="r", column="c", tables=tables), 0.2)
     assert verdict.verdict == "failed"
     assert verdict.reason.startswith("interrupted: stopped by the limit of 0.2 s at t = ")
     assert verdict.seconds < 5.0

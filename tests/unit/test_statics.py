@@ -8,19 +8,19 @@ import pytest
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Plane
-from solver.contact.faces import ContactFaces, FixedContacts
-from solver.contact.friction import FrictionLaw
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.supports import Support
+from solver.contact.body_points import NodePoints
+from solver.contact.candidates import FixedContactPair, MeshedContactPair
+from solver.contact.carrier_surface import carrier_surface
 from solver.contact.interface import Interface
-from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NodePoints
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import Link, System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
-from solver.mechanics.supports import Support
-from solver.statics import contact_tractions, nodal_pressure, shifted, support_load
+from solver.contact.plane_target import Plane
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import Link, System
+from solver.verification.load_steps import contact_tractions, nodal_pressure, shifted, support_load
 
 pytestmark = pytest.mark.serial
 
@@ -40,7 +40,7 @@ def stepper(made) -> Stepper:
     material = Material(young=YOUNG, poisson=0.0, density=1.0)
     body = ElasticBody(made.mesh, material, supports=[top])
     law = FrictionLaw.coulomb(0.5)
-    contact = ContactFaces(body, made.facet_tags, Plane.level(2), law)
+    contact = MeshedContactPair(body, made.facet_tags, Plane.level(2), law)
     return Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 
 
@@ -71,7 +71,7 @@ def test_what_has_no_area_has_no_tractions(made, stepper):
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
     corners = NodePoints(body, surface.layer, surface.positions)
     interface = Interface(corners, Plane.level(2), FrictionLaw.coulomb(0.0))
-    contact = FixedContacts(interface, body=0, on=None)
+    contact = FixedContactPair(interface, body=0, on=None)
     link = Link(contact.join(frozenset()), 0, None)
     for function in (contact_tractions, nodal_pressure):
         with pytest.raises(TypeError, match="NodePoints"):

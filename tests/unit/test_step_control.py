@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from solver.dynamics.step_control import Ladder, Tolerance
+from solver.scheme.step_control import Ladder, Tolerance
 
 
 def run(ladder: Ladder, fails=lambda time, step: False) -> list[tuple[float, float]]:

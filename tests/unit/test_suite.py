@@ -19,11 +19,11 @@ import pytest
 from solver.cli import build_parser, main
 from solver.errors import SceneError
 from solver.scene import load_scene
-from solver.study.suite import prepare
-from solver.study.suite_case import variations
-from solver.study.suite_folder import claim, finished, store
-from solver.study.suite_motions import find_motions
-from solver.study.suite_table import as_csv, as_text, ratios
+from solver.study.suite.case import variations
+from solver.study.suite.command import prepare
+from solver.study.suite.folder import claim, finished, store
+from solver.study.suite.motions import find_motions
+from solver.study.suite.table import as_csv, as_text, ratios
 from solver.study.tally import Tally
 
 pytestmark = pytest.mark.serial
@@ -122,7 +122,7 @@ def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
 
 
 def _is_a_single_run(here: Path, row: dict[str, str]) -> None:
-    from solver.simulate import simulate
+    from solver.run.simulate import simulate
 
     motion = ["motion.file=motions/strong.csv", "contact.friction=0.1", "time.end=1.25"]
     summary = simulate(load_scene(here / "scene.toml", motion)).summary

@@ -16,15 +16,15 @@ import pytest
 
 from geometry.block import Block
 from geometry.mesh import block_mesh
-from solver.contact.carriers import Plane
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
-from solver.reference import bar_impact
+from solver.bodies.elastic_body import ElasticBody
+from solver.contact.candidates import MeshedContactPair
+from solver.contact.plane_target import Plane
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import System
+from solver.verification import bar_impact
 
 AMPLITUDE = 1e-6
 ELEMENTS = 100
@@ -51,7 +51,7 @@ def bounce(rho_inf: float, gamma: float) -> Bounce:
     )
     material = Material(young=1.0, poisson=0.0, density=1.0)
     body = ElasticBody(domain.mesh, material, clamped=lambda x: np.isclose(x[1], 1.0))
-    faces = ContactFaces(
+    faces = MeshedContactPair(
         body, domain.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0), gamma=gamma
     )
     stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))

@@ -13,28 +13,28 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from geometry.disc_mesh import disc_mesh
 from geometry.mesh import move
 from geometry.tags import FacetTag
-from solver.contact.face import Face
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
-from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NodePoints
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
-from solver.mechanics.supports import Support
-from solver.reference.hertz import (
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.supports import Support
+from solver.contact.body_points import NodePoints
+from solver.contact.candidates import MeshedContactPair
+from solver.contact.carrier_surface import carrier_surface
+from solver.contact.facet_target import Face
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import System
+from solver.verification.disc_mesh import disc_mesh
+from solver.verification.hertz import (
     HertzLine,
     contact_modulus,
     contact_radius,
     shear_traction,
     stick_half_width,
 )
-from solver.statics import Tractions, contact_tractions, shifted, support_load
+from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
 
 pytestmark = pytest.mark.serial
 
@@ -77,7 +77,7 @@ def discs() -> Stepper:
     frame = np.array([[0.0, 1.0], [1.0, 0.0]])
     face = Face(nodes, surface.nodes, frame, surface.cell, surface.degree)
     law = FrictionLaw.coulomb(FRICTION)
-    contact = ContactFaces(bodies[0], upper.facet_tags, face, law, on=1)
+    contact = MeshedContactPair(bodies[0], upper.facet_tags, face, law, on=1)
     return Stepper(System(bodies), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 
 

@@ -13,14 +13,14 @@ from dolfinx import fem
 
 from geometry.block import Block
 from geometry.mesh import block_mesh
-from solver.contact.carriers import Plane
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
-from solver.dynamics.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import System
-from solver.mechanics.elastic_body import Damping, ElasticBody, StrainWeights
-from solver.mechanics.material import Material
+from solver.bodies.elastic_body import Damping, ElasticBody, StrainWeights
+from solver.contact.candidates import MeshedContactPair
+from solver.contact.plane_target import Plane
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import System
 
 pytestmark = pytest.mark.serial
 
@@ -123,7 +123,7 @@ def dense(matrix) -> np.ndarray:
 
 def vibration(rho_inf: float, theta: int, damping: Damping | None = None) -> Vibration:
     made, _, body = block((2, 4), "quadrilateral", 2, damping=damping)
-    faces = ContactFaces(
+    faces = MeshedContactPair(
         body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5), theta=theta
     )
     stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))

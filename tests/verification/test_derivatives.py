@@ -10,13 +10,13 @@ import pytest
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Plane
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
+from solver.bodies.elastic_body import Damping, ElasticBody, StrainWeights
+from solver.contact.candidates import MeshedContactPair
 from solver.contact.interface import Interface
-from solver.dynamics.system import ports_of
-from solver.mechanics.elastic_body import Damping, ElasticBody, StrainWeights
-from solver.mechanics.material import Material
+from solver.contact.plane_target import Plane
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.stepping.system import ports_of
 
 pytestmark = pytest.mark.serial
 
@@ -35,7 +35,7 @@ class Thing:
     """A small body with contact points on three faces; displacements with rotation and strain."""
 
     body: ElasticBody
-    faces: ContactFaces
+    faces: MeshedContactPair
     interface: Interface
 
     def displacement(self, seed: int, angle: float, strain: float = 0.05) -> np.ndarray:
@@ -66,7 +66,7 @@ def thing(request) -> Thing:
     material = Material(young=3.0, poisson=0.25, density=2000.0, plane=plane)
     damping = Damping(mass=0.0, stiffness=1e-3)
     body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
-    faces = ContactFaces(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5))
+    faces = MeshedContactPair(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5))
     return Thing(body, faces, faces.join(FACES))
 
 
@@ -241,7 +241,7 @@ def test_theta_matrix(thing, theta):
         nothing = np.zeros((points.count, 2))
         pull = interface.traction_pull(surface, surface, nothing, 1.0, 1.0)
         total = np.zeros(body.size)
-        interface.points.push(total, surface, surface, nothing, pull)
+        interface.points.add_forces(total, surface, surface, nothing, pull)
         return total
 
     assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
@@ -254,9 +254,11 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     old, new = thing.surface(u0), thing.surface(u1)
     force = np.random.default_rng(15).standard_normal((points.count, 2))
     pull = interface.traction_pull(old, new, force, 0.0, 1.0)
-    vectors, reaction = interface.push(*(interface.observe(u, None)[1] for u in (u0, u1)), force)
+    vectors, reaction = interface.point_forces(
+        *(interface.observe(u, None)[1] for u in (u0, u1)), force
+    )
     total = np.zeros(thing.body.size)
-    interface.points.push(total, old, new, vectors, pull)
+    interface.points.add_forces(total, old, new, vectors, pull)
     y_old, y_new = (interface.augmented(*interface.observe(u, None)) for u in (u0, u1))
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)

@@ -6,7 +6,7 @@ import pytest
 
 from solver import cli
 from solver.scene import parse_scene
-from solver.study.error_runtime_study import study
+from solver.study.error_runtime.study import study
 
 pytestmark = pytest.mark.serial
 

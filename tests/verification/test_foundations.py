@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from solver.build import build, initial_state
-from solver.check import describe
-from solver.foundations import natural_period
-from solver.reference.newmark import sliding_stop
+from solver.build.assembly import build, initial_state
+from solver.build.foundation import natural_period
+from solver.run.describe import describe
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
+from solver.verification.newmark import sliding_stop
 
 G = 9.81
 
@@ -249,7 +249,9 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
     state, _ = assembly.stepper.advance(state, 1e-3)
     points = assembly.stepper._solve._points
     seats = zip(assembly.stepper.links, state.contacts, strict=True)
-    off = np.concatenate([link.interface.carrier.off(memory.seat) for link, memory in seats])
+    off = np.concatenate(
+        [link.interface.carrier.beyond_edge(memory.seat) for link, memory in seats]
+    )
     assert off.any() and not off.all()
     y = points.augmented()
     y[:, 0] = -1.0

@@ -7,12 +7,12 @@ import pytest
 from damped_steps import reaction_noise, scatter
 
 from geometry.tags import FacetTag
-from solver.build import build, initial_state
+from solver.build.assembly import build, initial_state
 from solver.contact.interface import carry_over
-from solver.post.energy import ledger_error
 from solver.reference.housner import housner
+from solver.results.energy import ledger_error
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
 
 BLOCK = {
     "width": 0.25,

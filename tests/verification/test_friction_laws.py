@@ -12,11 +12,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver.reference.friction import Resistance
-from solver.reference.newmark import incline_distance, sliding_block, sliding_stop
 from solver.reference.platform import sliding_on_platform
-from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
-from solver.specs import FrictionSpec
+from solver.run.simulate import Result, simulate
+from solver.scene import FrictionSpec, Scene, parse_scene
+from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81
 

@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 from hertz import Disc, errors, l2
 
-from geometry.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
-from solver.contact.carriers import Plane
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
-from solver.mechanics.supports import Support
-from solver.reference.hertz import HertzLine, contact_modulus
-from solver.statics import Tractions, contact_tractions, shifted, support_load
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.supports import Support
+from solver.contact.candidates import MeshedContactPair
+from solver.contact.plane_target import Plane
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import System
+from solver.verification.disc_mesh import disc_mesh
+from solver.verification.hertz import HertzLine, contact_modulus
+from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
 
 pytestmark = pytest.mark.serial
 
@@ -50,7 +50,7 @@ def pressed(
     top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(0, 1))
     material = Material(young=YOUNG, poisson=POISSON, density=1.0)
     body = ElasticBody(made.mesh, material, supports=[top])
-    contact = ContactFaces(
+    contact = MeshedContactPair(
         *(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0)), points=points
     )
     stepper = Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))

@@ -2,9 +2,9 @@
 
 import pytest
 
-from solver.meshed_run import MeshedRun
+from solver.run.meshed import MeshedRun
+from solver.run.simulate import simulate
 from solver.scene import parse_scene
-from solver.simulate import simulate
 
 
 def compliance(**changes: object) -> float:

@@ -18,18 +18,18 @@ from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
-from solver.contact.face import Face
-from solver.contact.faces import ContactFaces
-from solver.contact.friction import FrictionLaw
-from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NodePoints
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material, green_strain
-from solver.mechanics.supports import Support
-from solver.statics import contact_tractions, nodal_pressure
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.supports import Support
+from solver.contact.body_points import NodePoints
+from solver.contact.candidates import MeshedContactPair
+from solver.contact.carrier_surface import carrier_surface
+from solver.contact.facet_target import Face
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material, green_strain
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import System
+from solver.verification.load_steps import contact_tractions, nodal_pressure
 
 pytestmark = pytest.mark.serial
 
@@ -90,7 +90,7 @@ class Patch:
         surface = carrier_surface(bodies[1].space, lower.facet_tags, int(FacetTag.TOP))
         nodes = NodePoints(bodies[1], surface.layer, surface.positions)
         face = Face(nodes, surface.nodes, self.frame, surface.cell, surface.degree)
-        contact = ContactFaces(
+        contact = MeshedContactPair(
             *(bodies[0], upper.facet_tags, face, FrictionLaw.coulomb(self.friction)),
             points=self.points,
             on=1,

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.reference.newmark import incline_distance
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
+from solver.verification.newmark import incline_distance
 
 G = 9.81
 

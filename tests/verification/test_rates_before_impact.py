@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from solver.reference.housner import housner
+from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import simulate
 
 pytestmark = pytest.mark.serial
 

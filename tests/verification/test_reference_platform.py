@@ -10,11 +10,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver.reference.friction import Resistance
-from solver.reference.newmark import incline_distance, sliding_block, sliding_stop
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
-from solver.specs import FrictionSpec
-from solver.specs.foundation import platform
+from solver.scene import FrictionSpec
+from solver.scene.foundation import platform
+from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81
 PLATFORM = platform(1.0, period=0.5, stiffness=None, damping_ratio=0.05)

@@ -14,9 +14,8 @@ from solver.reference.answer import reference_history
 from solver.reference.friction import Resistance, coulomb
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.platform_sampled import sampled_sliding_on_platform
-from solver.scene import parse_scene
-from solver.specs import FrictionSpec
-from solver.specs.foundation import platform
+from solver.scene import FrictionSpec, parse_scene
+from solver.scene.foundation import platform
 
 pytestmark = pytest.mark.serial
 

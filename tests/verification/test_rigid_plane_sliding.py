@@ -12,9 +12,9 @@ from scipy.integrate import solve_ivp
 from solver.excitation.motion import base_motion
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
-from solver.rigid.plane import PlaneSystem
+from solver.rigid.plane.system import PlaneSystem
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
 
 G = 9.81
 MASS = 500.0

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from solver.excitation.motion import ground_motion
-from solver.rigid.plane import PlaneSystem
+from solver.rigid.plane.system import PlaneSystem
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
 
 G = 9.81
 DENSITY = 2000.0

@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from geometry.arrangement import Pose, initial_position_in_space
 from geometry.block import Block
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
 from solver.reference.housner import housner
-from solver.rigid.space import SpaceSystem
-from solver.rigid.space_start import SpaceBlock
-from solver.specs import FrictionSpec
+from solver.rigid.space.start import SpaceBlock
+from solver.rigid.space.system import SpaceSystem
+from solver.scene import FrictionSpec
+from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
 

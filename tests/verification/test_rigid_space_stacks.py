@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from geometry.arrangement import Pose, initial_position_in_space, on_top
 from geometry.block import Block
-from solver.dynamics.generalized_alpha import GeneralizedAlpha
-from solver.rigid.space import SpaceSystem
-from solver.rigid.space_start import SpaceBlock, SpacePlatform
-from solver.scene import parse_scene
-from solver.specs import FrictionSpec
+from solver.rigid.space.start import SpaceBlock, SpacePlatform
+from solver.rigid.space.system import SpaceSystem
+from solver.scene import FrictionSpec, parse_scene
+from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
 

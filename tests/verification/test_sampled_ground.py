@@ -12,8 +12,8 @@ import pytest
 from solver.excitation.motion import ground_motion
 from solver.reference.platform import sliding_on_platform
 from solver.rigid.ground import SteppedGround
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
 
 SAMPLES, DT = 60, 0.01
 WHOLE = 0.8

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from swaying import SwayingBlock, sway_modes
 
 from solver.excitation.motion import base_motion
-from solver.mechanics.material import Material
 from solver.reference.sliding import sliding
+from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import Result, simulate
+from solver.scene.material import Material
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.build import build, initial_state
+from solver.build.assembly import build, initial_state
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
+from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import simulate
 
 BLOCK = {
     "width": 1.0,

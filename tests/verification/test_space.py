@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from geometry.arrangement import initial_position_in_space
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
+from solver.run.simulate import Result, simulate
 from solver.scene import BlockSpec, Scene, parse_scene
-from solver.simulate import Result, simulate
 
 Array = NDArray[np.float64]
 

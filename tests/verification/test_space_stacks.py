@@ -13,22 +13,22 @@ from geometry.block import Block
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.build import build, initial_state, rim
+from solver.bodies.elastic_body import ElasticBody
+from solver.build.assembly import build, initial_state, rim
+from solver.contact.body_points import NodePoints
+from solver.contact.carrier_surface import carrier_surface
 from solver.contact.crossing_interface import CrossingInterface
-from solver.contact.crossings import Crossings
-from solver.contact.face import Face
-from solver.contact.friction import FrictionLaw
+from solver.contact.edge_crossings import Crossings
+from solver.contact.facet_target import Face
 from solver.contact.outline import Outline
-from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NodePoints
-from solver.dynamics.contact_solve import add_contact_forces
-from solver.dynamics.state import State
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.system import Link, System
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
+from solver.law.friction import FrictionLaw
+from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
-from solver.simulate import simulate
+from solver.scene.material import Material
+from solver.stepping.contact_solve import add_contact_forces
+from solver.stepping.state import State
+from solver.stepping.stepper import Stepper
+from solver.stepping.system import Link, System
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def test_edges_that_cross(
     lifted = (along, across, 0.4 + max(0.0, 0.5 * np.sin(tilt)))
     u = (upper.nodes @ turn.as_matrix().T + lifted - upper.nodes).ravel()
     memory = interface.start(u, np.zeros(lower.nodes.size), np.eye(3))
-    assert memory.eligible.sum() == count
+    assert memory.may_touch.sum() == count
 
 
 @pytest.mark.parametrize(("cell", "degree"), [("hexahedron", 1), ("tetrahedron", 2)])
@@ -133,7 +133,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(3))
     interface.prepare(memory, system.part(middle, 0), system.part(middle, 1))
     surface, seat = interface.observe(system.part(u1, 0), system.part(u1, 1))
-    present = np.flatnonzero(memory.eligible)
+    present = np.flatnonzero(memory.may_touch)
     assert len(present) >= 4
     assert seat.tip is not None and seat.foot is not None and memory.seat.tip is not None
     moved = memory.seat.tip.segment[present] != seat.tip.segment[present]
@@ -237,7 +237,7 @@ def imbalance(stepper: Stepper, before: State, dt: float) -> tuple[State, float]
     after, _ = stepper.advance(before, dt)
     given = [np.zeros(3) for _ in system.bodies]
     for link, old, new in zip(stepper.links, before.contacts, after.contacts, strict=True):
-        total = link.interface.push(old.seat, new.seat, new.force)[0].sum(axis=0)
+        total = link.interface.point_forces(old.seat, new.seat, new.force)[0].sum(axis=0)
         assert link.body is not None
         given[link.body] += total
         if link.carrier is not None:

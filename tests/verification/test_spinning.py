@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from solver.run.simulate import Result, simulate
 from solver.scene import parse_scene
-from solver.simulate import Result, simulate
 
 pytest.importorskip("dolfinx")
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver.build import Assembly, build, initial_state
-from solver.dynamics.state import State
+from solver.build.assembly import Assembly, build, initial_state
 from solver.reference.sliding import sliding
+from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene
-from solver.simulate import simulate
+from solver.stepping.state import State
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ class Balance:
         """What the interfaces put on each block."""
         forces = [np.zeros(2) for _ in self.system.bodies]
         for link, before, after in zip(self.stepper.links, old.contacts, new.contacts, strict=True):
-            vectors, _ = link.interface.push(before.seat, after.seat, after.force)
+            vectors, _ = link.interface.point_forces(before.seat, after.seat, after.force)
             total = vectors.sum(axis=0)
             if link.body is not None:
                 forces[link.body] += total

@@ -15,17 +15,17 @@ from geometry.block import Block
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.contact.face import Face
-from solver.contact.friction import FrictionLaw
+from solver.bodies.dense_body import RigidBlock
+from solver.bodies.elastic_body import ElasticBody
+from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
+from solver.contact.carrier_surface import carrier_surface
+from solver.contact.facet_target import Face
 from solver.contact.interface import Interface
-from solver.contact.points import contact_points
-from solver.contact.surface import carrier_surface
-from solver.contact.surfaces import NitschePoints, NodePoints, RigidPoints
-from solver.dynamics.contact_solve import add_contact_forces
-from solver.dynamics.system import Link, System
-from solver.mechanics.dense_body import RigidBlock
-from solver.mechanics.elastic_body import ElasticBody
-from solver.mechanics.material import Material
+from solver.contact.nitsche_points import contact_points
+from solver.law.friction import FrictionLaw
+from solver.scene.material import Material
+from solver.stepping.contact_solve import add_contact_forces
+from solver.stepping.system import Link, System
 
 Array = NDArray[np.float64]
 
@@ -169,7 +169,7 @@ def test_work_is_exact_and_forces_are_opposite(
     u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
     u1 = u0 + travel * (far - u0)
     middle = 0.5 * (BEFORE["lower"].angle + AFTER["lower"].angle)
-    interface.carrier.turn(Pose(middle, 0.0).rotation(d))
+    interface.carrier.rotate_frame(Pose(middle, 0.0).rotation(d))
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))
     surface, seat = pair.observed(u1)
     moved = seat.place - memory.seat.place
@@ -198,11 +198,11 @@ def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:
     u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
     u1 = u0 + 1e-8 * (far - u0)
     interface = pair.interface
-    interface.carrier.turn(Pose(0.3, 0.0).rotation(2))
+    interface.carrier.rotate_frame(Pose(0.3, 0.0).rotation(2))
     memory = interface.start(pair.system.part(u0, 0), pair.system.part(u0, 1), np.eye(2))
     _, seat = pair.observed(u1)
     force = np.ones((interface.count, 2))
-    vectors, reaction = interface.push(memory.seat, seat, force)
+    vectors, reaction = interface.point_forces(memory.seat, seat, force)
     assert reaction is not None and seat.carrier is not None and memory.seat.carrier is not None
     done = np.sum(vectors * (pair.observed(u1)[0].position - memory.surface.position))
     done += np.sum(reaction * (seat.carrier.position - memory.seat.carrier.position))

@@ -1,0 +1,1 @@
+"""What moves: meshed bodies, rigid boxes, the oscillator."""

@@ -1,0 +1,427 @@
+"""An elastic body: what it weighs, how it resists, factorized for each step size and rho_inf.
+
+Total Lagrangian, St. Venant-Kirchhoff. All vectors hold the owned unknowns of a rank, node by node,
+and belong to the whole thickness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from petsc4py import PETSc
+
+import numpy as np
+import ufl
+from dolfinx import fem, la, mesh
+from numpy.typing import NDArray
+
+from solver.bodies.factorization import Factorization
+from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
+from solver.bodies.supports import GroundSpring, Support
+from solver.compat import PackedForm
+from solver.parallel import global_sum
+from solver.scene.material import Material, green_strain
+from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.types import Array, Mask
+
+STRAINED = 0.1
+"""Change of the stiffness by strain, times (lambda + 2 mu)/mu, from which on iterations heed it:
+what they leave of an error is of that size."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Damping:
+    """Rayleigh damping C = lambda_R M + beta_R K; the second part acts on the rate of Green strain.
+
+    Attributes:
+        mass: lambda_R, 1/s.
+        stiffness: beta_R, s.
+    """
+
+    mass: float = 0.0
+    stiffness: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class StrainWeights:
+    """S = C:(new E_{n+1} + old E_n), the stress of a step's internal force."""
+
+    new: float
+    old: float
+
+
+class ElasticBody:
+    """Forces, energies and tangents of one meshed body."""
+
+    def __init__(
+        self,
+        domain: mesh.Mesh,
+        material: Material,
+        *,
+        degree: int = 1,
+        damping: Damping | None = None,
+        clamped: Callable[[Array], Mask] | None = None,
+        name: str = "block",
+        thickness: float = 1.0,
+        supports: Sequence[Support] = (),
+        spring: GroundSpring | None = None,
+    ):
+        """Compile the forms and assemble mass and stiffness.
+
+        Args:
+            domain: Mesh of the body in its own frame.
+            material: Its material.
+            degree: Polynomial degree of the displacement.
+            damping: Rayleigh damping; None assembles no such terms.
+            clamped: Marker of boundary points held fixed, as dolfinx's `locate_entities_boundary`
+                takes it.
+            name: What messages and files call it.
+            thickness: t, m; 1 in 3-D.
+            supports: Further held facets.
+            spring: Between some facets and the ground.
+        """
+        self.name, self.thickness = name, thickness
+        self.material, self.damping = material, damping or Damping()
+        self.law = material.times(thickness)
+        """Stresses times thickness."""
+        d = domain.geometry.dim
+        self.dimension, self.comm = d, domain.comm
+        self.space = fem.functionspace(domain, ("Lagrange", degree, (d,)))
+        self.owned = self.space.dofmap.index_map.size_local
+        self.size = self.owned * d
+        self.unknowns = self.space.dofmap.index_map.size_global * d
+        self.u, self.u_old = fem.Function(self.space, name="displacement"), fem.Function(self.space)
+        self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
+        if clamped is not None:
+            facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
+            supports = (*supports, Support(facets=facets, directions=tuple(range(d))))
+        self.clamped = bool(supports)
+        self.fixed = self._held(supports)
+        self._compile(domain, degree)
+        self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
+        # Views that are kept: asking dolfinx for one costs as much as copying the values.
+        self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
+        self._forces = self._buffer.array
+        self._factorizations: dict[TangentWeights, Factorization] = {}
+        self._rounding: tuple[TangentWeights, Array] | None = None
+        self._spring, self._dashpot = self._spread(domain, spring)
+        self.factorizations = 0
+        """How many tangents were factorized so far."""
+        self._interface: PETSc.Mat | None = None
+        self.identity = np.eye(d)
+        self._measure_inertia()
+
+    def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
+        """Owned unknowns that supports hold."""
+        held = [np.empty(0, dtype=np.int32)]
+        dimension = self.space.mesh.topology.dim - 1
+        for support in supports:
+            nodes = fem.locate_dofs_topological(self.space, dimension, support.facets)
+            held += [nodes * self.dimension + k for k in support.directions]
+        unknowns = np.unique(np.concatenate(held))
+        return unknowns[unknowns < self.size].astype(np.int32)
+
+    def _spread(
+        self, domain: mesh.Mesh, spring: GroundSpring | None
+    ) -> tuple[PETSc.Mat | None, float]:
+        """Stiffness of the spring to the ground, and its dashpot over it (s)."""
+        if spring is None:
+            return None, 0.0
+        order = np.argsort(spring.facets)
+        facets = mesh.meshtags(
+            domain, domain.topology.dim - 1, spring.facets[order], np.ones_like(spring.facets)
+        )
+        ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
+        area = self.comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds)))
+        trial, test = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        horizontal = sum(trial[k] * test[k] for k in range(self.dimension - 1))
+        density = fem.Constant(domain, spring.stiffness / area)
+        matrix = PackedForm(density * horizontal * ds).matrix()
+        return matrix, spring.dashpot / spring.stiffness
+
+    def _compile(self, domain: mesh.Mesh, degree: int) -> None:
+        """The weak forms, with the weights of a step as constants."""
+        d, material = self.dimension, self.law
+        simplex = domain.basix_cell().name in ("triangle", "tetrahedron")
+        quadrature = max(1, 2 * degree - 2) if simplex else 2 * degree
+        dx = ufl.Measure("dx", domain, metadata={"quadrature_degree": quadrature})
+        self._weights = StrainWeights(new=1.0, old=0.0)
+        values = (1.0, 0.0, material.lame, material.shear)
+        new, old, lame, shear = (fem.Constant(domain, value) for value in values)
+        self._weight_new, self._weight_old = new, old
+        identity, test, trial = (
+            ufl.Identity(d),
+            ufl.TestFunction(self.space),
+            ufl.TrialFunction(self.space),
+        )
+
+        def stress(strain: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+            return lame * ufl.tr(strain) * identity + 2 * shear * strain
+
+        strain, strain_old = green_strain(ufl.grad(self.u)), green_strain(ufl.grad(self.u_old))
+        midpoint = identity + ufl.grad(0.5 * self.u + 0.5 * self.u_old)
+        averaged = new * strain + old * strain_old
+        increment = strain - strain_old
+        self._force = PackedForm(ufl.inner(midpoint * stress(averaged), ufl.grad(test)) * dx)
+        if self.damping.stiffness:
+            self._viscous = PackedForm(ufl.inner(midpoint * stress(increment), ufl.grad(test)) * dx)
+        self._strain_energy = PackedForm(0.5 * ufl.inner(strain, stress(strain)) * dx)
+        self._increment_energy = PackedForm(ufl.inner(increment, stress(increment)) * dx)
+        linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
+        self.stiffness_matrix = PackedForm(linear * dx).matrix()
+        self._diagonal = self.stiffness_matrix.getDiagonal().array
+        self._stress, self._dx = stress, dx
+        self._strained: tuple[fem.Function, PackedForm] | None = None
+        inertia = fem.Constant(domain, material.density) * ufl.inner(trial, test)
+        self.mass_matrix = PackedForm(
+            inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
+        ).matrix()
+        self._product = self.mass_matrix.createVecs()
+        self._factor, self._image = (vector.array for vector in self._product)  # kept
+
+    def _measure_inertia(self) -> None:
+        """Mass, centre and moments that the best-fit rotation needs, from the consistent mass."""
+        d = self.dimension
+        unit = np.zeros((d, self.owned, d))
+        for i in range(d):
+            unit[i, :, i] = 1.0
+        self.directional_mass = np.array([self.inertia(unit[i].ravel()) for i in range(d)])
+        sums = [
+            self.directional_mass[0] @ unit[0].ravel(),
+            *(self.directional_mass[i] @ self.nodes.ravel() for i in range(d)),
+        ]
+        total = global_sum(self.comm, np.array(sums))
+        self.mass, self.centre = float(total[0]), total[1:] / total[0]
+        self.arm = self.nodes - self.centre
+        self._moment_row = self.inertia(self.arm.ravel()).reshape(-1, d)
+        self._moment = global_sum(self.comm, self.arm.T @ self._moment_row)
+        self.polar_inertia = float(np.trace(self._moment))
+
+    def inertia(self, vector: Array) -> Array:
+        """M x, with the consistent mass."""
+        return self._times(self.mass_matrix, vector)
+
+    def _times(self, matrix: PETSc.Mat, vector: Array) -> Array:
+        """A product, by way of vectors that are kept."""
+        self._factor[:] = vector
+        matrix.mult(*self._product)
+        return self._image.copy()
+
+    @property
+    def inertia_tensor(self) -> Array:
+        """Of the unrotated body in space about its centre, (3, 3), kg m2."""
+        return np.trace(self._moment) * np.eye(self.dimension) - self._moment
+
+    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
+        """That of a rigid body with the same momentum and angular momentum."""
+        d = self.dimension
+        momentum, arm = self.inertia(v).reshape(-1, d), self.arm + u.reshape(-1, d)
+        if d == 2:
+            about = [float(arm[:, 1] @ momentum[:, 0] - arm[:, 0] @ momentum[:, 1])]
+        else:
+            about = np.cross(arm, momentum).sum(axis=0).tolist()
+        parts = [*(self.directional_mass @ u), *momentum.sum(axis=0), *about]
+        sums = global_sum(self.comm, np.array(parts))
+        moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
+        if d == 2:
+            spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
+            return RigidMotion(moved, velocity, spin / self.polar_inertia, self.rotation(u))
+        turning, rotation = sums[2 * d :] - self.mass * np.cross(moved, velocity), self.rotation(u)
+        tensor = rotation @ self.inertia_tensor @ rotation.T
+        return RigidMotion(moved, velocity, np.linalg.solve(tensor, turning), rotation)
+
+    def extrapolated(self, u: Array, v: Array, dt: float, motion: RigidMotion) -> Array:
+        """The owned unknowns after dt if nothing acted on the body, and its strains stayed.
+
+        u + dt v would stretch a body that turns or vibrates, by whole per cents in long steps.
+        """
+        if self.clamped:
+            return u + dt * v
+        shape = self.arm + u.reshape(-1, self.dimension) - motion.moved
+        turned = shape @ (turn(dt * motion.spin) - self.identity).T
+        return u + (turned + dt * motion.velocity).ravel()
+
+    def turned(self, force: Array, vector: Array) -> Array:
+        """Nodal forces that turn with the body, by an angle or a rotation vector."""
+        if self.clamped:
+            return force
+        return (force.reshape(-1, self.dimension) @ turn(vector).T).ravel()
+
+    @property
+    def rigidity(self) -> float:
+        """What the body's stiffness against forces on it is like, N/m."""
+        length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.law.density))
+        return self.law.longitudinal * length
+
+    def surface_force(self, facets: NDArray[np.int32], traction: Sequence[float]) -> Array:
+        """Forces of a traction on boundary facets, per undeformed area: a load that stays as it is.
+
+        Args:
+            facets: Numbers of the facets.
+            traction: Pa, (d,).
+        """
+        domain = self.space.mesh
+        order = np.argsort(facets)
+        tags = mesh.meshtags(
+            domain, domain.topology.dim - 1, facets[order], np.ones(len(facets), dtype=np.int32)
+        )
+        ds = ufl.Measure("ds", domain, subdomain_data=tags)(1)
+        value = fem.Constant(domain, self.thickness * np.asarray(traction, dtype=float))
+        form = PackedForm(ufl.inner(value, ufl.TestFunction(self.space)) * ds)
+        vector = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
+        form.vector(vector.array)
+        vector.scatter_reverse(la.InsertMode.add)
+        force: Array = vector.array[: self.size].copy()
+        force[self.fixed] = 0.0
+        return force
+
+    def rotation(self, u: Array) -> Array:
+        """The rotation R that fits the displacement u best, (d, d)."""
+        if self.clamped:
+            return self.identity
+        moment = u.reshape(-1, self.dimension).T @ self._moment_row
+        return polar_rotation(global_sum(self.comm, moment) + self._moment)
+
+    def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
+        """Fix what a step of length `dt` starts from."""
+        viscous = scheme.contact_weight * self.damping.stiffness / dt
+        self.begin(u_old, StrainWeights(1 - scheme.alpha_f + viscous, scheme.alpha_f - viscous))
+
+    def begin_static(self, u: Array) -> None:
+        """Prepare for the elastic forces of a state itself."""
+        self.begin(u, StrainWeights(new=1.0, old=0.0))
+
+    def begin(self, u_old: Array, weights: StrainWeights) -> None:
+        """Fix what a step starts from: displacement at t_n and the weights of its stress."""
+        self._assign(self._old, u_old)
+        if weights != self._weights:
+            self._weights = weights
+            self._weight_new.value, self._weight_old.value = weights.new, weights.old
+            self._force.refresh()
+
+    def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
+        """Owned values into a function, ghosts from their owners."""
+        function, array = target
+        array[: self.size] = values
+        if self.comm.size > 1:
+            function.x.scatter_forward()
+
+    def internal_force(self, u: Array, *, static: bool = False) -> Array:
+        """Averaged internal force at displacement u: stress of averaged strain, midpoint gradient.
+
+        With `static` the midpoint is the configuration itself.
+        """
+        self._assign(self._new, u)
+        if static:
+            self._assign(self._old, u)
+        return self._assembled(self._force)
+
+    def _assembled(self, form: PackedForm) -> Array:
+        """Forces of a form on the owned unknowns."""
+        form.vector(self._forces)
+        if self.comm.size > 1:
+            self._buffer.scatter_reverse(la.InsertMode.add)
+        return self._forces[: self.size].copy()
+
+    def viscous_force(self, dt: float) -> Array | None:
+        """C du/dt of a step, by strain rates, at the displacement last assigned; None without."""
+        beta = self.damping.stiffness
+        return beta / dt * self._assembled(self._viscous) if beta else None
+
+    def spring(self, vector: Array) -> Array | None:
+        """Force of the spring to the ground for a displacement; None without one."""
+        return None if self._spring is None else self._times(self._spring, vector)
+
+    def drag(self, velocity: Array) -> Array | None:
+        """C v: mass-proportional damping and the dashpot; None without both."""
+        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
+        if self._dashpot and self._spring is not None:
+            dashpot = self._dashpot * self._times(self._spring, velocity)
+            force = dashpot if force is None else force + dashpot
+        return force
+
+    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
+        """Weights of the tangent in a step."""
+        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self._dashpot)
+
+    def round_off(self, u: Array, weights: TangentWeights) -> float:
+        """Square of the residual that round-off leaves at u; this rank's part."""
+        if self._rounding is None or self._rounding[0] != weights:
+            node_mass = self.mass * self.dimension / self.unknowns
+            # Small and thin cells are stiff, and so are damped ones in short steps.
+            terms = 0.28 if self.dimension == 2 else 0.7  # more nodes make more round-off
+            stiffness = terms * max(1.0, weights.stiffness) * self._diagonal
+            stiffness += 0.1 * weights.mass * node_mass
+            self._rounding = weights, (float(np.finfo(float).eps) * stiffness) ** 2
+        return float(self._rounding[1] @ u**2)
+
+    def strain_energy(self) -> float:
+        """Integral of E:C:E/2 over this rank's cells, J, at the displacement last assigned."""
+        return self._strain_energy.scalar()
+
+    def increment_energy(self) -> float:
+        """Integral of dE:C:dE over this rank's cells, J, dE = E_{n+1} - E_n."""
+        return self._increment_energy.scalar()
+
+    def stiffen(self, interface: PETSc.Mat) -> None:
+        """Hand over the theta term of Nitsche's method, which tangents subtract.
+
+        Args:
+            interface: (theta/gamma_h) G_T^T w G_T.
+        """
+        self._interface = interface
+        self._factorizations.clear()
+
+    def restiffen(self, u: Array) -> bool:
+        """From now on, the stiffness of the body as it is strained at u, turned back; collective.
+
+        Args:
+            u: Owned displacement, m.
+
+        Returns:
+            Whether it differs from what it was by enough to be taken.
+        """
+        if self._strained is None:
+            state, trial = fem.Function(self.space), ufl.TrialFunction(self.space)
+            gradient = ufl.grad(state)
+            turning = ufl.Identity(self.dimension) + gradient
+            stress = turning * self._stress(green_strain(gradient))
+            force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self.space))) * self._dx
+            self._strained = state, PackedForm(ufl.derivative(force, state, trial))
+        state, form = self._strained
+        shape = self.arm + u.reshape(-1, self.dimension)
+        self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
+        strained = form.matrix()
+        change = strained.copy()
+        change.axpy(-1.0, self.stiffness_matrix)
+        share = change.norm(PETSc.NormType.INFINITY) / strained.norm(PETSc.NormType.INFINITY)
+        if share * self.material.longitudinal < STRAINED * self.material.shear:
+            return False
+        self.stiffness_matrix = strained
+        self._factorizations.clear()
+        return True
+
+    def factorization(self, weights: TangentWeights) -> Factorization:
+        """The tangent of the unrotated body for these weights, factorized once and kept.
+
+        Its stiffness is that of the undeformed body, or of the one that `restiffen` was given last.
+        """
+        if weights not in self._factorizations:
+            matrix = self.stiffness_matrix.copy()
+            matrix.scale(weights.stiffness)
+            matrix.axpy(weights.mass, self.mass_matrix)
+            if self._spring is not None:
+                matrix.axpy(weights.spring, self._spring)
+            if self._interface is not None:
+                matrix.axpy(-weights.interface, self._interface)
+            self._factorizations[weights] = Factorization(self.hold(matrix))
+            self.factorizations += 1
+        return self._factorizations[weights]
+
+    def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
+        """Identity rows and columns for clamped unknowns, in place."""
+        if self.clamped:
+            start = matrix.getOwnershipRange()[0]
+            matrix.zeroRowsColumns(self.fixed + start, 1.0)
+        return matrix

@@ -1,0 +1,1 @@
+"""From a scene to its bodies, its contacts and a stepper."""

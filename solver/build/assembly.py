@@ -1,0 +1,290 @@
+"""From a scene to its bodies, its contacts and a stepper; only what the scene needs is meshed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from mpi4py import MPI
+
+import numpy as np
+from dolfinx.mesh import MeshTags
+
+from geometry.arrangement import Pose
+from geometry.foundation import RigidFoundation
+from geometry.mesh import block_mesh, move
+from geometry.tags import FacetTag
+from solver.bodies.dense_body import RigidBlock
+from solver.bodies.elastic_body import ElasticBody
+from solver.build.foundation import FoundationBody, foundation
+from solver.build.meshed_body import meshed_body
+from solver.contact.body_points import FacePoints, NodePoints, RigidPoints
+from solver.contact.candidates import ContactPair, FixedContactPair, MeshedContactPair
+from solver.contact.carrier_surface import carrier_surface
+from solver.contact.crossing_interface import CrossingInterface
+from solver.contact.edge_crossings import Crossings
+from solver.contact.facet_target import Face
+from solver.contact.interface import Interface
+from solver.contact.outline import Outline
+from solver.contact.plane_target import Carrier
+from solver.excitation.motion import ground_motion
+from solver.law.friction import FrictionLaw
+from solver.scene import BlockSpec, Scene
+from solver.scene.limits import young_of_rigid
+from solver.scene.places import stands
+from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.state import State
+from solver.stepping.stepper import StepFailed, Stepper
+from solver.stepping.system import Body, System
+from solver.types import Array
+
+
+@dataclass(slots=True)
+class BlockBody:
+    """A block as a body.
+
+    Attributes:
+        spec: What the scene says of it.
+        body: The body.
+        number: Of the body in the system.
+        stand: From the body's reference configuration to where it begins.
+        tags: Facet tags of a meshed body.
+        contacts: Numbers of its contacts: with its own points, with those of the edge below it, and
+            in space where its edges cross those below.
+    """
+
+    spec: BlockSpec
+    body: ElasticBody | RigidBlock
+    number: int
+    stand: Pose
+    tags: MeshTags | None = None
+    contacts: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Assembly:
+    """A scene made of bodies.
+
+    Attributes:
+        stepper: Steps them.
+        members: The blocks, in the order of the scene.
+        support: What carries them.
+    """
+
+    stepper: Stepper
+    members: Sequence[BlockBody]
+    support: FoundationBody
+
+
+def build(
+    scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> Assembly:
+    """Mesh what has to be meshed and set the solver up."""
+    placed = stands(scene)
+    members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
+    support = foundation(scene, len(members), comm)
+    bodies: list[Body] = []
+    bodies += [member.body for member in members]
+    if support.body is not None:
+        bodies.append(support.body)
+    contacts: list[ContactPair] = []
+    for member in members:
+        contacts += _contacts(scene, member, members, support, len(contacts))
+    stepper = Stepper(
+        System(bodies),
+        contacts,
+        GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps),
+        gravity=np.array(scene.gravity_vector),
+        ground=ground_motion(scene),
+        velocity_solve=scene.contact.velocity_solve,
+        petsc_options=petsc_options,
+    )
+    return Assembly(stepper, members, support)
+
+
+def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intracomm) -> BlockBody:
+    """One block: meshed upright at its place, or rigid.
+
+    In space a rigid block among meshed bodies is one very stiff hexahedron: its mass and rotary
+    inertia are those of the block, and finite rotations are those of every meshed body.
+    """
+    spec = scene.blocks[number]
+    upright, stand = placed
+    dimension = scene.dimension
+    centre = np.zeros(dimension)
+    centre[-1] = spec.height / 2
+    if spec.model == "rigid" and dimension == 2:
+        block = RigidBlock(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
+        return BlockBody(spec, block, number, stand)
+    rigid = spec.model == "rigid"
+    made = block_mesh(
+        spec.shape,
+        dimension=dimension,
+        cells=(1, 1, 1) if rigid else spec.cells,
+        cell="hexahedron" if rigid else spec.cell,
+        refinement=1.0 if rigid else spec.refinement,
+        comm=comm,
+    )
+    move(made.mesh, upright)
+    body = meshed_body(
+        *(scene, spec.name, made),
+        elasticity=(young_of_rigid(scene, spec), 0.0) if rigid else spec.elasticity,
+        density=spec.shape.density,
+        thickness=spec.thickness,
+        degree=1 if rigid else spec.degree,
+        damped=not rigid,
+    )
+    return BlockBody(spec, body, number, stand, made.facet_tags)
+
+
+def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:
+    """Friction between a block and what carries it."""
+    given = scene.friction_of(spec)
+    return FrictionLaw(
+        static=given.static,
+        dynamic=given.dynamic,
+        decay=given.decay,
+        cohesion=given.cohesion,
+        cohesion_lost=given.cohesion_lost,
+    )
+
+
+def _contacts(
+    scene: Scene,
+    member: BlockBody,
+    members: Sequence[BlockBody],
+    support: FoundationBody,
+    first: int,
+) -> list[ContactPair]:
+    """The contact of a block with what carries it, of that one's edge with it, of both edges."""
+    law = friction_law(scene, member.spec)
+    below = next((other for other in members if other.spec.name == member.spec.on), None)
+    carrier, on = (support.carrier(), support.number) if below is None else _top(below)
+    own: ContactPair
+    if isinstance(member.body, ElasticBody):
+        assert member.tags is not None
+        contact = scene.contact
+        own = MeshedContactPair(
+            *(member.body, member.tags, carrier, law),
+            points=contact.points,
+            gamma=contact.gamma,
+            theta=contact.theta,
+            body=member.number,
+            on=on,
+        )
+    else:
+        # Cohesion acts on the bottom and on as much of the other sides, which may touch as well.
+        area = 2 * member.spec.width * member.spec.thickness
+        points = RigidPoints(member.body, _outline(member.body, carrier), area)
+        own = FixedContactPair(Interface(points, carrier, law), body=member.number, on=on)
+    contacts = [own]
+    if isinstance(carrier, Face):
+        bottom = _bottom(member)
+        edge = Interface(rim(carrier.points), bottom, law)
+        contacts.append(FixedContactPair(edge, body=on, on=member.number))
+        if scene.dimension == 3:
+            crossing = CrossingInterface(_crossings(bottom, carrier), law)
+            contacts.append(FixedContactPair(crossing, body=member.number, on=on))
+    member.contacts = list(range(first, first + len(contacts)))
+    return contacts
+
+
+def _outline(body: RigidBlock, carrier: Carrier) -> Array:
+    """Points of a rigid block that may touch: its corners, on facets also points between them.
+
+    No closer than the facets: forces of more points than there are nodes below are not unique.
+    """
+    if not isinstance(carrier, Face):
+        return body.corners
+    count = max(1, int(body.shape.width / carrier.facet + 1e-9))
+    between = np.linspace(0, 1, count + 1)[1:-1, None]
+    left, right = body.corners[:2]
+    return np.vstack([body.corners, left + between * (right - left)])
+
+
+def _face(member: BlockBody, tag: FacetTag, up: float, margin: float) -> Face:
+    """A level face of a block as a carrier."""
+    frame = RigidFoundation.level(member.body.dimension, up).frame
+    if isinstance(member.body, ElasticBody):
+        assert member.tags is not None
+        surface = carrier_surface(member.body.space, member.tags, int(tag))
+        points = NodePoints(member.body, surface.layer, surface.positions)
+        return Face(points, surface.nodes, frame, surface.cell, surface.degree, margin)
+    ends = member.body.corners[[3, 2] if tag == FacetTag.TOP else [1, 0]]
+    return Face(RigidPoints(member.body, ends), np.array([[0, 1]]), frame, "interval", 1, margin)
+
+
+def _top(member: BlockBody) -> tuple[Face, int]:
+    """The top of a block as a carrier.
+
+    It carries a little beyond its edge: so a block of the same width, whose own edge is there, has
+    its corner carried by one of the two at any time (`_bottom` leaves less than that out).
+    """
+    return _face(member, FacetTag.TOP, 1.0, 1e-5), member.number
+
+
+def _bottom(member: BlockBody) -> Face:
+    """The bottom of a block as what an edge below it presses on, its own edges left out."""
+    return _face(member, FacetTag.BOTTOM, -1.0, -1e-6)
+
+
+def _crossings(bottom: Face, top: Face) -> Crossings:
+    """Where the edges of a block's bottom may cross those of what carries it."""
+    upper, lower = (Outline(rim(face.points), face.degree) for face in (bottom, top))
+    return Crossings(upper, lower, top, bottom)
+
+
+def rim(points: FacePoints) -> FacePoints:
+    """Those points of a level face that lie on its outline: of a mesh some, of others all."""
+    if not isinstance(points, NodePoints):
+        return points
+    level = points.reference[:, :-1]
+    near = 1e-9 * np.ptp(level, axis=0)
+    low, high = level.min(axis=0) + near, level.max(axis=0) - near
+    outline = np.flatnonzero(np.any((level < low) | (level > high), axis=1))
+    return NodePoints(points.body, points.layer, points.reference, chosen=outline)
+
+
+def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
+    """Where everything is at t = 0, and a remark where it could not be as asked.
+
+    In equilibrium where the blocks begin closed, else unstressed.
+    """
+    stepper, remark = assembly.stepper, ""
+    u = np.zeros(stepper.system.size)
+    v = np.zeros_like(u)
+    for member in assembly.members:
+        own = stepper.system.slices[member.number]
+        u[own], v[own] = _placed(member)
+    closed = all(block.tilt == 0.0 for block in scene.blocks)
+    meshed = any(isinstance(body, ElasticBody) for body in stepper.system.bodies)
+    if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
+        for glued in (False, True):
+            try:
+                state = stepper.static_start(u, glued=glued)
+                return stepper.launch(state, v) if v.any() else state, remark
+            except StepFailed as trouble:
+                remark = f"no static equilibrium ({trouble}): starting unstressed"
+                if not glued:
+                    remark = f"friction does not hold the start ({trouble}): let go from glue"
+    return stepper.start(u, v), remark
+
+
+def _placed(member: BlockBody) -> tuple[Array, Array]:
+    """Initial displacement and velocity of the owned unknowns of a block."""
+    body, spec = member.body, member.spec
+    if isinstance(body, RigidBlock):
+        moved = member.stand(body.centre[None])[0] - body.centre
+        turn = np.arctan2(member.stand.rotation[0, 1], member.stand.rotation[0, 0])
+        velocity = np.array([*spec.velocity, spec.angular_velocity], dtype=float)
+        return np.append(moved, turn)[body.own], velocity[body.own]
+    place = member.stand(body.nodes)
+    centre = member.stand(body.centre[None])[0]
+    arm = place - centre
+    velocity = np.tile(np.asarray(spec.velocity, dtype=float), (len(arm), 1))
+    if body.dimension == 2:
+        assert isinstance(spec.angular_velocity, float)
+        velocity += spec.angular_velocity * arm[:, ::-1] * (1.0, -1.0)
+    else:
+        velocity += np.cross(np.asarray(spec.angular_velocity, dtype=float), arm)
+    return (place - body.nodes).ravel(), velocity.ravel()

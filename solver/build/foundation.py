@@ -1,0 +1,175 @@
+"""What carries the blocks of a scene, as a body and as a surface."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import numpy as np
+
+from geometry.foundation import Frame, Plate, RigidFoundation
+from geometry.frame_mesh import FrameCells, frame_mesh
+from geometry.mesh import plate_mesh
+from geometry.tags import FacetTag
+from solver.bodies.dense_body import Oscillator
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.supports import GroundSpring, Support
+from solver.build.meshed_body import meshed_body
+from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
+from solver.contact.carrier_surface import Facets, carrier_surface
+from solver.contact.facet_target import Face
+from solver.contact.plane_target import Carrier, Plane
+from solver.scene import FrameSpec, OscillatorSpec, PlateSpec, Scene
+from solver.types import Array, Indices
+
+
+@dataclass(slots=True)
+class FoundationBody:
+    """What carries the blocks.
+
+    Attributes:
+        dimension: Of space.
+        number: Of its body in the system; None for what does not move.
+        body: The body; None for what does not move.
+        width: Of a fixed plate, m; None for the endless ground.
+        thickness: Of a fixed plate in space, m.
+        surface: Facets of the top of a meshed one.
+    """
+
+    dimension: int
+    number: int | None = None
+    body: Oscillator | ElasticBody | None = None
+    width: float | None = None
+    thickness: float | None = None
+    surface: Facets | None = None
+
+    def carrier(self) -> Carrier:
+        """The surface that blocks stand on."""
+        frame = RigidFoundation.level(self.dimension).frame
+        if self.surface is not None:
+            assert isinstance(self.body, ElasticBody)
+            surface = self.surface
+            points = NodePoints(self.body, surface.layer, surface.positions)
+            return Face(points, surface.nodes, frame, surface.cell, surface.degree)
+        if self.width is not None:
+            corners, facets, cell = self._fixed(self.width)
+            return Face(FixedPoints(corners), facets, frame, cell)
+        if isinstance(self.body, Oscillator):
+            platform = RigidPoints(self.body, np.zeros((1, self.dimension)))
+            return Plane.level(self.dimension, platform)
+        return Plane.level(self.dimension)
+
+    def _fixed(self, width: float) -> tuple[Array, Indices, str]:
+        """Corners and the one facet of the top of a plate that is held altogether."""
+        if self.dimension == 2:
+            return np.array([[-0.5, 0.0], [0.5, 0.0]]) * width, np.array([[0, 1]]), "interval"
+        signs = np.array([[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
+        corners = np.column_stack([signs * (width, self.thickness or width), np.zeros(4)])
+        return corners, np.array([[0, 1, 2, 3]]), "quadrilateral"
+
+
+def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
+    """Build what carries the blocks.
+
+    Args:
+        scene: Which it belongs to.
+        number: Of its body, if it is one.
+        comm: Communicator.
+    """
+    spec, dimension = scene.foundation, scene.dimension
+    if isinstance(spec, OscillatorSpec):
+        platform = scene.platform()
+        body = Oscillator(
+            mass=platform.mass,
+            stiffness=platform.stiffness,
+            dashpot=platform.damping,
+            dimension=dimension,
+            comm=comm,
+        )
+        return FoundationBody(dimension, number, body)
+    if isinstance(spec, PlateSpec):
+        if spec.support == "fixed":
+            return FoundationBody(dimension, width=spec.width, thickness=spec.thickness)
+        return _plate(scene, spec, number, comm)
+    if isinstance(spec, FrameSpec):
+        return _frame(scene, spec, number, comm)
+    return FoundationBody(dimension)
+
+
+def _plate(scene: Scene, spec: PlateSpec, number: int, comm: MPI.Intracomm) -> FoundationBody:
+    """A meshed plate on its bottom, or on rollers and a spring."""
+    dimension, shape = scene.dimension, spec.shape(scene.carried_mass)
+    made = plate_mesh(
+        Plate(width=spec.width, height=spec.height, thickness=spec.thickness),
+        dimension=dimension,
+        cells=spec.cells,
+        cell=spec.cell,
+        comm=comm,
+    )
+    bottom = made.facet_tags.find(FacetTag.BOTTOM)
+    rollers = spec.support == "rollers"
+    spring = None
+    if rollers:
+        platform = scene.platform()
+        spring = GroundSpring(facets=bottom, stiffness=platform.stiffness, dashpot=platform.damping)
+    directions = (dimension - 1,) if rollers else tuple(range(dimension))
+    body = meshed_body(
+        *(scene, "plate", made),
+        elasticity=(spec.young, spec.poisson),
+        density=shape.density,
+        thickness=spec.thickness,
+        degree=spec.degree,
+        supports=[Support(facets=bottom, directions=directions)],
+        spring=spring,
+    )
+    surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
+    return FoundationBody(dimension, number, body, surface=surface)
+
+
+def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> FoundationBody:
+    """A meshed deck on columns."""
+    dimension = scene.dimension
+    deck = Plate(width=spec.deck.width, height=spec.deck.height, thickness=spec.deck.thickness)
+    frame = Frame(
+        deck=deck,
+        column_width=spec.column.width,
+        storey=spec.storey,
+        bays=spec.bays,
+        column_thickness=spec.column.thickness if dimension == 3 else None,
+    )
+    cells = FrameCells(
+        bay=spec.cells.bay,
+        column=spec.cells.column,
+        deck=spec.cells.deck,
+        storey=spec.cells.storey,
+    )
+    made = frame_mesh(frame, dimension=dimension, cells=cells, comm=comm)
+    feet = made.facet_tags.find(FacetTag.FEET)
+    body = meshed_body(
+        *(scene, "frame", made),
+        elasticity=(spec.young, spec.poisson),
+        density=spec.density,
+        thickness=spec.deck.thickness,
+        degree=spec.degree,
+        supports=[Support(facets=feet, directions=tuple(range(dimension)))],
+    )
+    surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
+    return FoundationBody(dimension, number, body, surface=surface)
+
+
+def natural_period(scene: Scene) -> float:
+    """Longest natural period of the meshed foundation of a scene, without its blocks, s.
+
+    Computed on every rank for itself.
+
+    Raises:
+        ValueError: For a foundation without a mesh, or one that nothing deforms.
+    """
+    from solver.bodies.modes import eigenvalues  # scipy's sparse solvers take their time
+
+    body = foundation(scene, 0, MPI.COMM_SELF).body
+    if not isinstance(body, ElasticBody):
+        raise ValueError(f"a foundation of kind {scene.foundation.kind} has no mesh that moves")
+    return 2 * math.pi / math.sqrt(float(eigenvalues(body)[0]))

@@ -1,0 +1,200 @@
+"""Surface points of bodies as contact sees them: where they are, and forces put on them.
+
+Three kinds with the same four verbs: points with Nitsche tractions on a meshed body, nodes of a
+meshed body, material points of a rigid one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.bodies.dense_body import DenseBody
+from solver.bodies.elastic_body import ElasticBody
+from solver.contact.nitsche_points import ContactPoints, NitscheState
+from solver.parallel import Layer
+from solver.types import Array, Indices
+
+
+@dataclass(slots=True)
+class PointState:
+    """Positions of surface points at one instant.
+
+    Attributes:
+        position: x, (points, d), m.
+        pose: All unknowns of the rigid body they belong to; None for nodes of a mesh.
+    """
+
+    position: Array
+    pose: Array | None = None
+
+
+SurfaceState = PointState | NitscheState
+"""What is known of surface points at one instant."""
+
+
+class FixedPoints:
+    """Points that stand still: of what is held altogether."""
+
+    def __init__(self, positions: Array):
+        """Take the positions, (n, d)."""
+        self.reference = positions
+        self.count, self.dimension = positions.shape
+        self.size = float(np.max(np.ptp(positions, axis=0)))
+        self.area = 0.0
+
+    def observe(self, u: Array | None) -> PointState:
+        """Where they always are."""
+        return PointState(self.reference)
+
+    def velocity(self, u: Array | None, v: Array | None) -> Array:
+        """None."""
+        return np.zeros_like(self.reference)
+
+    def add_forces(
+        self,
+        target: Array,
+        old: SurfaceState,
+        new: SurfaceState,
+        force: Array,
+        pull: Array | None = None,
+    ) -> None:
+        """What holds them takes the forces."""
+
+
+class NodePoints:
+    """Nodes of a meshed body."""
+
+    def __init__(
+        self,
+        body: ElasticBody,
+        layer: Layer,
+        positions: Array,
+        *,
+        chosen: Indices | None = None,
+        area: float = 0.0,
+    ):
+        """Take the nodes.
+
+        Args:
+            body: The meshed body.
+            layer: Nodes of it.
+            positions: Where they are in the undeformed body, (n, d).
+            chosen: Which nodes of the layer these are; None: all.
+            area: Of the surface that belongs to them, m2; for cohesion.
+        """
+        self.body, self.layer, self.area = body, layer, area
+        self.chosen = np.arange(layer.size) if chosen is None else chosen
+        self._all = chosen is None
+        self.reference: Array = positions[self.chosen]
+        self.count, self.dimension = len(self.chosen), positions.shape[1]
+        self.size = float(np.max(np.ptp(positions, axis=0)))
+
+    def _gather(self, values: Array) -> Array:
+        """Nodal values, (n, d), from owned unknowns."""
+        nodes = self.layer.gather(values.reshape(-1, self.dimension))
+        return nodes if self._all else nodes[self.chosen]
+
+    def observe(self, u: Array | None) -> PointState:
+        """Where the nodes are for the owned unknowns u."""
+        assert u is not None
+        return PointState(self.reference + self._gather(u))
+
+    def velocity(self, u: Array | None, v: Array | None) -> Array:
+        """Velocities of the nodes."""
+        assert v is not None
+        return self._gather(v)
+
+    def add_forces(
+        self,
+        target: Array,
+        old: SurfaceState,
+        new: SurfaceState,
+        force: Array,
+        pull: Array | None = None,
+    ) -> None:
+        """Add forces on the nodes to the owned unknowns' forces."""
+        if not self._all:
+            whole = np.zeros((self.layer.size, self.dimension))
+            whole[self.chosen] = force
+            force = whole
+        self.layer.add(target.reshape(-1, self.dimension), force)
+
+
+class RigidPoints:
+    """Material points of a rigid block or of a platform."""
+
+    def __init__(self, body: DenseBody, points: Array, area: float = 0.0):
+        """Take the points, (n, d), in the body's own frame, and the area they stand for, m2."""
+        self.body, self.reference, self.area = body, points, area
+        self.count, self.dimension = points.shape
+        self.size = float(np.max(np.ptp(points, axis=0)))
+
+    def observe(self, u: Array | None) -> PointState:
+        """Where the points are for the owned unknowns u."""
+        assert u is not None
+        pose = self.body.replicate(u)
+        return PointState(self.body.material_positions(self.reference, pose), pose)
+
+    def velocity(self, u: Array | None, v: Array | None) -> Array:
+        """Velocities of the points."""
+        assert u is not None and v is not None
+        rows = self.body.rows(self.reference, self.body.replicate(u))
+        return rows @ self.body.replicate(v)
+
+    def add_forces(
+        self,
+        target: Array,
+        old: SurfaceState,
+        new: SurfaceState,
+        force: Array,
+        pull: Array | None = None,
+    ) -> None:
+        """Add forces on the points to the owned unknowns' forces: their work is exact."""
+        assert isinstance(old, PointState) and isinstance(new, PointState)
+        assert old.pose is not None and new.pose is not None
+        rows = self.body.increment_rows(self.reference, old.pose, new.pose)
+        target += (force.ravel() @ rows.reshape(force.size, -1))[self.body.own]
+
+
+class NitschePoints:
+    """Contact points of a meshed body, which know the traction of the body there."""
+
+    def __init__(self, body: ElasticBody, points: ContactPoints):
+        """Take the points."""
+        self.body, self.points = body, points
+        self.count, self.dimension = points.count, points.dimension
+        self.reference, self.size = points.reference, points.size
+
+    def observe(self, u: Array | None) -> NitscheState:
+        """Positions and tractions for the owned unknowns u."""
+        assert u is not None
+        return self.points.evaluate(self.points.layer.gather(u.reshape(-1, self.dimension)))
+
+    def velocity(self, u: Array | None, v: Array | None) -> Array:
+        """Velocities of the points."""
+        assert u is not None and v is not None
+        nodes = self.points.layer.gather(v.reshape(-1, self.dimension))
+        return np.asarray(self.points.values @ nodes)
+
+    def add_forces(
+        self,
+        target: Array,
+        old: SurfaceState,
+        new: SurfaceState,
+        force: Array,
+        pull: Array | None = None,
+    ) -> None:
+        """Add forces on the points, and `pull` times the traction's derivative, to the forces."""
+        nodal = self.points.values_T @ force
+        if pull is not None:
+            assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
+            nodal += self.points.traction_gradient(old, new, pull)
+        self.points.layer.add(target.reshape(-1, self.dimension), nodal)
+
+
+FacePoints = NodePoints | RigidPoints | FixedPoints
+"""Points on which forces act, and no more."""
+
+SurfacePoints = NitschePoints | FacePoints

@@ -1,0 +1,140 @@
+"""The faces of a body that take part in contact: those turned towards what carries it.
+
+Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a
+face cost time in every iteration, so a face joins when it has turned to within 60 degrees of facing
+its carrier, which a block that stands, slides or rocks never lets its sides do; one that tips over
+does, before it touches with them.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from dolfinx import mesh
+
+from geometry.tags import FacetTag
+from solver.bodies.elastic_body import ElasticBody
+from solver.contact.body_points import NitschePoints
+from solver.contact.facets import evaluate_facets, gather
+from solver.contact.interface import Interface
+from solver.contact.nitsche_points import contact_points, extent
+from solver.contact.plane_target import Carrier
+from solver.law.friction import FrictionLaw
+from solver.types import Array
+
+FACING = -0.5
+"""Cosine of the angle between a face's normal and the carrier's below which the face joins."""
+
+
+class ContactPair(Protocol):
+    """Who may touch whom, and the interface that it takes.
+
+    Attributes:
+        body: Number of the body whose points these are.
+        carrier: Number of the body that carries them; None for the ground and what is fixed to it.
+        surface: What carries them.
+        joined: Tags of the faces that take part.
+    """
+
+    body: int | None
+    carrier: int | None
+    surface: Carrier
+    joined: frozenset[int]
+
+    def facing(self, rotation: Array) -> frozenset[int]:
+        """Tags of faces turned towards the carrier, and of those that joined before."""
+
+    def join(self, faces: frozenset[int]) -> Interface:
+        """The interface of these faces."""
+
+
+class MeshedContactPair:
+    """The faces of a meshed body, and what carries it."""
+
+    def __init__(
+        self,
+        member: ElasticBody,
+        facet_tags: mesh.MeshTags,
+        carrier: Carrier,
+        law: FrictionLaw,
+        *,
+        points: str = "nodes",
+        gamma: float = 100.0,
+        theta: int = 1,
+        body: int = 0,
+        on: int | None = None,
+        cuts: Array | None = None,
+    ):
+        """Take what `contact_points` and `Interface` need; `join` builds the interface.
+
+        Args:
+            member: The body.
+            facet_tags: Tags of its boundary facets.
+            carrier: What carries it.
+            law: Friction.
+            points: "nodes" or "gauss".
+            gamma: Nondimensional Nitsche parameter.
+            theta: Nitsche variant.
+            body: Number of the body in its system.
+            on: Number of the body that carries it, None for the ground.
+            cuts: As for `contact_points`.
+        """
+        self.body: int | None = body
+        self.carrier, self.surface = on, carrier
+        self._member, self._tags, self._law = member, facet_tags, law
+        self._points, self._gamma, self._theta, self._cuts = points, gamma, theta, cuts
+        space = member.space
+        records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
+        facets, _ = gather(space, records, extent(space.mesh))
+        self._face, self._outward = facets.tag, facets.normal
+        # The bottom always takes part: the gaps in the history are those of its corners.
+        self.joined: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
+
+    def facing(self, rotation: Array) -> frozenset[int]:
+        """Tags of faces with a facet turned towards the carrier, and of those that joined."""
+        normal = self.surface.frame[0] @ rotation
+        towards = self._outward @ normal < FACING
+        return self.joined.union(self._face[towards].tolist())
+
+    def join(self, faces: frozenset[int]) -> Interface:
+        """The interface of these faces."""
+        self.joined = faces
+        chosen = np.isin(self._tags.values, list(faces))
+        space = self._member.space
+        tags = mesh.meshtags(
+            space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen]
+        )
+        points = contact_points(
+            *(space, tags, self._member.law),
+            points=self._points,
+            gamma=self._gamma,
+            cuts=self._cuts,
+        )
+        member = NitschePoints(self._member, points)
+        return Interface(member, self.surface, self._law, theta=self._theta)
+
+
+class FixedContactPair:
+    """Points that take part from the beginning to the end: of rigid bodies, of edges."""
+
+    joined: frozenset[int] = frozenset()
+
+    def __init__(
+        self,
+        interface: Interface,
+        *,
+        body: int | None,
+        on: int | None,
+    ):
+        """Take the interface, and the numbers of the body of its points and of what they touch."""
+        self.body, self.carrier, self.surface = body, on, interface.carrier
+        self._interface = interface
+
+    def facing(self, rotation: Array) -> frozenset[int]:
+        """No further face joins."""
+        return self.joined
+
+    def join(self, faces: frozenset[int]) -> Interface:
+        """The interface."""
+        return self._interface

@@ -1,0 +1,308 @@
+"""The facets of a body's face as what carries contact points of another one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+
+from solver.contact.body_points import FacePoints, SurfaceState
+from solver.contact.plane_target import FacetCarrier
+from solver.contact.projection import ContactKinematics, Projection
+from solver.types import Array, Indices, Mask
+
+STILL = 1e-4
+"""A foot that moves by less than this part of its facet is taken to have the local slope, one that
+moves by twice as much or more that of its way; between them it goes over from one to the other."""
+
+DEEP = 0.05
+"""A point farther behind a face than this part of the face's length came round its edge."""
+
+SETTLED = 1e-12
+"""Newton's method for a foot ends when it moves it by less than this part of its facet: what is
+left is the square of that."""
+
+SEAM = 0.02
+"""As near to the edge of its facet as this part of it, a foot goes over to the averaged slope."""
+
+
+@dataclass(slots=True)
+class _Way:
+    """How the feet of points go over the mean surface of a step, in the frame of the face.
+
+    Attributes:
+        rise: Along the normal, (m,), m.
+        shift: Along the tangents, (m, d-1), m.
+        travel: The same in the undeformed face.
+        slope: Rise over shift where a foot moves, else that of the surface there, (m, d-1).
+        metric: Shift over travel likewise, (m, d-1, d-1).
+        share: How far slope and metric are those of the way, 0 to 1, (m,).
+    """
+
+    rise: Array
+    shift: Array
+    travel: Array
+    slope: Array
+    metric: Array
+    share: Array
+
+
+class Face(FacetCarrier):
+    """Facets of a body that can carry points of another one."""
+
+    def __init__(
+        self,
+        points: FacePoints,
+        facets: Indices,
+        frame: Array,
+        cell: str,
+        degree: int = 1,
+        margin: float = 1e-9,
+    ):
+        """Set up.
+
+        Args:
+            points: The nodes of the face.
+            facets: Nodes of each facet, (facets, k); in the plane in their order along the face.
+            frame: Rows normal and tangents of the undeformed face.
+            cell: "interval", "triangle" or "quadrilateral".
+            degree: Polynomial degree on a facet.
+            margin: Part of a facet by which points may be beyond its edge; negative: must be
+                inside.
+        """
+        self.margin = margin
+        if cell == "interval" and degree == 2:
+            facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
+        self.points, self.facets, self.reference_frame = points, facets, frame
+        self.degree = degree
+        self.frame = frame
+        kind = getattr(basix.CellType, cell)
+        variant = basix.LagrangeVariant.gll_warped
+        self._element = basix.create_element(basix.ElementFamily.P, kind, degree, variant)
+        self._straight = cell == "interval" and degree == 1
+        self._interval = cell == "interval"
+        self._corners = basix.geometry(kind)
+        self._chain = np.append(facets[:, 0], facets[-1, 1])
+        self._along = points.reference @ frame[1:].T
+        self._reference = self._along[self._chain, 0]
+        chains = self._along[facets[:, : len(self._corners)]]
+        table = self._element.tabulate(1, self._element.points)[1:, :, :, 0]
+        self._gradient = np.ascontiguousarray(table)
+        self._undeformed = np.linalg.inv(self._nodal_gradient(self._along))
+        self._meeting = np.bincount(self.facets.ravel(), minlength=points.count)
+        self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
+        self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
+
+    def rotate_frame(self, rotation: Array) -> None:
+        """Let the frame of the coming step be that of the turned body."""
+        self.frame = self.reference_frame @ rotation.T
+
+    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+        """Gaps and tangential positions of points in space."""
+        assert carrier is not None
+        foot = self._foot(position @ self.frame[1:].T, carrier.position @ self.frame.T)
+        gap = (position - foot.carried(carrier.position)) @ self.frame[0]
+        return ContactKinematics(np.column_stack([gap, foot.along]), carrier, foot)
+
+    def _foot(self, along: Array, nodes: Array) -> Projection:
+        """Feet of points with tangential positions (m, d-1) for nodes in the frame, (n, d)."""
+        if self._straight:
+            return self._foot_on_chain(along[:, 0], nodes)
+        facet, where = self._nearest(along, nodes[:, 1:])
+        where = self._inverted(facet, where, along, nodes[:, 1:])
+        if not self._interval:
+            lost = np.flatnonzero(self._outside(where))
+            if len(lost):
+                facet[lost], where[lost] = self._best_around(along[lost], nodes[:, 1:])
+        at = self.facets[facet]
+        shape, derivative = self._shapes(where)
+        own = np.einsum("mk,mkd->md", shape, self._along[at])
+        gradient = np.einsum("jmk,mkd->mdj", derivative, nodes[at])
+        before = np.linalg.inv(np.einsum("jmk,mkd->mdj", derivative, self._along[at]))
+        slope = (gradient[:, :1] @ np.linalg.inv(gradient[:, 1:]))[:, 0]
+        metric = gradient[:, 1:] @ before
+        seam = np.clip(1 + self._miss(where) / SEAM, 0.0, 1.0)
+        near = np.flatnonzero(seam)
+        if len(near):
+            share, at_near, shape_near = seam[near], at[near], shape[near]
+            for local, nodal in zip((slope, metric), self._averages(nodes), strict=True):
+                common = np.einsum("mk,mk...->m...", shape_near, nodal[at_near])
+                local[near] += (share * (common - local[near]).T).T
+        return Projection(at, shape, own, slope, metric, self._outside(where))
+
+    def _nodal_gradient(self, values: Array) -> Array:
+        """Derivatives along the facets' coordinates at their nodes, (facets, k, components, d-1).
+
+        Args:
+            values: At the nodes, (n, components).
+        """
+        gradient: Array = np.einsum("jpk,fkd->fpdj", self._gradient, values[self.facets])
+        return gradient
+
+    def _averages(self, nodes: Array) -> tuple[Array, Array]:
+        """Slope and metric at the nodes, averaged over the facets that meet there."""
+        gradient = self._nodal_gradient(nodes)
+        current = gradient[:, :, 1:]
+        slopes = (gradient[:, :, :1] @ np.linalg.inv(current))[:, :, 0]
+        metrics = current @ self._undeformed
+        averages = []
+        for values in (slopes, metrics):
+            total = np.zeros((self.points.count, *values.shape[2:]))
+            np.add.at(total, self.facets, values)
+            averages.append((total.T / np.maximum(self._meeting, 1)).T)
+        return averages[0], averages[1]
+
+    def _inverted(self, facet: Indices, where: Array, along: Array, nodes: Array) -> Array:
+        """Coordinates of points on given facets, from a first guess (Newton's method)."""
+        tangential = nodes[self.facets[facet]]
+        for _ in range(4):
+            shape, derivative = self._shapes(where)
+            miss = along - np.einsum("mk,mkd->md", shape, tangential)
+            jacobian = np.einsum("jmk,mkd->mdj", derivative, tangential)
+            change = np.linalg.solve(jacobian, miss[:, :, None])[:, :, 0]
+            where = where + change
+            if np.abs(change).max(initial=0.0) < SETTLED:
+                break
+        return where
+
+    def _best_around(self, along: Array, nodes: Array) -> tuple[Indices, Array]:
+        """The best of the facets around points that are outside of the one that seemed nearest.
+
+        Nearness is judged on facets taken as parallelograms; bent ones end elsewhere.
+        """
+        guess = self._as_parallelograms(along, nodes)
+        rows = np.arange(len(along))
+        nearest = np.argsort(self._miss(guess), axis=1)[:, :4]
+        start = np.take_along_axis(guess, nearest[:, :, None], axis=1).reshape(nearest.size, -1)
+        points = np.repeat(along, nearest.shape[1], axis=0)
+        places = self._inverted(nearest.ravel(), start, points, nodes)
+        places = places.reshape(*nearest.shape, -1)
+        best = np.argmin(self._miss(places), axis=1)
+        return nearest[rows, best], places[rows, best]
+
+    def _foot_on_chain(self, along: Array, nodes: Array) -> Projection:
+        """Feet on straight facets in the plane, in closed form."""
+        chain = nodes[self._chain]
+        last = len(chain) - 2
+        facet = np.minimum(np.maximum(chain[:, 1].searchsorted(along, "right") - 1, 0), last)
+        steps, reference = chain[1:] - chain[:-1], self._reference
+        length = steps[facet, 1]
+        where = (along - chain[facet, 1]) / length
+        weights = np.empty((len(where), 2))
+        weights[:, 0], weights[:, 1] = 1 - where, where
+        own = np.diff(reference)
+        outside = (where < -self.margin) | (where > 1 + self.margin)
+        start, end = np.maximum(0.0, 1 - np.abs(np.stack([where, 1 - where])) / SEAM)
+        slope, metric = (
+            (1 - start - end) * of[facet] + start * ends[facet] + end * ends[facet + 1]
+            for of in (steps[:, 0] / steps[:, 1], steps[:, 1] / own)
+            for ends in (_at_ends(of),)
+        )
+        return Projection(
+            self.facets[facet],
+            weights,
+            (reference[facet] + where * own[facet])[:, None],
+            slope[:, None],
+            metric[:, None, None],
+            outside,
+        )
+
+    def _shapes(self, where: Array) -> tuple[Array, Array]:
+        """Shape functions (m, k) and their derivatives (d-1, m, k)."""
+        table = self._element.tabulate(1, where)[:, :, :, 0]
+        return table[0], table[1:]
+
+    def _nearest(self, along: Array, nodes: Array) -> tuple[Indices, Array]:
+        """The facet nearest to each point, and the point in the facet's own coordinates."""
+        if self._interval:
+            ends = nodes[:, 0][np.append(self.facets[:, 0], self.facets[-1, 1])]
+            last = len(self.facets) - 1
+            facet = np.clip(np.searchsorted(ends, along[:, 0], side="right") - 1, 0, last)
+            start, end = ends[facet], ends[facet + 1]
+            return facet, ((along[:, 0] - start) / (end - start))[:, None]
+        where = self._as_parallelograms(along, nodes)
+        facet = np.argmin(self._miss(where), axis=1)
+        return facet, where[np.arange(len(along)), facet]
+
+    def _as_parallelograms(self, along: Array, nodes: Array) -> Array:
+        """Coordinates of all points on all facets, each taken as spanned by two of its edges."""
+        origin = nodes[self.facets[:, 0]]
+        edges = np.stack([nodes[self.facets[:, k]] - origin for k in (1, 2)], axis=2)
+        inverse = np.linalg.inv(edges)
+        coordinates: Array = np.einsum("fij,mfj->mfi", inverse, along[:, None, :] - origin[None])
+        return coordinates
+
+    def _miss(self, where: Array) -> Array:
+        """How far points are outside of their facet, in its own coordinates."""
+        low = np.max(-where, axis=-1)
+        triangle = len(self._corners) == 3
+        high = where.sum(axis=-1) - 1 if triangle else np.max(where - 1, axis=-1)
+        return np.maximum(low, high)
+
+    def _outside(self, where: Array) -> Mask:
+        """Whether points are beyond the edge of the whole face: of the facet nearest to them."""
+        return self._miss(where) > self.margin
+
+    def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
+        """Point forces as vectors in space such that their work on increments is exact."""
+        if not force.any():
+            return np.zeros_like(force)
+        way = self._way(old, new)
+        vectors = np.empty_like(force)
+        vectors[:, 0] = force[:, 0]
+        if self._interval:
+            vectors[:, 1] = force[:, 1] / way.metric[:, 0, 0] - force[:, 0] * way.slope[:, 0]
+        else:
+            stretched = way.metric.swapaxes(1, 2)
+            tangential = np.linalg.solve(stretched, force[:, 1:, None])[:, :, 0]
+            vectors[:, 1:] = tangential - force[:, :1] * way.slope
+        return vectors @ self.frame
+
+    def _way(self, old: ContactKinematics, new: ContactKinematics) -> _Way:
+        """How the feet of points go over the mean surface."""
+        first, last = old.foot, new.foot
+        assert isinstance(first, Projection) and isinstance(last, Projection)
+        assert old.carrier is not None and new.carrier is not None
+        mean = 0.5 * (old.carrier.position + new.carrier.position)
+        moved = (last.carried(mean) - first.carried(mean)) @ self.frame.T
+        rise, shift = moved[:, 0], moved[:, 1:]
+        travel = last.along - first.along
+        slope = 0.5 * (first.slope + last.slope)
+        metric = 0.5 * (first.metric + last.metric)
+        squares = np.sum(travel**2, axis=1)
+        share = np.clip(np.sqrt(squares) / (STILL * self.facet) - 1.0, 0.0, 1.0)
+        moves = np.flatnonzero(share)
+        if len(moves):
+            part, by, on = share[moves], shift[moves], travel[moves]
+            rest = part * (rise[moves] - np.sum(slope[moves] * by, axis=1))
+            slope[moves] += (rest / np.sum(by**2, axis=1))[:, None] * by
+            bend = by - (metric[moves] @ on[:, :, None])[:, :, 0]
+            along = (part / squares[moves])[:, None] * on
+            metric[moves] += bend[:, :, None] * along[:, None, :]
+        return _Way(rise, shift, travel, slope, metric, share)
+
+    def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
+        """Work of the vectors of point forces less that of the forces on (g, s), J.
+
+        Only feet that hardly move have any, where the slope is not that of their way.
+        """
+        pressed = np.flatnonzero(force[:, 0] > 0)
+        if not len(pressed):
+            return 0.0
+        way = self._way(old, new)
+        near = pressed[way.share[pressed] < 1]
+        slope, shift = way.slope[near], way.shift[near]
+        lift = way.rise[near] - np.sum(slope * shift, axis=1)
+        drag = np.linalg.solve(way.metric[near], shift[:, :, None])[:, :, 0] - way.travel[near]
+        return float(force[near, 0] @ lift + np.sum(force[near, 1:] * drag))
+
+    def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
+        """Points beyond the edge of the face."""
+        assert isinstance(seat.foot, Projection)
+        return seat.foot.off
+
+
+def _at_ends(values: Array) -> Array:
+    """Averages where intervals meet, from the values in intervals of a chain."""
+    return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])

@@ -1,0 +1,101 @@
+"""Where contact points stand on what carries them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.contact.body_points import SurfaceState
+from solver.types import Array, Indices, Mask
+
+
+@dataclass(slots=True)
+class Interpolation:
+    """Places between the nodes of a surface.
+
+    Attributes:
+        nodes: Nodes around each place, (m, k).
+        weights: Shape functions N there, (m, k).
+    """
+
+    nodes: Indices
+    weights: Array
+
+    def carried(self, values: Array) -> Array:
+        """N values: what the nodes' values (n, d) are at the places, (m, d)."""
+        return (self.weights[:, None, :] @ values[self.nodes])[:, 0]
+
+
+@dataclass(slots=True)
+class Projection(Interpolation):
+    """Where points stand on the facets of a face.
+
+    Attributes:
+        along: Tangential position s in the undeformed face, (m, d-1), m.
+        slope: Rise of the face along the tangents of the frame, (m, d-1); where facets meet that
+            of both, so that it is continuous.
+        metric: Current over undeformed tangential lengths, likewise, (m, d-1, d-1).
+        off: Beyond the edge of the face, (m,).
+    """
+
+    along: Array
+    slope: Array
+    metric: Array
+    off: Mask
+
+
+@dataclass(slots=True)
+class EdgeInterpolation(Interpolation):
+    """Places on the edges of a face.
+
+    Attributes:
+        segment: Number of the segment, (m,).
+        where: Place on it, 0 to 1, (m,).
+        position: Where the nodes are, (n, 3), m.
+    """
+
+    segment: Indices
+    where: Array
+    position: Array
+
+
+@dataclass(slots=True)
+class ContactKinematics:
+    """Gaps and tangential positions of points over a carrier at one instant.
+
+    Attributes:
+        place: (g, s), (m, d), m.
+        carrier: Where the carrier's own points are; None for the ground.
+        foot: Where the points stand; None on a plane.
+        tip: Where they are among the nodes of their own body; None where they are those nodes.
+    """
+
+    place: Array
+    carrier: SurfaceState | None = None
+    foot: Projection | EdgeInterpolation | None = None
+    tip: EdgeInterpolation | None = None
+
+
+def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:
+    """Forces at places as forces on the nodes (count, d): half at each of two instants."""
+    target = np.zeros((count, vectors.shape[1]))
+    pressed = np.flatnonzero(vectors.any(axis=1))
+    for spots in (first, last):
+        share = 0.5 * spots.weights[pressed, :, None] * vectors[pressed, None, :]
+        np.add.at(target, spots.nodes[pressed], share)
+    return target
+
+
+def in_frames(vectors: Array, frames: Array) -> Array:
+    """Components of vectors in space (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
+    if frames.ndim == 2:
+        return vectors @ frames.T
+    return (frames @ vectors[:, :, None])[:, :, 0]
+
+
+def in_space(components: Array, frames: Array) -> Array:
+    """Vectors in space of components (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
+    if frames.ndim == 2:
+        return components @ frames
+    return (components[:, None, :] @ frames)[:, 0]

@@ -1,1 +1,0 @@
-"""Time stepping: scheme, steps, their nonlinear solve and their sizes."""

@@ -1,0 +1,1 @@
+"""Synthetic ground motions: Boore's stochastic method with a point source."""

@@ -1,0 +1,1 @@
+"""Files of fields for ParaView."""

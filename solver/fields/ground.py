@@ -1,0 +1,43 @@
+"""What pictures show below the blocks: the platform, which a scene gives no size, and the floor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.scene import FrameSpec, OscillatorSpec, PlateSpec, Scene
+from solver.types import Array
+
+
+def platform_corners(scene: Scene) -> Array:
+    """Corners of the platform as it is drawn, m, (4, 2) or (8, 3), its top at level 0.
+
+    Twice as wide as where the blocks stand, a quarter of half that high; in VTK's order.
+    """
+    standing = [block for block in scene.blocks if scene.carrier_of(block) is None]
+    half = 2 * max(abs(block.offset) + block.width / 2 for block in standing)
+    low = -half / 8
+    if scene.dimension == 2:
+        return np.array([(-half, low), (half, low), (half, 0.0), (-half, 0.0)])
+    deep = 2 * max(abs(block.offset_second) + block.thickness / 2 for block in standing)
+    ring = (-half, -deep), (half, -deep), (half, deep), (-half, deep)
+    return np.array([(*corner, level) for level in (low, 0.0) for corner in ring])
+
+
+def floor_level(scene: Scene) -> float:
+    """Height of the floor, m: of the ground below whatever carries the blocks."""
+    foundation = scene.foundation
+    if isinstance(foundation, OscillatorSpec):
+        return float(platform_corners(scene)[:, -1].min())
+    if isinstance(foundation, PlateSpec):
+        return -foundation.height
+    if isinstance(foundation, FrameSpec):
+        return -foundation.deck.height - foundation.storey
+    return 0.0
+
+
+def half_floor(scene: Scene) -> float:
+    """Half the length of the floor that is drawn, m."""
+    return float(
+        sum(np.hypot(block.width, block.height) for block in scene.blocks)
+        + max(abs(block.offset) for block in scene.blocks)
+    )

@@ -1,0 +1,145 @@
+"""Snapshots of a run for ParaView: the fields of every body, filled from the state of the run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from dolfinx import fem
+
+from solver.bodies.dense_body import DenseBody, RigidBlock
+from solver.bodies.elastic_body import ElasticBody
+from solver.build.assembly import Assembly
+from solver.contact.body_points import NitschePoints
+from solver.fields.ground import floor_level, half_floor, platform_corners
+from solver.fields.paraview import paraview_script
+from solver.fields.pvd import PvdIndex
+from solver.fields.rigid_writer import RigidFieldWriter
+from solver.fields.writer import FieldWriter
+from solver.scene import Scene
+from solver.stepping.state import State
+from solver.types import Array
+
+
+class SteppedRun(Protocol):
+    """What snapshots are taken of."""
+
+    assembly: Assembly
+    state: State
+
+
+class Snapshots:
+    """Displacement, velocity, stress and contact pressure of all bodies; collective."""
+
+    def __init__(self, run: SteppedRun, folder: Path, scene: Scene):
+        """Open `fields.pvd` and write the script that shows it in ParaView."""
+        self._run = run
+        system = run.assembly.stepper.system
+        writes = system.comm.rank == 0
+        index = PvdIndex(folder / "fields.pvd", writes=writes)
+        self._bodies: list[MeshedFields | RigidFields] = []
+        for number, body in enumerate(system.bodies):
+            file = folder / f"fields_{body.name}.pvd"
+            if isinstance(body, ElasticBody):
+                self._bodies.append(MeshedFields(run, number, body, file, index))
+            else:
+                corners = body.corners if isinstance(body, RigidBlock) else platform_corners(scene)
+                writer = RigidFieldWriter(file, corners, index=index, part=number, writes=writes)
+                self._bodies.append(RigidFields(run, number, body, corners, writer))
+        if writes:
+            script = paraview_script(
+                half_floor(scene),
+                dimension=scene.dimension,
+                level=floor_level(scene),
+                stress=any(isinstance(body, ElasticBody) for body in system.bodies),
+            )
+            (folder / "open_in_paraview.py").write_text(script, encoding="utf-8")
+
+    def write(self, time: float) -> None:
+        """Write the fields of the run's state."""
+        for body in self._bodies:
+            body.write(time)
+
+    def close(self) -> None:
+        """Finish the files."""
+        for body in self._bodies:
+            body.close()
+
+
+class MeshedFields:
+    """The fields of a meshed body."""
+
+    def __init__(
+        self, run: SteppedRun, number: int, body: ElasticBody, file: Path, index: PvdIndex
+    ):
+        """Open the files of a body."""
+        self._run, self._body = run, body
+        self._own = run.assembly.stepper.system.slices[number]
+        self._number, space = number, body.space
+        self._displacement, self._velocity = fem.Function(space), fem.Function(space)
+        degree = space.element.basix_element.degree
+        self._pressure = fem.Function(fem.functionspace(space.mesh, ("Lagrange", degree)))
+        self._writer = FieldWriter(
+            file,
+            displacement=self._displacement,
+            velocity=self._velocity,
+            contact_pressure=self._pressure,
+            material=body.material,
+            index=index,
+            part=number,
+        )
+
+    def write(self, time: float) -> None:
+        """Write the fields as they are."""
+        body, state = self._body, self._run.state
+        for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
+            function.x.array[: body.size] = values[self._own]
+            function.x.scatter_forward()
+        self._fill_pressure(state)
+        self._writer.write(time)
+
+    def _fill_pressure(self, state: State) -> None:
+        """The point forces spread over the nodes, over the area that belongs to each of them."""
+        body = self._body
+        self._pressure.x.array[:] = 0.0
+        for link, memory in zip(self._run.assembly.stepper.links, state.contacts, strict=True):
+            contact = link.interface.points
+            if link.body != self._number or not isinstance(contact, NitschePoints):
+                continue
+            points = contact.points
+            area = points.values_T @ (points.weight * memory.may_touch) * body.thickness
+            force = points.values_T @ memory.force[:, 0]
+            pressure = np.divide(force, area, out=np.zeros_like(force), where=area > 0)
+            points.layer.add(self._pressure.x.array[: body.owned], np.maximum(pressure, 0.0))
+        self._pressure.x.scatter_forward()
+
+    def close(self) -> None:
+        """Finish the files."""
+        self._writer.close()
+
+
+class RigidFields:
+    """A rigid body among meshed ones."""
+
+    def __init__(
+        self,
+        run: SteppedRun,
+        number: int,
+        body: DenseBody,
+        corners: Array,
+        writer: RigidFieldWriter,
+    ):
+        """Take the body, its corners and the writer."""
+        self._run, self._body, self._corners, self._writer = run, body, corners, writer
+        self._own = run.assembly.stepper.system.slices[number]
+
+    def write(self, time: float) -> None:
+        """Write the body as it stands."""
+        body, state = self._body, self._run.state
+        pose, speed = body.replicate(state.u[self._own]), body.replicate(state.v[self._own])
+        moved = body.material_positions(self._corners, pose) - self._corners
+        self._writer.write(time, moved, body.rows(self._corners, pose) @ speed)
+
+    def close(self) -> None:
+        """Nothing is left open."""

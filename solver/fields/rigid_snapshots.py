@@ -1,0 +1,106 @@
+"""Snapshots of rigid blocks for ParaView, in the plane and in space; nothing here needs dolfinx."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from solver.fields.ground import floor_level, half_floor, platform_corners
+from solver.fields.paraview import paraview_script
+from solver.fields.pvd import PvdIndex
+from solver.fields.rigid_writer import RigidFieldWriter
+from solver.scene import Scene
+from solver.types import Array
+
+
+class Bodies(Protocol):
+    """What snapshots are taken of: `PlaneSystem` or `SpaceSystem`."""
+
+    @property
+    def drift(self) -> float | Array:
+        """Displacement of the platform along each horizontal direction, m."""
+
+    @property
+    def drift_velocity(self) -> float | Array:
+        """Its velocity, m/s."""
+
+    def centre(self, block: int) -> Array:
+        """Centre of a block, m."""
+
+    def rotation(self, block: int) -> Array:
+        """Rotation matrix of a block."""
+
+    def velocity(self, block: int) -> Array:
+        """Velocity of the centre of a block, m/s."""
+
+    def angular_velocity(self, block: int) -> float | Array:
+        """Angular velocity of a block, rad/s: clockwise, or in space."""
+
+
+class RigidSnapshots:
+    """Displacement and velocity of all blocks and of the platform."""
+
+    def __init__(self, bodies: Bodies, folder: Path, scene: Scene, *, writes: bool = True):
+        """Open `fields.pvd` and write the script that shows it in ParaView.
+
+        Args:
+            bodies: The blocks.
+            folder: Of the run.
+            scene: Of the run.
+            writes: False on all ranks but one.
+        """
+        self._bodies, self._dimension = bodies, scene.dimension
+        self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
+        self._heights = [block.height for block in scene.blocks]
+        index = PvdIndex(folder / "fields.pvd", writes=writes)
+        parts = [(b.name, c) for b, c in zip(scene.blocks, self._corners, strict=True)]
+        if scene.has_platform:
+            parts.append(("platform", platform_corners(scene)))
+        self._writers = [
+            RigidFieldWriter(
+                folder / f"fields_{name}.pvd", corners, index=index, part=part, writes=writes
+            )
+            for part, (name, corners) in enumerate(parts)
+        ]
+        if writes:
+            script = paraview_script(
+                half_floor(scene),
+                dimension=scene.dimension,
+                level=floor_level(scene),
+                stress=False,
+            )
+            (folder / "open_in_paraview.py").write_text(script, encoding="utf-8")
+
+    def write(self, time: float) -> None:
+        """Write the bodies as they stand.
+
+        Args:
+            time: t, s.
+        """
+        for block, corners in enumerate(self._corners):
+            arms, velocity = self._moved(block)
+            place = arms + self._bodies.centre(block)
+            self._writers[block].write(time, place - corners, velocity)
+        for writer in self._writers[len(self._corners) :]:
+            count = 2**self._dimension
+            shift, speed = np.zeros((count, self._dimension)), np.zeros((count, self._dimension))
+            shift[:, : self._dimension - 1] = self._bodies.drift
+            speed[:, : self._dimension - 1] = self._bodies.drift_velocity
+            writer.write(time, shift, speed)
+
+    def _moved(self, block: int) -> tuple[Array, Array]:
+        """From the centre of a block to its corners, m, and the velocities of these, m/s."""
+        middle = np.zeros(self._dimension)
+        middle[-1] = self._heights[block] / 2
+        arms = (self._corners[block] - middle) @ self._bodies.rotation(block).T
+        spin = self._bodies.angular_velocity(block)
+        if self._dimension == 2:
+            turning: Array = spin * np.stack([arms[:, 1], -arms[:, 0]], axis=1)
+        else:
+            turning = np.asarray(np.cross(spin, arms), dtype=np.float64)
+        return arms, turning + self._bodies.velocity(block)
+
+    def close(self) -> None:
+        """Nothing is left open."""

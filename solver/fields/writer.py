@@ -1,0 +1,120 @@
+"""Fields of a run for ParaView: displacement, velocity, von Mises stress and contact pressure.
+
+The mesh in the files is the undeformed block in its own frame; mesh + displacement is the place in
+the ground frame, so "warp by vector" with factor 1 shows the block as it stands.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import ufl
+from dolfinx import fem, io
+
+from solver.fields.pvd import PvdIndex
+from solver.scene.material import Material, green_strain
+
+
+def von_mises_stress(displacement: fem.Function, material: Material) -> Any:
+    """The von Mises stress sqrt(3/2 s : s), s the deviator of the Cauchy stress, in UFL, Pa.
+
+    The Cauchy stress is F S F^T / det F, with S of St. Venant-Kirchhoff. In plane strain it has the
+    out-of-plane part lambda tr(E) / det F; in plane stress none; in space it is there as it is.
+    """
+    gradient = ufl.grad(displacement)
+    dimension = displacement.function_space.mesh.geometry.dim
+    identity = ufl.Identity(dimension)
+    strain = green_strain(gradient)
+    second = material.lame * ufl.tr(strain) * identity + 2 * material.shear * strain
+    deformation = identity + gradient
+    volume = ufl.det(deformation)
+    cauchy = deformation * second * deformation.T / volume
+    across = material.lame * ufl.tr(strain) / volume if material.plane == "strain" else 0
+    mean = (ufl.tr(cauchy) + across) / 3
+    squares = ufl.inner(cauchy - mean * identity, cauchy - mean * identity)
+    if dimension == 2:
+        squares += (across - mean) ** 2
+    return ufl.sqrt(1.5 * squares)
+
+
+class FieldWriter:
+    """Writes the pieces of one body and lists them in the index; every rank calls every method.
+
+    The functions are those of the solver, written as they are at the time of the call. The stress
+    is the mean over each cell; the other fields have the degree of the displacement.
+    """
+
+    def __init__(
+        self,
+        file: Path,
+        *,
+        displacement: fem.Function,
+        velocity: fem.Function,
+        contact_pressure: fem.Function,
+        material: Material,
+        index: PvdIndex | None = None,
+        part: int = 0,
+    ):
+        """Open the files.
+
+        Args:
+            file: Gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
+                When the writer is closed this file lists them, too: the body alone.
+            displacement: u, m: place in the ground frame minus mesh position.
+            velocity: v, m/s, relative to the ground.
+            contact_pressure: p, Pa, >= 0: scalar function of the same degree.
+            material: For the stress.
+            index: Lists the pieces of all bodies as they are written; None: `file` does.
+            part: Number of the body in the index.
+        """
+        mesh = displacement.function_space.mesh
+        cellwise = fem.functionspace(mesh, ("DG", 0))
+        self._stress = fem.Function(cellwise)
+        named = {
+            "displacement": displacement,
+            "velocity": velocity,
+            "contact_pressure": contact_pressure,
+            "von_mises": self._stress,
+        }
+        for name, function in named.items():
+            function.name = name
+        self._functions = list(named.values())
+        rule = {"quadrature_degree": 2 * displacement.function_space.element.basix_element.degree}
+        test = ufl.TestFunction(cellwise)
+        stress = von_mises_stress(displacement, material)
+        self._integral = fem.form(stress * test * ufl.dx(metadata=rule))
+        self._volume = fem.assemble_vector(fem.form(test * ufl.dx)).array
+        self._writer = io.VTKFile(mesh.comm, file, "w")
+        self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
+        self._stem, self._part, self._count = file.stem, part, 0
+
+    def write(self, time: float) -> None:
+        """Write the fields at a time (s)."""
+        owned = self._stress.function_space.dofmap.index_map.size_local
+        integral = fem.assemble_vector(self._integral).array
+        self._stress.x.array[:owned] = integral[:owned] / self._volume[:owned]
+        for function in self._functions:
+            function.x.scatter_forward()
+        self._writer.write_function(self._functions, time)
+        # dolfinx lists its pieces when it closes the file; a killed run would have no list.
+        self._index.add(time, f"{self._stem}{self._count:06d}.pvtu", self._part)
+        self._count += 1
+
+    def close(self) -> None:
+        """Finish the files."""
+        self._writer.close()
+
+    def __enter__(self) -> FieldWriter:
+        """The writer itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the files."""
+        self.close()

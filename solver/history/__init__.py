@@ -1,0 +1,1 @@
+"""The table that a run leaves: its columns and its rows."""

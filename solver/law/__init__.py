@@ -1,0 +1,1 @@
+"""Signorini and Coulomb: friction, the local contact problem and the velocity solve."""

@@ -1,1 +1,0 @@
-"""Elastic bodies: material, kinematics, forces, factorized tangents."""

@@ -1,0 +1,134 @@
+"""Pictures of how blocks rock: angle against time, phase plane, several runs overlaid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from solver.history.history import History
+from solver.pictures.style import (
+    BLUE,
+    DASHES,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    colour,
+    largest,
+    least_span,
+    legend_above,
+    new_figure,
+    zero_line,
+)
+from solver.results.motion import is_spatial, total_lean
+from solver.results.runs import Run
+from solver.scene import BlockSpec
+
+#: A drawn angle is no smaller than this, degrees.
+LEAST_ANGLE = 1e-3
+
+#: More impacts than this are not marked.
+MARKED = 30
+
+
+def draw_angle(run: Run, rigid: Run | None) -> Figure:
+    """Angle of all blocks against time; of one block with its impacts and the rigid one's."""
+    figure = new_figure(2.8)
+    axes = figure.subplots()
+    blocks, time = run.scene.blocks, run.history["time_s"]
+    if rigid is not None:
+        angle = np.degrees(rigid.history[f"{blocks[0].name}.angle_rad"])
+        rigid_time = rigid.history["time_s"]
+        axes.plot(rigid_time, angle, color=ORANGE, linestyle=DASHES, label=rigid.model)
+    for i, block in enumerate(blocks):
+        angle = np.degrees(run.history[f"{block.name}.angle_rad"])
+        label = run.model if len(blocks) == 1 else block.name
+        axes.plot(time, angle, color=colour(i), label=label)
+    axes.set(xlabel="time (s)", ylabel="rocking angle θ (°)", xlim=(time[0], time[-1]))
+    if len(blocks) == 1:
+        _add_to_one_block(axes, run, blocks[0])
+    least_span(axes, LEAST_ANGLE)
+    zero_line(axes)
+    legend_above(figure)
+    return figure
+
+
+def _add_to_one_block(axes: Any, run: Run, block: BlockSpec) -> None:
+    """What there is room for with one block: impacts, its other angles, the angle over alpha."""
+    if is_spatial(run.history, block.name):
+        _add_other_angles(axes, run.history, block.name)
+    else:
+        impacts = np.array([i["time_s"] for i in run.summary["blocks"][block.name]["impacts"]])
+        if 0 < len(impacts) <= MARKED:
+            zeros = np.zeros(len(impacts))
+            axes.plot(impacts, zeros, "o", color=BLUE, markersize=2.5, label="impacts")
+    alpha = np.degrees(block.shape.slenderness)
+    right = axes.secondary_yaxis("right", functions=(lambda y: y / alpha, lambda y: y * alpha))
+    right.set_ylabel("θ/α")
+
+
+def _add_other_angles(axes: Axes, history: History, name: str) -> None:
+    """Lean to any side, and turn about the vertical, where they are not too small to see."""
+    time, lean = history["time_s"], np.degrees(total_lean(history, name))
+    turn = np.degrees(history[f"{name}.angle_z_rad"])
+    beside = lean - np.abs(np.degrees(history[f"{name}.angle_rad"]))
+    visible = 1e-2 * largest(np.concatenate([lean, turn]))
+    if largest(beside) > visible:
+        axes.plot(time, lean, color=GREEN, linewidth=0.8, label="lean to any side")
+    if largest(turn) > visible:
+        axes.plot(time, turn, color=PURPLE, linewidth=0.8, label="about the vertical")
+
+
+def draw_phase(run: Run, rigid: Run | None) -> Figure:
+    """Angular velocity against angle in the plane of motion, over those of the rigid blocks."""
+    figure = new_figure(3.6, width=4.2)
+    axes = figure.subplots()
+    blocks = run.scene.blocks
+    if rigid is not None:
+        _add_phase(axes, rigid, blocks[0], color=ORANGE, linestyle=DASHES, label=rigid.model)
+    for i, block in enumerate(blocks):
+        label = run.model if len(blocks) == 1 else block.name
+        _add_phase(axes, run, block, color=colour(i), label=label)
+    axes.set(xlabel="angle θ/α", ylabel=r"angular velocity $\dot\theta/(p\,\alpha)$")
+    axes.locator_params(axis="x", nbins=6)
+    zero_line(axes)
+    axes.axvline(0, color=GREY, linewidth=0.5, zorder=0)
+    legend_above(figure, columns=2)
+    return figure
+
+
+def _add_phase(axes: Axes, run: Run, block: BlockSpec, **look: Any) -> None:
+    """The curve of one block."""
+    alpha, p = block.shape.slenderness, block.shape.frequency(run.scene.gravity)
+    about = "y_" if is_spatial(run.history, block.name) else ""
+    angle = run.history[f"{block.name}.angle_rad"] / alpha
+    velocity = run.history[f"{block.name}.angular_velocity_{about}rad_s"] / (p * alpha)
+    axes.plot(angle, velocity, linewidth=0.9, **look)
+
+
+def draw_overlay(runs: Sequence[Run]) -> Figure:
+    """Angle and slip of the first blocks of several runs, and drift where a platform is."""
+    drifts = any("platform.drift_m" in run.history for run in runs)
+    figure = new_figure(5.6 if drifts else 4.2)
+    panels = figure.subplots(3 if drifts else 2, 1, sharex=True)
+    for i, run in enumerate(runs):
+        time, name = run.history["time_s"], run.scene.blocks[0].name
+        angle = np.degrees(run.history[f"{name}.angle_rad"])
+        panels[0].plot(time, angle, color=colour(i), label=run.label)
+        panels[1].plot(time, 1e3 * run.history[f"{name}.slip_m"], color=colour(i))
+        if "platform.drift_m" in run.history:
+            panels[2].plot(time, 1e3 * run.history["platform.drift_m"], color=colour(i))
+    panels[0].set_ylabel("rocking angle (°)")
+    least_span(panels[0], LEAST_ANGLE)
+    panels[1].set_ylabel("slip (mm)")
+    if drifts:
+        panels[2].set_ylabel("drift (mm)")
+    panels[-1].set_xlabel("time (s)")
+    for axes in panels:
+        zero_line(axes)
+    legend_above(figure)
+    return figure

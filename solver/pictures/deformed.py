@@ -1,0 +1,204 @@
+"""The bodies as they stand, with their stress, drawn from the files of the fields.
+
+In space they are seen from the front, a little from the right and from above, without perspective:
+the faces of their surfaces, those behind drawn first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.types import Array, Indices, Mask
+
+#: From where bodies in space are seen: to the right of the front and above the horizontal, rad.
+ASIDE, ABOVE = math.radians(25), math.radians(20)
+
+#: Colours of bodies without stress and of the floor.
+PLAIN, FLOOR, FLOOR_EDGE = "#d9dee5", "#dddddd", "#999999"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snapshot:
+    """The bodies at an instant.
+
+    Attributes:
+        time_s: The instant, s.
+        outlines: Corners of each cell (in space: of each face of the surface) as it stands in the
+            picture, m; those that hide others later.
+        von_mises: Stress of each, Pa.
+    """
+
+    time_s: float
+    outlines: list[Array]
+    von_mises: Array
+
+    @property
+    def low(self) -> Array:
+        """Least place in the picture, m, (2,)."""
+        return np.asarray(np.min([outline.min(axis=0) for outline in self.outlines], axis=0))
+
+    @property
+    def high(self) -> Array:
+        """Greatest place in the picture, m, (2,)."""
+        return np.asarray(np.max([outline.max(axis=0) for outline in self.outlines], axis=0))
+
+
+def read_snapshots(fields: Path, times: Sequence[float], dimension: int = 2) -> list[Snapshot]:
+    """The snapshots nearest to some times, each once."""
+    import pyvista
+
+    reader = pyvista.get_reader(str(fields))
+    written = np.array(reader.time_values)
+    nearest = sorted({int(np.argmin(np.abs(written - time))) for time in times})
+    read = _faces if dimension == 3 else _cells
+    snapshots = []
+    for index in nearest:
+        reader.set_active_time_value(written[index])
+        parts = [read(grid) for grid in reader.read() if grid is not None and grid.n_cells]
+        outlines = [outline for part, _ in parts for outline in part]
+        stress = np.concatenate([part for _, part in parts])
+        if dimension == 3:
+            # Nearer to the eye is later; the third coordinate has served then.
+            order = np.argsort([float(outline[:, 2].mean()) for outline in outlines])
+            outlines, stress = [outlines[i][:, :2] for i in order], stress[order]
+        time = float(written[index])
+        snapshots.append(Snapshot(time_s=time, outlines=outlines, von_mises=stress))
+    return snapshots
+
+
+def _cells(grid: Any) -> tuple[list[Array], Array]:
+    """Outlines and stress of the cells of a body in the plane, those of each rank once."""
+    place = np.asarray(grid.points)[:, :2] + np.asarray(grid.point_data["displacement"])[:, :2]
+    stress = np.asarray(grid.cell_data["von_mises"], dtype=float)
+    cells = np.split(grid.cell_connectivity, grid.offset[1:-1])
+    own = np.flatnonzero(_owned(grid))
+    outlines = [place[_around(cells[cell], int(grid.celltypes[cell]))] for cell in own]
+    return outlines, stress[own]
+
+
+def _faces(grid: Any) -> tuple[list[Array], Array]:
+    """Outlines and stress of the faces of the surface of a body in space, as they are seen."""
+    import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    # VTK's own filter: pyvista's changes its defaults from version to version.
+    skin = vtkDataSetSurfaceFilter()
+    skin.SetInputData(grid.extract_cells(_owned(grid)))
+    skin.SetNonlinearSubdivisionLevel(0)
+    skin.Update()
+    surface = pyvista.wrap(skin.GetOutput())
+    place = np.asarray(surface.points) + np.asarray(surface.point_data["displacement"])
+    seen = seen_from_front(place)
+    outlines = [seen[polygon] for polygon in _polygons(surface.faces)]
+    return outlines, np.asarray(surface.cell_data["von_mises"], dtype=float)
+
+
+def _polygons(faces: Indices) -> Iterator[Indices]:
+    """Points of each face in VTK's list of them: number of points, points, number, points, ..."""
+    start = 0
+    while start < len(faces):
+        end = start + 1 + int(faces[start])
+        yield faces[start + 1 : end]
+        start = end
+
+
+def _owned(grid: Any) -> Mask:
+    """Which cells are no copies: what a rank knows from its neighbour is in the files of both."""
+    copies = np.asarray(grid.cell_data.get("vtkGhostType", np.zeros(grid.n_cells)))
+    return np.asarray(copies == 0)
+
+
+def _around(points: Indices, cell_type: int) -> Indices:
+    """Points of a cell in the order of its outline; 69 and 70 are VTK's triangle and quadrilateral.
+
+    Corners come first, then the points inside the edges: one to an edge at degree 2.
+    """
+    corners = {5: 3, 9: 4, 22: 3, 23: 4, 69: 3, 70: 4}[cell_type]
+    if len(points) < 2 * corners:
+        return points[:corners]
+    return np.stack([points[:corners], points[corners : 2 * corners]], axis=1).ravel()
+
+
+def seen_from_front(place: Array) -> Array:
+    """Places in space (n, 3) as they are seen: to the right, up, and towards the eye, m."""
+    right = np.array([math.cos(ASIDE), math.sin(ASIDE), 0.0])
+    eye = np.array(
+        [
+            math.sin(ASIDE) * math.cos(ABOVE),
+            -math.cos(ASIDE) * math.cos(ABOVE),
+            math.sin(ABOVE),
+        ]
+    )
+    return np.asarray(place @ np.stack([right, np.cross(eye, right), eye], axis=1))
+
+
+def draw_deformed(
+    figure: Any, fields: Path, times: Sequence[float], *, dimension: int = 2, floor: float = 0.0
+) -> None:
+    """Draw the bodies at some times side by side, true to scale, coloured by von Mises stress.
+
+    Args:
+        figure: A matplotlib figure.
+        fields: The .pvd file.
+        times: Instants, s; the snapshots nearest to them are drawn.
+        dimension: Of the bodies, 2 or 3.
+        floor: Height of the floor, m; drawn in the plane only.
+    """
+    from matplotlib.collections import PolyCollection
+
+    snapshots = read_snapshots(fields, times, dimension)
+    low, high, margin = _window(snapshots, floor)
+    limit = float(np.quantile(np.concatenate([s.von_mises for s in snapshots]), 0.995))
+    unit, factor = ("MPa", 1e-6) if limit >= 1e5 else ("kPa", 1e-3)
+    panels = np.atleast_1d(figure.subplots(1, len(snapshots), sharey=True))
+    for axes, snapshot in zip(panels, snapshots, strict=True):
+        bodies = PolyCollection(
+            snapshot.outlines, cmap="viridis", edgecolors=(0, 0, 0, 0.35), linewidths=0.2
+        )
+        if limit > 0:
+            bodies.set_array(factor * snapshot.von_mises)
+            bodies.set_clim(0, factor * limit)
+        else:
+            bodies.set(facecolor=PLAIN, edgecolor="black", linewidth=0.5)
+        axes.add_collection(bodies)
+        if dimension == 2:
+            _draw_floor(axes, floor, margin)
+        axes.set(
+            xlim=(low[0] - margin, high[0] + margin),
+            ylim=(low[1] - margin, high[1] + margin),
+            aspect="equal",
+            title=f"t = {snapshot.time_s:.3g} s",
+        )
+        axes.set_xlabel("x (m)" if dimension == 2 else "(m)")
+        axes.locator_params(axis="x", nbins=3)
+        axes.grid(False)
+    panels[0].set_ylabel("y (m)" if dimension == 2 else "(m)")
+    if limit > 0:
+        bar = figure.colorbar(bodies, ax=list(panels), extend="max", shrink=0.9)
+        bar.set_label(f"von Mises stress ({unit})")
+
+
+def _window(snapshots: Sequence[Snapshot], floor: float) -> tuple[Array, Array, float]:
+    """Least and greatest place that all panels show, and a margin, m.
+
+    What falls below the floor is followed for as far as all was wide or high at the start.
+    """
+    size = float(np.max(snapshots[0].high - snapshots[0].low))
+    low = np.min([snapshot.low for snapshot in snapshots], axis=0)
+    high = np.max([snapshot.high for snapshot in snapshots], axis=0)
+    low[1] = max(min(low[1], floor), floor - size)
+    return low, high, 0.06 * float(np.max(high - low))
+
+
+def _draw_floor(axes: Any, level: float, depth: float) -> None:
+    """The floor, as wide as the picture is."""
+    axes.axhspan(
+        level - depth, level, facecolor=FLOOR, edgecolor=FLOOR_EDGE, hatch="////", linewidth=0
+    )
+    axes.axhline(level, color="black", linewidth=0.8)

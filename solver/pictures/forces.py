@@ -1,0 +1,195 @@
+"""Pictures of forces and slip, of the platform, and of energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from solver.history.history import DISSIPATED_ENERGIES
+from solver.pictures.style import (
+    BLUE,
+    DASHES,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    RED,
+    SKY,
+    colour,
+    largest,
+    least_span,
+    legend_above,
+    new_figure,
+    zero_line,
+)
+from solver.results.motion import is_spatial
+from solver.results.runs import Run
+from solver.results.upright import gravity_above_upright
+from solver.scene import BlockSpec, Scene
+
+Floats = NDArray[np.floating[Any]]
+
+#: A drawn slip or drift is no smaller than this, mm.
+LEAST_LENGTH = 0.1
+
+LOSS_LABELS = {
+    "friction": "friction",
+    "damping": "damping",
+    "contact": "impact",
+    "numerical": "time integration",
+}
+
+
+def carried_weight(scene: Scene, block: BlockSpec) -> float:
+    """Weight of a block and of all that stands on it, N."""
+    above = [other for other in scene.blocks if other.on == block.name]
+    return block.shape.weight(scene.gravity) + sum(carried_weight(scene, b) for b in above)
+
+
+def draw_forces(run: Run) -> Figure:
+    """Forces on each block from what carries it, over the weight there, and the slips."""
+    blocks = run.scene.blocks
+    figure = new_figure(1.4 + 1.4 * (len(blocks) + 1))
+    *panels, below = figure.subplots(len(blocks) + 1, 1, sharex=True)
+    for axes, block in zip(panels, blocks, strict=True):
+        _add_forces(axes, run, block)
+        if len(blocks) > 1:
+            axes.set_title(block.name, loc="left")
+    _add_slips(below, run)
+    time = run.history["time_s"]
+    below.set(xlabel="time (s)", xlim=(time[0], time[-1]))
+    legend_above(figure)
+    return figure
+
+
+def _add_forces(axes: Axes, run: Run, block: BlockSpec) -> None:
+    """Normal force and friction on one block."""
+    history, time = run.history, run.history["time_s"]
+    weight = carried_weight(run.scene, block)
+    unit = weight or 1.0
+    normal = history[f"{block.name}.normal_force_N"] / unit
+    friction = history[f"{block.name}.friction_force_N"] / unit
+    axes.plot(time, normal, color=BLUE, linewidth=0.8, label="normal force")
+    axes.plot(time, friction, color=RED, linewidth=0.8, label="friction force")
+    if is_spatial(history, block.name):
+        second = history[f"{block.name}.friction_force_second_N"] / unit
+        axes.plot(time, second, color=ORANGE, linewidth=0.8, label="friction force along y")
+        friction = np.concatenate([friction, second])
+    cut = _cut_impacts(axes, normal, friction) if weight else ""
+    axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
+    if weight:
+        axes.axhline(1, color=GREY, linewidth=0.5, linestyle=":", zorder=0)
+    zero_line(axes)
+
+
+def _cut_impacts(axes: Axes, normal: Floats, friction: Floats) -> str:
+    """Show what lies between the impacts, which last a row and may be a hundred weights."""
+    known = np.abs(np.concatenate([normal, friction]))
+    known = known[np.isfinite(known)]
+    if not len(known):
+        return ""
+    limit = max(2.0, 1.3 * float(np.quantile(known, 0.98)))
+    axes.set_ylim(max(-limit, 1.15 * float(np.min(friction, initial=-0.2))), limit)
+    return "\n(impacts cut off)" if np.max(known) > limit else ""
+
+
+def _add_slips(axes: Axes, run: Run) -> None:
+    """Slips of all blocks; in space those along y are dashed."""
+    time, blocks = run.history["time_s"], run.scene.blocks
+    for i, block in enumerate(blocks):
+        one = len(blocks) == 1
+        hue, label = (GREEN, "slip") if one else (colour(i), f"slip of {block.name}")
+        slip = 1e3 * run.history[f"{block.name}.slip_m"]
+        axes.plot(time, slip, color=hue, label=label)
+        if is_spatial(run.history, block.name):
+            second = 1e3 * run.history[f"{block.name}.slip_second_m"]
+            axes.plot(time, second, color=hue, linestyle=DASHES, label=f"{label} along y")
+    axes.set_ylabel("slip (mm)")
+    least_span(axes, LEAST_LENGTH)
+    zero_line(axes)
+
+
+def draw_platform(run: Run, rigid: Run | None) -> Figure:
+    """Drift and acceleration of the platform, and the slips of the blocks on it."""
+    figure = new_figure(5.4)
+    above, middle, below = figure.subplots(3, 1, sharex=True)
+    if rigid is not None and "platform.drift_m" in rigid.history:
+        drift = 1e3 * rigid.history["platform.drift_m"]
+        slip = 1e3 * rigid.history[f"{run.scene.blocks[0].name}.slip_m"]
+        for axes, values in ((above, drift), (middle, slip)):
+            time = rigid.history["time_s"]
+            axes.plot(time, values, color=ORANGE, linestyle=DASHES, label=rigid.model)
+    history, time = run.history, run.history["time_s"]
+    above.plot(time, 1e3 * history["platform.drift_m"], color="black", label="platform")
+    if "platform.drift_second_m" in history:
+        along_y = 1e3 * history["platform.drift_second_m"]
+        above.plot(time, along_y, color="black", linestyle=DASHES, label="platform along y")
+    above.set_ylabel("drift (mm)")
+    least_span(above, LEAST_LENGTH)
+    _add_slips(middle, run)
+    ground = history["base.acceleration_m_s2"] / 9.81
+    together = ground + history["platform.acceleration_m_s2"] / 9.81
+    below.plot(time, ground, color=GREY, linewidth=0.8, label="ground")
+    below.plot(time, together, color="black", linewidth=0.8)
+    below.set(xlabel="time (s)", ylabel="acceleration (g)", xlim=(time[0], time[-1]))
+    for axes in (above, below):
+        zero_line(axes)
+    legend_above(figure)
+    return figure
+
+
+def draw_energy(run: Run) -> Figure:
+    """Above: where the energy is. Below: where it went, and how far the ledger is from closing."""
+    figure = new_figure(5.0)
+    above, below = figure.subplots(2, 1, sharex=True)
+    _add_stored(above, run)
+    _add_lost(below, run)
+    time = run.history["time_s"]
+    fraction = run.summary["energy"]["ledger_error_fraction"]
+    below.set(xlabel="time (s)", ylabel="dissipated (J)", xlim=(time[0], time[-1]))
+    if fraction is not None:
+        below.set_title(f"ledger closes to {fraction:.1e} of the energy scale", loc="left")
+    for axes in (above, below):
+        zero_line(axes)
+    return figure
+
+
+def _add_stored(axes: Axes, run: Run) -> None:
+    """The stored energies; that of gravity above the blocks standing upright."""
+    history, time = run.history, run.history["time_s"]
+    gravity, total = history["energy.gravity_J"], history["energy.total_J"]
+    upright = gravity[0] - gravity_above_upright(run.scene, history)[0]
+    parts: dict[str, tuple[Any, str]] = {
+        "kinetic": (history["energy.kinetic_J"], BLUE),
+        "gravity above upright": (gravity - upright, GREEN),
+        "strain": (history["energy.strain_J"], RED),
+        "platform spring": (history["energy.spring_J"], PURPLE),
+        "interface": (history["energy.interface_J"], SKY),
+    }
+    most = max(largest(values) for values, _ in parts.values())
+    for label, (values, hue) in parts.items():
+        if largest(values) > 1e-3 * most:
+            axes.plot(time, values, color=hue, linewidth=0.9, label=label)
+    axes.plot(time, total - upright, color="black", linewidth=1.2, label="total")
+    axes.set_ylabel("energy (J)")
+    axes.legend(loc="best", ncols=2)
+
+
+def _add_lost(axes: Axes, run: Run) -> None:
+    """What has been lost, by its causes, and the work of the ground."""
+    history, time = run.history, run.history["time_s"]
+    work, total = history["energy.input_J"], history["energy.total_J"]
+    lost = {name: history[f"energy.{name}_J"] for name in DISSIPATED_ENERGIES}
+    axes.plot(time, work - total + total[0], color="#c0c0c0", linewidth=3.5, label="energy lost")
+    for (name, values), hue in zip(lost.items(), (RED, SKY, BLUE, ORANGE), strict=True):
+        if np.any(values != 0):
+            axes.plot(time, values, color=hue, linewidth=0.9, label=LOSS_LABELS[name])
+    together = np.sum(list(lost.values()), axis=0)
+    axes.plot(time, together, "k", linewidth=0.9, label="sum of the causes")
+    if np.any(work != 0):
+        axes.plot(time, work, color=PURPLE, linewidth=0.9, label="work of the ground")
+    axes.legend(loc="best", ncols=2)

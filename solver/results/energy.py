@@ -1,0 +1,57 @@
+"""How well a run kept its energy: pure functions of columns of its history."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solver.history.history import DISSIPATED_ENERGIES, STORED_ENERGIES, History
+from solver.types import Array
+
+
+def scale(work: Array, *, above_rest: float, weight_height: float) -> float:
+    """The energy (J) that gains and errors are compared with.
+
+    (Energy at the start above rest) + integral of |power of the ground| + 1e-3 m g H. The integral
+    is the total variation of the work over the rows of the history.
+
+    Args:
+        work: Work of the ground since the start, J.
+        above_rest: Kinetic energy at the start, and gravity energy of the blocks above that of
+            standing upright at their places, J; less than nothing counts as nothing.
+        weight_height: Sum of m g H over the blocks, J.
+    """
+    return max(0.0, above_rest) + float(np.sum(np.abs(np.diff(work)))) + 1e-3 * weight_height
+
+
+def largest_gain_fraction(total: Array, work: Array, scale: float) -> float:
+    """Largest of (total - total at start - work of the ground), over the scale."""
+    return _over(float(np.max(total - total[0] - work)), scale)
+
+
+def ledger_error_fraction(error: Array, scale: float) -> float:
+    """Largest |ledger error|, over the scale."""
+    return _over(float(np.max(np.abs(error))), scale)
+
+
+def _over(energy: float, scale: float) -> float:
+    """An energy over the scale; not known where nothing weighs and nothing moves."""
+    return energy / scale if scale > 0 else math.nan
+
+
+def total(history: History) -> Array:
+    """Sum of the stored energies, J."""
+    return np.sum([history[f"energy.{name}_J"] for name in STORED_ENERGIES], axis=0)
+
+
+def ledger_error(history: History) -> Array:
+    """Total - total at the start - work of the ground + everything dissipated, J."""
+    stored = total(history)
+    lost = np.sum([history[f"energy.{name}_J"] for name in DISSIPATED_ENERGIES], axis=0)
+    return np.asarray(stored - stored[0] - history["energy.input_J"] + lost)
+
+
+def losses(history: History) -> dict[str, float]:
+    """What has been dissipated by the end, by its cause, J."""
+    return {f"{name}_J": float(history[f"energy.{name}_J"][-1]) for name in DISSIPATED_ENERGIES}

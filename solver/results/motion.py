@@ -1,0 +1,168 @@
+"""How a block moved, from its columns of the history, in the plane and in space alike.
+
+In space everything is told in the one upright plane in which the block leans most: its signed lean
+there is the angle of two dimensions, and the width of its base across that plane is the width.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.block import Block
+from solver.history.history import History
+from solver.scene import BlockSpec, Scene
+from solver.types import Array
+
+#: The upright direction in space.
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockMotion:
+    """What one block did.
+
+    Attributes:
+        time: t, s.
+        angle: Lean against what carries the block, in the plane of the largest one, rad, with its
+            sign (towards +x, or +y where that plane has no x), unwrapped.
+        lean: Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D.
+        slip: Along what carries the block, m, (rows, 1) or, in 3-D, (rows, 2).
+        friction: Force from what carries the block, N, (rows, 1 or 2).
+        lift: Gap of the bottom corner that is highest, m.
+        shape: The block as it stands in that plane.
+        fell: Whether it ends below what carried it.
+    """
+
+    time: Array
+    angle: Array
+    lean: Array
+    slip: Array
+    friction: Array
+    lift: Array
+    shape: Block
+    fell: bool
+
+
+def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
+    """What the history says of a block."""
+    name, carrier = block.name, scene.carrier_of(block)
+    if is_spatial(history, name):
+        angle, lean, shape = _lean_in_space(history, block, carrier)
+        gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
+    else:
+        lean, shape = history[f"{name}.angle_rad"], block.shape
+        angle = lean if carrier is None else lean - history[f"{carrier.name}.angle_rad"]
+        gaps, second = ["gap_left_m", "gap_right_m"], [""]
+    return BlockMotion(
+        time=history["time_s"],
+        angle=angle,
+        lean=lean,
+        slip=_stack(history, name, [f"slip{direction}_m" for direction in second]),
+        friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
+        lift=_stack(history, name, gaps).max(axis=1),
+        shape=shape,
+        fell=_fell(history, block, carrier),
+    )
+
+
+def is_spatial(history: History, name: str) -> bool:
+    """Whether a block's columns are those of three dimensions."""
+    return f"{name}.angle_x_rad" in history
+
+
+def centres(history: History, name: str) -> Array:
+    """Places of a block's centre of mass, m, (rows, d)."""
+    axes = "xyz" if is_spatial(history, name) else "xy"
+    return _stack(history, name, [f"centre_{axis}_m" for axis in axes])
+
+
+def total_lean(history: History, name: str) -> Array:
+    """Angle of a block from upright, rad: signed and unwrapped in 2-D, 0 to pi in 3-D."""
+    if not is_spatial(history, name):
+        return history[f"{name}.angle_rad"]
+    return _angle_from_up(_axes(history, name))
+
+
+def rotated(rotations: Array, vectors: Array) -> Array:
+    """Vectors (..., 3) turned by rotation vectors (n, 3), rad (formula of Rodrigues)."""
+    angle = np.linalg.norm(rotations, axis=1, keepdims=True)
+    axis = np.divide(rotations, angle, out=np.zeros_like(rotations), where=angle > 0)
+    along = np.sum(axis * vectors, axis=1, keepdims=True) * axis
+    across = np.cross(axis, vectors)
+    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * across
+
+
+def _stack(history: History, name: str, columns: list[str]) -> Array:
+    """Some columns of a block side by side, (rows, columns)."""
+    return np.stack([history[f"{name}.{column}"] for column in columns], axis=1)
+
+
+def _rotations(history: History, name: str) -> Array:
+    """Rotation vectors of a block in space, rad, (rows, 3)."""
+    return _stack(history, name, [f"angle_{axis}_rad" for axis in "xyz"])
+
+
+def _axes(history: History, name: str) -> Array:
+    """Where the upright axis of a block points, (rows, 3)."""
+    return rotated(_rotations(history, name), UP)
+
+
+def _angle_from_up(axes: Array) -> Array:
+    """Angle of unit vectors from upright, rad, 0 to pi; exact for small ones, too."""
+    return np.arctan2(np.linalg.norm(axes[:, :2], axis=1), axes[:, 2])
+
+
+def _lean_in_space(
+    history: History, block: BlockSpec, carrier: BlockSpec | None
+) -> tuple[Array, Array, Block]:
+    """Signed lean against the carrier in the plane of the largest, total lean, shape there."""
+    rotations = _rotations(history, block.name)
+    axes = rotated(rotations, UP)
+    lean = _angle_from_up(axes)
+    # The carrier's upright axis as the block sees it tells where the block leans, in its own frame.
+    below = np.broadcast_to(UP, axes.shape)
+    if carrier is not None:
+        below = _axes(history, carrier.name)
+        axes = rotated(-_rotations(history, carrier.name), axes)
+    most = int(np.argmax(_angle_from_up(axes)))
+    own = -rotated(-rotations, below)[most, :2]
+    direction = _towards(axes[most, :2])
+    angle = np.unwrap(np.arctan2(axes[:, :2] @ direction, axes[:, 2]))
+    return angle, lean, _shape_across(block.shape, _towards(own))
+
+
+def _towards(horizontal: Array) -> Array:
+    """The unit vector along a horizontal one that points to +x, or to +y where it has no x."""
+    length = float(np.linalg.norm(horizontal))
+    if length == 0:
+        return np.array([1.0, 0.0])
+    unit = horizontal / length
+    backwards = unit[0] < -1e-9 or (abs(unit[0]) <= 1e-9 and unit[1] < 0)
+    return np.asarray(-unit if backwards else unit)
+
+
+def _shape_across(shape: Block, direction: Array) -> Block:
+    """The block as one that leans in a direction of its base: as wide as the base is along it."""
+    width = float(np.abs(direction) @ [shape.width, shape.thickness])
+    area = shape.width * shape.thickness
+    return Block(width=width, height=shape.height, thickness=area / width, density=shape.density)
+
+
+def _fell(history: History, block: BlockSpec, carrier: BlockSpec | None) -> bool:
+    """Whether the centre of a block ends below the surface that it stood on.
+
+    That of the foundation is at level 0. That of a block is its top; a block that lies beside an
+    overturned carrier is above the plane of that top, but not above its centre.
+    """
+    centre = centres(history, block.name)[-1]
+    if carrier is None:
+        return bool(centre[-1] < 0)
+    above = centre - centres(history, carrier.name)[-1]
+    if is_spatial(history, carrier.name):
+        normal = _axes(history, carrier.name)[-1]
+    else:
+        angle = history[f"{carrier.name}.angle_rad"][-1]
+        normal = np.array([np.sin(angle), np.cos(angle)])
+    return bool(above @ normal < carrier.height / 2 or above[-1] < 0)

@@ -1,0 +1,240 @@
+"""What a block did, from its history: swings, impacts with their restitution, and its mode.
+
+A swing is a stay of the rocking angle theta on one side of zero. It begins where |theta| exceeds
+`SMALLEST_SWING` times the slenderness alpha = atan(B/H) and ends with an impact where theta crosses
+zero (found by the parabola through the last rows before it), or where it falls below a tenth
+of that and comes back on the same side (a squat block that bounces). Smaller movements, those
+of an elastic block at rest among them, are not rocking and are not counted.
+
+The restitution of an impact is the square root of the ratio of the energies that a rigid block has
+at the peaks after and before, over its rotary inertia 4/3 m R^2 (Housner 1963):
+p^2 (cos(alpha - |theta|) - cos(alpha)). It is that of free rocking; with a base that moves it says
+what is left after the base did its work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.block import Block
+from solver.types import Array
+
+#: A swing has to exceed this part of the slenderness alpha.
+SMALLEST_SWING = 1e-3
+
+#: A block rocks when one of its corners is lifted by more than this part of its width, in a swing.
+SMALLEST_LIFT = 2e-4
+
+#: A block slides when its slip exceeds this part of its width; pivots skid by less at impacts.
+SMALLEST_SLIP = 1e-2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swing:
+    """A stay of the angle on one side of zero.
+
+    Attributes:
+        first: Row at which it exceeds the smallest swing.
+        last: Last row of it.
+        peak_s: Time of the largest angle, s.
+        peak_rad: Largest angle, with its sign, rad.
+        turned: Whether the peak is a turning point, not the last row of the history.
+    """
+
+    first: int
+    last: int
+    peak_s: float
+    peak_rad: float
+    turned: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impact:
+    """The end of a swing.
+
+    Attributes:
+        time_s: Time of the impact, s.
+        restitution: Ratio of angular velocities after and before of the rigid block that has the
+            same peaks; None where the peak after it is not in the history.
+    """
+
+    time_s: float
+    restitution: float | None
+
+
+def swings(time: Array, angle: Array, slenderness: float) -> list[Swing]:
+    """The swings of a block, in their order.
+
+    Args:
+        time: t, s.
+        angle: Rocking angle theta, rad.
+        slenderness: alpha, rad.
+    """
+    large = SMALLEST_SWING * slenderness
+    found: list[Swing] = []
+    first: int | None = None
+    for i, value in enumerate(map(float, angle)):
+        if first is not None:
+            side = 1.0 if angle[first] > 0 else -1.0
+            if value * side <= 0.1 * large:
+                found.append(_swing(time, angle, first, i - 1))
+                first = None
+        if first is None and abs(value) > large:
+            first = i
+    if first is not None:
+        found.append(_swing(time, angle, first, len(angle) - 1))
+    return found
+
+
+def _swing(time: Array, angle: Array, first: int, last: int) -> Swing:
+    """The swing over these rows, its peak refined by the parabola through three of them."""
+    peak = first + int(np.argmax(np.abs(angle[first : last + 1])))
+    peak_time, peak_angle = float(time[peak]), float(angle[peak])
+    if 0 < peak < len(angle) - 1:
+        before, after = time[peak] - time[peak - 1], time[peak + 1] - time[peak]
+        slope_before = (angle[peak] - angle[peak - 1]) / before
+        slope_after = (angle[peak + 1] - angle[peak]) / after
+        curvature = (slope_after - slope_before) / (before + after)
+        slope = (slope_before * after + slope_after * before) / (before + after)
+        # Next to an impact the largest row may lie on a kink: no parabola there.
+        if curvature * angle[peak] < 0 and slope_before * slope_after < 0:
+            peak_time -= float(slope / (2 * curvature))
+            peak_angle -= float(slope**2 / (4 * curvature))
+    turned = peak < len(angle) - 1
+    return Swing(first=first, last=last, peak_s=peak_time, peak_rad=peak_angle, turned=turned)
+
+
+def peaks(time: Array, angle: Array, slenderness: float) -> list[tuple[float, float]]:
+    """Time (s) and angle (rad, with its sign) of the turning points of the swings."""
+    return [(s.peak_s, s.peak_rad) for s in swings(time, angle, slenderness) if s.turned]
+
+
+def rocking_energy(angle: float, shape: Block, gravity: float) -> float:
+    """Energy of a rigid block at rest at an angle, above the upright one, per rotary inertia, 1/s2.
+
+    p^2 (cos(alpha - |theta|) - cos(alpha)), Housner 1963.
+    """
+    alpha = shape.slenderness
+    return float(shape.frequency(gravity) ** 2 * (np.cos(alpha - abs(angle)) - np.cos(alpha)))
+
+
+def impacts(time: Array, angle: Array, shape: Block, gravity: float) -> list[Impact]:
+    """The impacts of a block: the ends of its swings.
+
+    Args:
+        time: t, s.
+        angle: Rocking angle theta, rad.
+        shape: The block.
+        gravity: g, m/s2.
+    """
+    found = swings(time, angle, shape.slenderness)
+    result = []
+    for i, swing in enumerate(found):
+        if swing.last == len(angle) - 1:
+            continue
+        following = found[i + 1] if i + 1 < len(found) else None
+        result.append(
+            Impact(
+                time_s=_impact_time(time, angle, swing.last),
+                restitution=_restitution(swing, following, time, angle, shape, gravity),
+            )
+        )
+    return result
+
+
+def _impact_time(time: Array, angle: Array, last: int) -> float:
+    """Where the angle crosses zero after row `last`, or else stops to fall."""
+    i = last
+    while i + 1 < len(angle) and angle[i] * angle[i + 1] > 0:
+        if abs(angle[i + 1]) >= abs(angle[i]):
+            return float(time[i])
+        i += 1
+    if i + 1 == len(angle):
+        return float(time[i])
+    return float(time[i]) + _crossing(time, angle, i)
+
+
+def _crossing(time: Array, angle: Array, i: int) -> float:
+    """How long after row `i`, the last of a swing, the angle is zero, s.
+
+    At an impact the angle has a kink, so that what comes after it says nothing of when it was: the
+    parabola through the last three rows before it does. Where that has no zero before the next row
+    (rows of another swing, a vibration), the straight line between the two rows.
+    """
+    step, value = float(time[i + 1] - time[i]), abs(float(angle[i]))
+    straight = step * value / (value + abs(float(angle[i + 1])))
+    before = np.abs(angle[max(i - 2, 0) : i])
+    if len(before) < 2 or not before[0] > before[1] > value:
+        return straight
+    latest = (value - before[1]) / (time[i] - time[i - 1])
+    former = (before[1] - before[0]) / (time[i - 1] - time[i - 2])
+    bend = (latest - former) / (time[i] - time[i - 2])
+    fall = -(latest + bend * (time[i] - time[i - 1]))
+    square = fall**2 - 4 * bend * value
+    if fall <= 0 or square < 0:
+        return straight
+    found = float(2 * value / (fall + np.sqrt(square)))
+    return found if found <= step else straight
+
+
+def _restitution(
+    before: Swing, after: Swing | None, time: Array, angle: Array, shape: Block, gravity: float
+) -> float | None:
+    """Square root of the ratio of the energies at the peaks."""
+    if after is not None:
+        if not after.turned:
+            return None
+        peak = after.peak_rad
+    else:
+        # What follows is smaller than a swing: its largest angle, once it has had time for one.
+        if time[-1] - time[before.last] < 2 * (time[before.last] - before.peak_s):
+            return None
+        peak = float(np.max(np.abs(angle[before.last + 1 :])))
+    start = rocking_energy(before.peak_rad, shape, gravity)
+    end = rocking_energy(peak, shape, gravity)
+    if start <= 0 or end < 0:
+        return None
+    return float(np.sqrt(end / start))
+
+
+def overturned(angle: Array, slenderness: float) -> bool:
+    """Whether a block fell over.
+
+    It ends beyond its point of balance, |theta| > alpha, or has been where it has no more energy
+    than upright, |theta| > 2 alpha (at most 89 degrees: a block lies at 90).
+    """
+    lost = min(2 * slenderness, np.radians(89.0))
+    return bool(abs(angle[-1]) > slenderness or np.max(np.abs(angle)) > lost)
+
+
+def mode(
+    angle: Array,
+    slip: Array,
+    lift: Array,
+    shape: Block,
+    *,
+    lean: Array | None = None,
+    fell: bool = False,
+) -> str:
+    """How a block moved: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
+
+    Args:
+        angle: Rocking angle against what carries the block, rad.
+        slip: Slip along what carries the block, m; its magnitude where that is a plane.
+        lift: Gap of the bottom corner that is higher, m.
+        shape: The block.
+        lean: Angle from upright, rad; None: the same as `angle`.
+        fell: Whether the block ends below what carried it.
+    """
+    if fell:
+        return "fell"
+    if overturned(angle if lean is None else lean, shape.slenderness):
+        return "overturned"
+    swinging = np.abs(angle) > SMALLEST_SWING * shape.slenderness
+    rocks = bool(np.any(swinging & (lift > SMALLEST_LIFT * shape.width)))
+    slides = bool(np.max(np.abs(slip)) > SMALLEST_SLIP * shape.width)
+    if rocks:
+        return "slide-rock" if slides else "rock"
+    return "slide" if slides else "rest"

@@ -1,0 +1,150 @@
+"""The summary of a run: what is worth knowing without opening its history."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.history.history import History
+from solver.results import energy, rocking
+from solver.results.motion import block_motion
+from solver.results.upright import gravity_above_upright
+from solver.scene import BlockSpec, Scene
+
+#: Version of the layout of summary.json.
+SCHEMA = 1
+
+
+def summarise(
+    scene: Scene,
+    history: History,
+    *,
+    status: str,
+    cost: Mapping[str, Any],
+    versions: Mapping[str, str],
+    reason: str = "",
+    model: str = "",
+) -> dict[str, Any]:
+    """The content of summary.json.
+
+    Args:
+        scene: What was run.
+        history: What came of it.
+        status: "completed", "not converged" or "interrupted".
+        cost: Seconds, steps, iterations, unknowns and ranks, by name.
+        versions: Versions of the programs that were used, by name.
+        reason: Why the run stopped early, in words.
+        model: What the history comes from, as pictures name it; empty: what the scene says.
+    """
+    blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
+    platform = _platform(history) if len(history) else {}
+    return {
+        "schema": SCHEMA,
+        "title": scene.title,
+        "model": model or _model(scene),
+        "status": status,
+        "reason": reason,
+        "end_s": float(history["time_s"][-1]) if len(history) else 0.0,
+        "versions": dict(versions),
+        "blocks": blocks,
+        **({"platform": platform} if platform else {}),
+        "energy": _energy(scene, history) if len(history) else {},
+        "cost": dict(cost),
+    }
+
+
+def _model(scene: Scene) -> str:
+    """What makes the history of a scene: finite elements, unless nothing in it is meshed."""
+    return "rigid blocks" if scene.is_rigid else "finite elements"
+
+
+def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
+    """What one block did."""
+    motion = block_motion(scene, history, block)
+    time, angle, shape = motion.time, motion.angle, motion.shape
+    slip = np.linalg.norm(motion.slip, axis=1)
+    impacts = rocking.impacts(time, angle, shape, scene.gravity)
+    peaks = rocking.peaks(time, angle, shape.slenderness)
+    known = {
+        "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=motion.fell),
+        "peak_angle_rad": float(np.max(np.abs(motion.lean))),
+        "peak_slip_m": float(np.max(slip)),
+        "peak_friction_force_N": float(np.max(np.linalg.norm(motion.friction, axis=1))),
+        "residual_angle_rad": float(motion.lean[-1]),
+        "residual_slip_m": float(motion.slip[-1, 0]),
+    }
+    if motion.slip.shape[1] == 2:
+        known["residual_slip_second_m"] = float(motion.slip[-1, 1])
+    if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
+        known["mass_ratio_felt"] = _mass_ratio_felt(block, scene, history)
+    return known | {
+        "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
+        "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
+    }
+
+
+def _mass_ratio_felt(block: BlockSpec, scene: Scene, history: History) -> float:
+    """The part of a block's mass that its platform feels along x.
+
+    The mass that would, moving with the platform, give a friction force nearest to that of the
+    block in the mean square over time, over the block's own mass: 1 where it sticks.
+    """
+    acceleration = history["base.acceleration_m_s2"] + history["platform.acceleration_m_s2"]
+    mass, step = block.shape.mass, history["step_s"]
+    inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
+    square = mass * float(np.sum(step * acceleration**2))
+    return float(np.sum(step * inertial * acceleration)) / square if square > 0 else math.nan
+
+
+def _platform(history: History) -> dict[str, float]:
+    """What the platform did, in each direction in which it moves."""
+    known = {}
+    for direction in ("", "_second"):
+        if f"platform.drift{direction}_m" in history:
+            drift = history[f"platform.drift{direction}_m"]
+            known[f"peak_drift{direction}_m"] = float(np.max(np.abs(drift)))
+            known[f"residual_drift{direction}_m"] = float(drift[-1])
+    return known
+
+
+def _energy(scene: Scene, history: History) -> dict[str, Any]:
+    """How well energy was kept, and where it went."""
+    total, work = history["energy.total_J"], history["energy.input_J"]
+    raised = float(gravity_above_upright(scene, history)[0])
+    scale = energy.scale(
+        work,
+        above_rest=float(history["energy.kinetic_J"][0]) + raised,
+        weight_height=sum(b.shape.weight(scene.gravity) * b.height for b in scene.blocks),
+    )
+    return {
+        "scale_J": scale,
+        "largest_gain_fraction": energy.largest_gain_fraction(total, work, scale),
+        "ledger_error_fraction": energy.ledger_error_fraction(
+            history["energy.ledger_error_J"], scale
+        ),
+        "loss": energy.losses(history),
+    }
+
+
+def write_json(file: Path, summary: Mapping[str, Any]) -> None:
+    """Write a summary; numbers that are not known become null, since JSON has no nan."""
+    text = json.dumps(_plain(summary), indent=2, allow_nan=False)
+    file.write_text(text + "\n", encoding="utf-8")
+
+
+def _plain(value: Any) -> Any:
+    """The same in the types of JSON."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,256 @@
+"""A full step of rigid blocks in the plane, in pieces where something happens in it. Compiled.
+
+Where a corner that was clear of a face would touch it within a step, or a slip would end, the step
+is cut there. Uncut steps are of first order at these events: the reaction of the old pivot is
+missing for the part of the step before the impact, and friction does not turn round before the next
+step. A step whose contact problem is not solved is halved.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.law.few_points import OPEN
+from solver.rigid.plane.contact import (
+    distance,
+    find_points,
+    local_place,
+    tangential_velocity,
+)
+from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.rigid.plane.step import finish_step, solve_step
+from solver.types import Array
+
+#: Impacts and ends of slip closer to the ends of a step than this part of it are left there.
+SMALLEST_PIECE = 1e-3
+#: Pieces that one step may be cut into.
+CUTS = 5
+#: Tries to find where to cut.
+LOCATING = 30
+#: Corners closer than this part of the size of the blocks touch already.
+TOUCHING = 1e-9
+#: Slip slower than this part of what gravity and ground give in a step may end anywhere in it.
+SLOW = 1e-3
+#: A slip has ended when this part of its velocity at the start of the step is left.
+STOPPED = 1e-6
+
+
+@compiled
+def clear_points(system: PlaneModel, work: PlaneWork) -> int:
+    """Move the points that are clear of their face behind the others; returns how many are not."""
+    touching = 0
+    for i in range(work.counts[0]):
+        if work.gap[i] > TOUCHING * system.size:
+            continue
+        for field in (work.points, work.face, work.state):
+            field[touching], field[i] = field[i], field[touching]
+        for length in (work.gap, work.offset):
+            length[touching], length[i] = length[i], length[touching]
+        for d in range(2):
+            a, b = 2 * touching + d, 2 * i + d
+            work.force[a], work.force[b] = work.force[b], work.force[a]
+        touching += 1
+    return touching
+
+
+@compiled
+def smallest_gap(
+    system: PlaneModel, state: PlaneState, work: PlaneWork, first: int, last: int
+) -> float:
+    """Smallest gap at the end of the solved step of the near points first to last - 1."""
+    smallest, q = math.inf, state.q + work.increment
+    for i in range(first, last):
+        k = work.points[i]
+        x, y = local_place(system, q, k)
+        gap = distance(system, system.face_of[k], work.face[i], x, y)[0]
+        smallest = min(smallest, gap)
+    return smallest
+
+
+@compiled
+def hits(system: PlaneModel, work: PlaneWork) -> bool:
+    """Whether a point that was clear at the start of the solved step carries a force."""
+    for i in range(work.counts[0]):
+        if work.state[i] != OPEN and work.gap[i] > TOUCHING * system.size:
+            return True
+    return False
+
+
+@compiled
+def end_of_slip(
+    system: PlaneModel, state: PlaneState, work: PlaneWork, i: int, dt: float
+) -> tuple[float, float]:
+    """Tangential velocity of a near point at the start and the end of the solved step."""
+    begin = tangential_velocity(system, state, work, i)
+    return begin, 2.0 * (work.rows[2 * i + 1] @ work.increment) / dt - begin
+
+
+@compiled
+def reverses(system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, pull: float) -> int:
+    """The first closed point whose velocity along its face changes sign in the step, or -1."""
+    for i in range(work.counts[0]):
+        if work.state[i] != OPEN:
+            begin, end = end_of_slip(system, state, work, i, dt)
+            if begin * end < 0.0 and abs(begin) > SLOW * dt * pull:
+                return i
+    return -1
+
+
+@compiled
+def next_length(bracket: Array, length: float, value: float) -> float:
+    """One round of regula falsi (Illinois) for a value that falls from positive to negative.
+
+    Args:
+        bracket: Length and value at the lower and the upper end, the side that moved last.
+        length: Tried last.
+        value: What it gave.
+    """
+    side = 1.0 if value > 0.0 else -1.0
+    moving, staying = (0, 2) if value > 0.0 else (2, 0)
+    bracket[moving], bracket[moving + 1] = length, value
+    if bracket[4] == side:
+        bracket[staying + 1] *= 0.5
+    bracket[4] = side
+    return bracket[0] + (bracket[2] - bracket[0]) * bracket[1] / (bracket[1] - bracket[3])
+
+
+@compiled
+def inside(length: float, step: float) -> float:
+    """The length if it lies well inside the step, else 0."""
+    return length if SMALLEST_PIECE * step < length < (1 - SMALLEST_PIECE) * step else 0.0
+
+
+@compiled
+def locate_impact(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    step: float,
+    before: Array,
+    slope: Array,
+) -> float:
+    """Length of the step after which the first clear point touches; that step is then solved.
+
+    The steps that are tried leave the clear points out.
+
+    Returns:
+        The length, s; 0 where none was found inside the step.
+    """
+    near, touching = work.counts[0], clear_points(system, work)
+    work.counts[0] = touching
+    bracket, length = np.zeros(5), step
+    bracket[1] = work.gap[touching:near].min()
+    for k in range(LOCATING):
+        if not solve_step(system, state, memory, work, length, before, before + length * slope):
+            return 0.0
+        gap = smallest_gap(system, state, work, touching, near)
+        if abs(gap) <= 0.1 * TOUCHING * system.size:
+            return inside(length, step)
+        if k == 0 and gap > 0.0:
+            return 0.0
+        length = next_length(bracket, length, gap)
+    return 0.0
+
+
+@compiled
+def locate_reversal(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    step: float,
+    before: Array,
+    slope: Array,
+    point: int,
+) -> float:
+    """Length of the step at whose end near point `point` stops to slip; that step is then solved.
+
+    Returns:
+        The length, s; 0 where none was found inside the step.
+    """
+    begin, end = end_of_slip(system, state, work, point, step)
+    bracket, length = np.zeros(5), step
+    bracket[1] = abs(begin)
+    for _ in range(LOCATING):
+        way = end if begin > 0.0 else -end
+        if abs(way) <= STOPPED * abs(begin):
+            return inside(length, step)
+        length = next_length(bracket, length, way)
+        if length < SMALLEST_PIECE * step:
+            return 0.0
+        if not solve_step(system, state, memory, work, length, before, before + length * slope):
+            return 0.0
+        end = end_of_slip(system, state, work, point, length)[1]
+    return 0.0
+
+
+@compiled
+def piece_of_step(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    piece: float,
+    before: Array,
+    slope: Array,
+    locating: bool,
+) -> float:
+    """Solve a step, cut short at an impact or at the end of a slip.
+
+    Returns:
+        Its length, s; negative if it was not solved, 0 if the cut was not found.
+    """
+    pull = np.abs(system.gravity).sum() + np.abs(before).sum() + piece * np.abs(slope).sum()
+    find_points(system, state, memory, work, piece, pull)
+    if not solve_step(system, state, memory, work, piece, before, before + piece * slope):
+        return -1.0
+    if not locating:
+        return piece
+    if hits(system, work):
+        return locate_impact(system, state, memory, work, piece, before, slope)
+    point = reverses(system, state, work, piece, pull)
+    if point >= 0:
+        return locate_reversal(system, state, memory, work, piece, before, slope, point)
+    return piece
+
+
+@compiled
+def full_step(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    dt: float,
+    smallest: float,
+    before: Array,
+    after: Array,
+) -> int:
+    """One step of the run, in pieces where it has to be; number of rejected ones, -1 if it failed.
+
+    The ground's acceleration is linear over the step. After a failure the state is that of the
+    last piece that succeeded.
+    """
+    slope = (after - before) * (1.0 / dt)
+    work.impulse[:] = 0.0
+    done, piece, cuts, rejected = 0.0, dt, 0, 0
+    while done < dt * (1 - 1e-12):
+        piece = min(piece, dt - done)
+        begin = before + done * slope
+        taken = piece_of_step(system, state, memory, work, piece, begin, slope, cuts < CUTS)
+        if taken < 0.0:
+            rejected += 1
+            piece *= 0.5
+            if piece < smallest:
+                return -1
+        elif taken == 0.0:
+            cuts = CUTS
+        else:
+            cuts += 1
+            finish_step(system, state, memory, work, taken, begin, begin + taken * slope)
+            done += taken
+            piece = dt - done
+    return rejected

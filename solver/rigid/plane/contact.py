@@ -1,0 +1,253 @@
+"""Contact points of rigid blocks in the plane: which are near, their gaps, their rows. Compiled.
+
+A contact point is a corner of one block and a face of another, or the floor. Gap and tangential
+place are taken in the frame of the block that has the face.
+"""
+
+from __future__ import annotations
+
+import math
+
+from solver.law.compiled import compiled
+from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.types import Array
+
+#: Lengths below this part of the size of the blocks tell no side of a corner from the other.
+CORNER_SIZE = 1e-6
+#: Gaps below this part of the size of the blocks are round-off.
+ROUND_OFF = 1e-12
+
+TOP = 2
+
+
+@compiled
+def local_place(system: PlaneModel, q: Array, k: int) -> tuple[float, float]:
+    """Place of the corner of point k in the frame of its face's block; in space for the floor."""
+    b, c = system.corner_of[k], system.face_of[k]
+    cosine, sine = math.cos(q[3 * b + 2]), math.sin(q[3 * b + 2])
+    X, Y = system.corner[k, 0], system.corner[k, 1]
+    x = q[3 * b] + cosine * X + sine * Y
+    y = q[3 * b + 1] - sine * X + cosine * Y
+    if c < 0:
+        return x, y
+    x -= q[3 * c]
+    y -= q[3 * c + 1]
+    cosine, sine = math.cos(q[3 * c + 2]), math.sin(q[3 * c + 2])
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+@compiled
+def distance(system: PlaneModel, c: int, face: int, x: float, y: float) -> tuple[float, float]:
+    """Gap of a local place to a face, and how far beyond the face's end it lies (inside: < 0)."""
+    if c < 0:
+        return y, -math.inf
+    width, height = system.half[c, 0], system.half[c, 1]
+    if face == 0:
+        return -y - height, abs(x) - width
+    if face == 1:
+        return x - width, abs(y) - height
+    if face == 2:
+        return y - height, abs(x) - width
+    return -x - width, abs(y) - height
+
+
+@compiled
+def nearest_face(system: PlaneModel, c: int, x: float, y: float) -> int:
+    """The face of least penetration; at a corner of the block the top or bottom one."""
+    if c < 0:
+        return TOP
+    upright = abs(y) - system.half[c, 1] + CORNER_SIZE * system.size
+    if upright >= abs(x) - system.half[c, 0]:
+        return 2 if y > 0.0 else 0
+    return 1 if x > 0.0 else 3
+
+
+@compiled
+def local_velocity(system: PlaneModel, state: PlaneState, k: int) -> tuple[float, float, float]:
+    """Velocity of point k in the frame of its face's block; a bound for its changes in a step."""
+    q, v = state.q, state.v
+    b, c = system.corner_of[k], system.face_of[k]
+    cosine, sine = math.cos(q[3 * b + 2]), math.sin(q[3 * b + 2])
+    X, Y = system.corner[k, 0], system.corner[k, 1]
+    spin = v[3 * b + 2]
+    arm_x, arm_y = cosine * X + sine * Y, -sine * X + cosine * Y
+    x, y = v[3 * b] + spin * arm_y, v[3 * b + 1] - spin * arm_x
+    bound = abs(v[3 * b]) + abs(v[3 * b + 1]) + 2.0 * system.size * abs(spin)
+    if c < 0:
+        drift = v[-1] if len(v) % 3 else 0.0
+        return x - drift, y, bound + abs(drift)
+    spin = v[3 * c + 2]
+    far_x, far_y = q[3 * b] + arm_x - q[3 * c], q[3 * b + 1] + arm_y - q[3 * c + 1]
+    x -= v[3 * c] + spin * far_y
+    y -= v[3 * c + 1] - spin * far_x
+    bound += abs(v[3 * c]) + abs(v[3 * c + 1]) + 2.0 * system.size * abs(spin)
+    cosine, sine = math.cos(q[3 * c + 2]), math.sin(q[3 * c + 2])
+    return cosine * x - sine * y, sine * x + cosine * y, bound
+
+
+@compiled
+def tangential_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, i: int) -> float:
+    """Velocity of a near point along its face, m/s; the tangent is the normal turned clockwise."""
+    x, y, _ = local_velocity(system, state, work.points[i])
+    face = work.face[i]
+    if face == TOP:
+        return x
+    if face == 0:
+        return -x
+    return -y if face == 1 else y
+
+
+@compiled
+def find_points(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    dt: float,
+    pull: float,
+) -> None:
+    """List the points that may touch a face during a step, with their gaps and offsets.
+
+    Args:
+        system: The system.
+        state: At the start of the step.
+        memory: At the start of the step.
+        work: Written.
+        dt: Step, s.
+        pull: Bound for the accelerations of gravity and ground, m/s2.
+    """
+    count, tiny = 0, CORNER_SIZE * system.size
+    for k in range(len(system.corner_of)):
+        b, c = system.corner_of[k], system.face_of[k]
+        x, y = local_place(system, state.q, k)
+        face = nearest_face(system, c, x, y)
+        gap, beyond = distance(system, c, face, x, y)
+        speed_x, speed_y, bound = local_velocity(system, state, k)
+        if gap > 2.0 * dt * bound + 4.0 * dt * dt * pull + tiny:
+            continue
+        # At the ends of a face the corners of the upper block count, not those of its carrier too.
+        edge = tiny if system.upper[k] == b else -tiny
+        if beyond > edge:
+            beyond = distance(system, c, face, x + dt * speed_x, y + dt * speed_y)[1]
+            if beyond > edge:
+                continue
+        stays = memory.closed[k] == 1 and memory.face[k] == face
+        if stays and abs(gap - memory.gap[k]) < ROUND_OFF * system.size:
+            gap = memory.gap[k]
+        work.points[count], work.face[count], work.gap[count] = k, face, gap
+        work.offset[count] = memory.offset[k] if stays else 0.0
+        work.state[count] = memory.state[k] if stays else 0
+        work.force[2 * count] = memory.force[k, 0] if stays else 0.0
+        work.force[2 * count + 1] = memory.force[k, 1] if stays else 0.0
+        count += 1
+    work.counts[0] = count
+
+
+@compiled
+def cardinal_sine(x: float) -> float:
+    """sin(x)/x."""
+    return math.sin(x) / x if abs(x) > 1e-4 else 1.0 - x * x / 6.0
+
+
+@compiled
+def write_rows(system: PlaneModel, q: Array, increment: Array, work: PlaneWork) -> None:
+    """Rows G with G dq = change of gap and tangential place, exactly, for this increment dq.
+
+    They stand at mid-step: R_{n+1} - R_n = 2 sin(dtheta/2) J R_m for each block, and in the frame
+    of a turning face, with d from its block's centre to the point,
+
+        R_{n+1}^T d_{n+1} - R_n^T d_n
+            = R_m^T [cos(dtheta/2) (d_{n+1} - d_n) - 2 sin(dtheta/2) J (d_n + d_{n+1})/2].
+
+    With an increment of zero they are the rows of the velocities.
+    """
+    work.rows[: 2 * work.counts[0]] = 0.0
+    for i in range(work.counts[0]):
+        k = work.points[i]
+        b, c = 3 * system.corner_of[k], 3 * system.face_of[k]
+        half = 0.5 * increment[b + 2]
+        cosine, sine = math.cos(q[b + 2] + half), math.sin(q[b + 2] + half)
+        X, Y = system.corner[k, 0], system.corner[k, 1]
+        arm_x, arm_y = cosine * X + sine * Y, -sine * X + cosine * Y
+        turned = cardinal_sine(half)
+        normal = work.rows[2 * i]
+        tangential = work.rows[2 * i + 1]
+        if c < 0:
+            normal[b + 1], normal[b + 2] = 1.0, -turned * arm_x
+            tangential[b], tangential[b + 2] = 1.0, turned * arm_y
+            if len(q) % 3:
+                tangential[len(q) - 1] = -1.0
+            continue
+        rest = 0.5 * increment[c + 2]
+        chord = math.cos(rest)
+        cosine, sine = math.cos(q[c + 2] + rest), math.sin(q[c + 2] + rest)
+        short = math.cos(half)
+        d_x = q[b] - q[c] + 0.5 * (increment[b] - increment[c]) + short * arm_x
+        d_y = q[b + 1] - q[c + 1] + 0.5 * (increment[b + 1] - increment[c + 1]) + short * arm_y
+        carried = cardinal_sine(rest)
+        face = work.face[i]
+        if face == 0:
+            n_x, n_y = -sine, -cosine
+        elif face == 1:
+            n_x, n_y = cosine, -sine
+        elif face == 2:
+            n_x, n_y = sine, cosine
+        else:
+            n_x, n_y = -cosine, sine
+        fill_row(normal, b, c, n_x, n_y, chord, turned, carried, arm_x, arm_y, d_x, d_y)
+        fill_row(tangential, b, c, n_y, -n_x, chord, turned, carried, arm_x, arm_y, d_x, d_y)
+
+
+@compiled
+def fill_row(
+    row: Array,
+    b: int,
+    c: int,
+    a_x: float,
+    a_y: float,
+    chord: float,
+    turned: float,
+    carried: float,
+    arm_x: float,
+    arm_y: float,
+    d_x: float,
+    d_y: float,
+) -> None:
+    """One row along (a_x, a_y) between two blocks; J (x, y) = (y, -x)."""
+    row[b], row[b + 1] = chord * a_x, chord * a_y
+    row[b + 2] = chord * turned * (a_x * arm_y - a_y * arm_x)
+    row[c], row[c + 1] = -chord * a_x, -chord * a_y
+    row[c + 2] = -carried * (a_x * d_y - a_y * d_x)
+
+
+@compiled
+def compliance(rows: Array, flexibility: Array) -> Array:
+    """G diag(flexibility) G^T with the relative diagonal of 1e-9 that makes it definite.
+
+    Two sticking corners have four rows on three unknowns.
+    """
+    W = (rows * flexibility) @ rows.T
+    for i in range(len(W)):
+        W[i, i] *= 1.0 + 1e-9
+    return W
+
+
+@compiled
+def area(system: PlaneModel, work: PlaneWork, state: PlaneState, i: int) -> float:
+    """Area that cohesion acts on at a point, m2: half of what the two faces share."""
+    k = work.points[i]
+    b, c, upper = system.corner_of[k], system.face_of[k], system.upper[k]
+    other = c if b == upper else b
+    turn = state.q[3 * upper + 2] - (state.q[3 * other + 2] if other >= 0 else 0.0)
+    lying = abs(math.sin(turn)) > math.sqrt(0.5)
+    length = system.half[upper, 1] if lying else system.half[upper, 0]
+    thickness = system.thickness[upper]
+    if other >= 0:
+        cosine, sine = math.cos(state.q[3 * other + 2]), math.sin(state.q[3 * other + 2])
+        x = state.q[3 * upper] - state.q[3 * other]
+        y = state.q[3 * upper + 1] - state.q[3 * other + 1]
+        along, reach = cosine * x - sine * y, system.half[other, 0]
+        shared = min(along + length, reach) - max(along - length, -reach)
+        length = max(0.0, 0.5 * shared)
+        thickness = min(thickness, system.thickness[other])
+    return length * thickness

@@ -1,0 +1,167 @@
+"""Arrays that the compiled code of the plane works on: the system, its state, its memory.
+
+Unknowns q: x, y of the centre and the angle (clockwise) of each block, then the drift of the
+platform if there is one. Masses, forces and energies are those of the whole thickness.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.types import Array, Indices
+
+#: Corners of a block in its own frame, in units of half width and half height: anticlockwise from
+#: the left bottom one.
+CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+
+
+class PlaneModel(NamedTuple):
+    """What stays the same during a run."""
+
+    mass: Array
+    """m, m, I of each block (kg, kg m2), then the platform's mass, (n,)."""
+    flexibility: Array
+    """1/mass, (n,)."""
+    mass_x: Array
+    """The mass that moves along x with each unknown, kg, (n,)."""
+    mass_y: Array
+    """Along y."""
+    half: Array
+    """B/2, H/2 of each block, m, (b, 2)."""
+    thickness: Array
+    """t of each block, m, (b,)."""
+    carrier: Indices
+    """Block that carries each block, -1: floor or platform, (b,)."""
+    friction: Array
+    """mu_s, mu_d, decay (s/m), cohesion (Pa), 1 where cohesion is lost by slipping, (b, 5)."""
+    corner_of: Indices
+    """Block whose corner each contact point is, (p,); points 4 b to 4 b + 3 are the corners of
+    block b over what carries it."""
+    corner: Array
+    """That corner in the frame of its block, m, (p, 2)."""
+    face_of: Indices
+    """Block whose faces it may touch, -1: floor or platform, (p,)."""
+    upper: Indices
+    """Which of the two the other one carries, (p,)."""
+    gravity: Array
+    """Acceleration of gravity, m/s2, (2,)."""
+    spring: Array
+    """Stiffness (N/m) and damping (N s/m) of the platform, (2,)."""
+    scheme: Array
+    """alpha_m, alpha_f, beta of the time stepping, (3,)."""
+    velocity_solve: bool
+    """Whether contact is also solved at velocity level after each step."""
+    size: float
+    """Largest half diagonal, m: what lengths are small against."""
+
+
+class PlaneState(NamedTuple):
+    """What moves, changed in place."""
+
+    q: Array
+    """Place of each unknown, m, rad, (n,)."""
+    v: Array
+    """Velocity, m/s, rad/s, (n,)."""
+    p: Array
+    """Inertia force of the platform against its spring, N, (1,)."""
+    slip: Array
+    """Slip of each block on what carries it, m, (b,)."""
+    exchanged: Array
+    """Energy taken in; lost in friction, damping, contact, time stepping, J, (5,)."""
+
+
+class PlaneMemory(NamedTuple):
+    """What each contact point remembers from step to step, (p,)."""
+
+    closed: Indices
+    """1 where it carried a force in the last step."""
+    face: Indices
+    """Face that it touches: 0 bottom, 1 right, 2 top, 3 left."""
+    gap: Array
+    """Gap of closed points, m, summed up from increments: their digits are those of the step."""
+    offset: Array
+    """Tangential place minus that where the point sticks, m."""
+    slipping: Indices
+    """1 where it slipped in the last step."""
+    broken: Indices
+    """1 where its cohesion is lost."""
+    state: Indices
+    """Its state in the last local problem."""
+    rate: Array
+    """Its slip rate in the last step, m/s."""
+    force: Array
+    """f_n, f_t of the last step, N, (p, 2)."""
+
+
+class PlaneWork(NamedTuple):
+    """The step that is being solved; its first `counts[0]` points are near a face."""
+
+    counts: Indices
+    """Number of points near a face; of iterations; of local problems by what settled them, (7,)."""
+    points: Indices
+    """Which points they are, (p,)."""
+    face: Indices
+    """Face of each, (p,)."""
+    gap: Array
+    """Gap at the start of the step, m, (p,)."""
+    offset: Array
+    """Tangential place minus anchor at the start of the step, m, (p,)."""
+    friction: Array
+    """mu of each, (p,)."""
+    cohesion: Array
+    """Cohesion times area of each, N, (p,)."""
+    state: Indices
+    """PlaneState of each in the local problem, (p,)."""
+    slips: Indices
+    """1 where it slips in this step, (p,)."""
+    rows: Array
+    """Rows of gap and tangential place, (2 p, n)."""
+    force: Array
+    """Point forces, flat, N, (2 p,)."""
+    place: Array
+    """y of the points at the end of the step, flat, m, (2 p,)."""
+    increment: Array
+    """Increment of q, (n,)."""
+    inertia: Array
+    """p at the end of the step, N, (1,)."""
+    impulse: Array
+    """Impulse of contact on each block so far in the full step, N s, (b, 2)."""
+
+
+def new_memory(points: int) -> PlaneMemory:
+    """PlaneMemory of points that have touched nothing yet."""
+    none = [np.zeros(points, dtype=np.int64) for _ in range(5)]
+    return PlaneMemory(
+        closed=none[0],
+        face=none[1],
+        gap=np.zeros(points),
+        offset=np.zeros(points),
+        slipping=none[2],
+        broken=none[3],
+        state=none[4],
+        rate=np.zeros(points),
+        force=np.zeros((points, 2)),
+    )
+
+
+def new_work(points: int, unknowns: int, blocks: int) -> PlaneWork:
+    """Room for the steps of a system."""
+    return PlaneWork(
+        counts=np.zeros(7, dtype=np.int64),
+        points=np.zeros(points, dtype=np.int64),
+        face=np.zeros(points, dtype=np.int64),
+        gap=np.zeros(points),
+        offset=np.zeros(points),
+        friction=np.zeros(points),
+        cohesion=np.zeros(points),
+        state=np.zeros(points, dtype=np.int64),
+        slips=np.zeros(points, dtype=np.int64),
+        rows=np.zeros((2 * points, unknowns)),
+        force=np.zeros(2 * points),
+        place=np.zeros(2 * points),
+        increment=np.zeros(unknowns),
+        inertia=np.zeros(1),
+        impulse=np.zeros((blocks, 2)),
+    )

@@ -1,0 +1,247 @@
+"""One step of rigid blocks in the plane: its solution, its bookkeeping. Compiled.
+
+Generalized-alpha with impulses outside the average (`solver.scheme.generalized_alpha` has the
+formulas): contact at the end of the step, loads by their mean, the dashpot at the mean velocity.
+The blocks have no stiffness, so that only the platform has an inertia force p besides, that of its
+spring, and the effective mass is diagonal. What is solved for are the contact forces, and with them
+the rotations that the rows of contact are taken at.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.law.few_points import OPEN, image, solve
+from solver.rigid.plane.contact import compliance, local_place, write_rows
+from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
+from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.rigid.plane.velocity import add_impulses, correct_velocity
+from solver.types import Array
+
+#: Rows are right when their error moves no point by more than this part of the size of the blocks.
+CONVERGED = 1e-16
+ITERATIONS = 40
+
+
+@compiled
+def external_force(system: PlaneModel, ground: Array) -> Array:
+    """Gravity and the accelerated ground on all that has mass, N."""
+    pull_x, pull_y = system.gravity[0] - ground[0], system.gravity[1] - ground[1]
+    return system.mass_x * pull_x + system.mass_y * pull_y
+
+
+@compiled
+def free_motion(
+    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, before: Array, after: Array
+) -> tuple[Array, Array]:
+    """Increment of q without contact forces, and the flexibility w_c/M_eff of each unknown."""
+    load = external_force(system, 0.5 * (before + after))
+    flexibility = 0.5 * dt * dt * system.flexibility
+    free = dt * state.v + flexibility * load
+    if len(free) % 3:
+        alpha_m, alpha_f, beta = system.scheme[0], system.scheme[1], system.scheme[2]
+        k, c, weight = system.spring[0], system.spring[1], 0.5 * (1 - alpha_m) / beta
+        u, v, p = state.q[-1], state.v[-1], state.p[0]
+        inertial = (1 - alpha_m) / (beta * dt * dt) * system.mass[-1]
+        stiffness = inertial + (1 - alpha_f) * k + weight * c / dt
+        right = weight * load[-1] - k * u + inertial * dt * v
+        right += ((1 - alpha_m) * (0.5 / beta - 1) - alpha_m) * p
+        free[-1] = right / stiffness
+        flexibility[-1] = weight / stiffness
+    return free, flexibility
+
+
+@compiled
+def platform_inertia(system: PlaneModel, state: PlaneState, work: PlaneWork) -> None:
+    """p_{n+1} of the platform: (1 - alpha_m) p_{n+1} + alpha_m p_n + k u_alpha = 0."""
+    alpha_m, alpha_f = system.scheme[0], system.scheme[1]
+    spring = system.spring[0] * (state.q[-1] + (1 - alpha_f) * work.increment[-1])
+    work.inertia[0] = -(spring + alpha_m * state.p[0]) / (1 - alpha_m)
+
+
+@compiled
+def solve_step(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    dt: float,
+    before: Array,
+    after: Array,
+) -> bool:
+    """Solve a step for the points in `work`: contact forces, increment, inertia force.
+
+    Args:
+        system: The system.
+        state: At the start of the step.
+        memory: At the start of the step.
+        work: Near points; their forces, places and the increment are written.
+        dt: Step, s.
+        before: Acceleration of the ground at its start, m/s2, (2,).
+        after: At its end.
+
+    Returns:
+        Whether it was solved.
+    """
+    count = work.counts[0]
+    free, flexibility = free_motion(system, state, work, dt, before, after)
+    work.increment[:] = free
+    work.slips[:] = 0
+    solved = True
+    if count > 0:
+        solved = contact_iteration(system, state, memory, work, dt, free, flexibility)
+    if len(free) % 3:
+        platform_inertia(system, state, work)
+    return solved
+
+
+@compiled
+def contact_iteration(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    dt: float,
+    free: Array,
+    flexibility: Array,
+) -> bool:
+    """Iterate rows, friction and forces until none of them changes."""
+    count = work.counts[0]
+    begin_friction(system, state, memory, work)
+    start, states = np.zeros(2 * count), work.state[:count]
+    for i in range(count):
+        # What has sunk in by more than round-off is held where it is: pushed out, it would gain.
+        gap = work.gap[i]
+        start[2 * i] = gap if gap > -1e-12 * system.size else 0.0
+        start[2 * i + 1] = work.offset[i]
+    force, rows = work.force[: 2 * count], work.rows[: 2 * count]
+    for _ in range(ITERATIONS):
+        work.counts[1] += 1
+        write_rows(system, state.q, work.increment, work)
+        W = compliance(rows, flexibility)
+        fixed = start + rows @ free
+        if not solve(W, fixed, bounds_of(work, False), states, force, work.counts[2:]):
+            return False
+        work.place[: 2 * count] = image(W, fixed, force)
+        increment = free + flexibility * (force @ rows)
+        change = np.abs(increment - work.increment).max()
+        turned = 0.0
+        for b in range(len(system.half)):
+            turned = max(turned, abs(increment[3 * b + 2]))
+        work.increment[:] = increment
+        if change * turned > CONVERGED * system.size:
+            continue
+        if not follow_friction(system, work, W, dt):
+            return True
+    return False
+
+
+@compiled
+def finish_step(
+    system: PlaneModel,
+    state: PlaneState,
+    memory: PlaneMemory,
+    work: PlaneWork,
+    dt: float,
+    before: Array,
+    after: Array,
+) -> None:
+    """Take the solved step: ledger, new state, memory; then contact at velocity level."""
+    book_step(system, state, work, dt, before, after)
+    moved = work.rows[: 2 * work.counts[0]] @ work.increment
+    book_contact(state, work, moved)
+    follow_slip(system, state, work, moved)
+    state.v[:] = 2.0 * work.increment / dt - state.v
+    state.q[:] += work.increment
+    state.p[:] = work.inertia
+    remember(memory, work, moved, dt)
+    add_impulses(system, work, dt * work.force)
+    if system.velocity_solve:
+        correct_velocity(system, state, work, dt)
+
+
+@compiled
+def book_step(
+    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, before: Array, after: Array
+) -> None:
+    """PlaneWork of the ground, and what the dashpot and the averaging of the time stepping take.
+
+    The latter is (1/2 - alpha_f) du dr with r = p + k u of the platform.
+    """
+    du = work.increment
+    mean = 0.5 * (before + after)
+    state.exchanged[0] -= mean[0] * (system.mass_x @ du) + mean[1] * (system.mass_y @ du)
+    if len(du) % 3:
+        k, c = system.spring[0], system.spring[1]
+        change = work.inertia[0] - state.p[0] + k * du[-1]
+        state.exchanged[2] += c * du[-1] * du[-1] / dt
+        state.exchanged[4] += (0.5 - system.scheme[1]) * du[-1] * change
+
+
+@compiled
+def book_contact(state: PlaneState, work: PlaneWork, moved: Array) -> None:
+    """Friction: -f_t times the way of the anchor; contact: the rest of -f.dy."""
+    friction = total = 0.0
+    for i in range(work.counts[0]):
+        n, t = 2 * i, 2 * i + 1
+        if work.state[i] != OPEN:
+            friction -= work.force[t] * work.place[t]
+            total -= work.force[n] * moved[n] + work.force[t] * moved[t]
+    state.exchanged[1] += friction
+    state.exchanged[3] += total - friction
+
+
+@compiled
+def follow_slip(system: PlaneModel, state: PlaneState, work: PlaneWork, moved: Array) -> None:
+    """Add to the slip of each block the mean way of the points that carry it, or its lowest one's.
+
+    `state` is still that of the start of the step.
+    """
+    for b in range(len(system.half)):
+        way, closed = 0.0, 0
+        for i in range(work.counts[0]):
+            k = work.points[i]
+            if system.upper[k] == b and work.state[i] != OPEN:
+                # A carrier's corner moves backwards along the block that it carries.
+                sign = 1.0 if system.corner_of[k] == b else -1.0
+                way += sign * moved[2 * i + 1]
+                closed += 1
+        if closed > 0:
+            state.slip[b] += way / closed
+        else:
+            state.slip[b] += way_in_flight(system, state.q, work.increment, b)
+
+
+@compiled
+def way_in_flight(system: PlaneModel, q: Array, increment: Array, b: int) -> float:
+    """Tangential way of the lowest corner of a block over its carrier."""
+    lowest, way, after = math.inf, 0.0, q + increment
+    for k in range(4 * b, 4 * b + 4):
+        x, y = local_place(system, after, k)
+        if y < lowest:
+            lowest, way = y, x - local_place(system, q, k)[0]
+    if system.carrier[b] < 0 and len(q) % 3:
+        way -= increment[-1]
+    return way
+
+
+@compiled
+def remember(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float) -> None:
+    """Keep gaps, anchors and states of the closed points for the next step."""
+    memory.closed[:] = 0
+    for i in range(work.counts[0]):
+        if work.state[i] == OPEN:
+            continue
+        k, n, t = work.points[i], 2 * i, 2 * i + 1
+        slips = work.slips[i] == 1
+        memory.closed[k], memory.face[k], memory.state[k] = 1, work.face[i], work.state[i]
+        memory.gap[k] = work.gap[i] + moved[n]
+        memory.offset[k] = work.offset[i] + moved[t] - work.place[t]
+        memory.slipping[k] = work.slips[i]
+        memory.rate[k] = abs(work.place[t]) / dt if slips else 0.0
+        if slips:
+            memory.broken[k] = 1
+        memory.force[k, 0], memory.force[k, 1] = work.force[n], work.force[t]

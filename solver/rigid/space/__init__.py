@@ -1,0 +1,1 @@
+"""The engine of rigid blocks in space, compiled."""

@@ -1,0 +1,132 @@
+"""The loop of rigid blocks in space: steps of the history, divided at impacts; compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.rigid.space.contact import contacts_of, halfway, rotations, rows_of
+from solver.rigid.space.friction import touched
+from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
+from solver.rigid.space.motion import changes, mean_motion
+from solver.rigid.space.rows import record
+from solver.rigid.space.solve import solve
+from solver.rigid.space.step import take
+from solver.rigid.space.velocity import correct_velocity
+from solver.rigid.space.watch import watch
+from solver.types import Array
+
+EARLY = 0.02
+"""How much of the way to an impact is left for the step of the impact."""
+
+GRAVE = 0.03
+"""An impact later than this part of a step divides it."""
+
+LOOKING, TIMING, TIMED = 0, 1, 2
+"""A step in which a point lands is solved once more without new contacts, to tell when."""
+
+HAIR = 1e-9
+"""Points nearer than this, relative to the largest half length, do not land: they are there."""
+
+
+@compiled
+def _lands(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> bool:
+    """Whether a point that was open, and not by a hair, touches in a step."""
+    old, hair = touched(state, s.contacts), HAIR * np.max(model.half)
+    for q in range(len(old)):
+        if old[q] == 0 and s.force[q, 0] > 0 and s.contacts.start[q, 0] > hair:
+            return True
+    return False
+
+
+@compiled
+def _landing(model: SpaceModel, state: SpaceState, s: SpaceSolution, ground: Array) -> float:
+    """The part of a step `s` without new contacts after which the first one comes; 1 without.
+
+    Args:
+        model: The bodies.
+        state: At its start.
+        s: The step.
+        ground: Acceleration of the ground at its end, m/s2.
+    """
+    frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
+    points = contacts_of(model, state, frames, s.dt, ground)
+    old = touched(state, points)
+    mean, shift = mean_motion(state, frames, s.moved, s.turned)
+    rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
+    change = changes(points, rows, s.moved, s.turned)
+    first = 1.0
+    for q in range(len(change)):
+        gap = points.start[q, 0]
+        if old[q] == 0 and gap > hair and change[q, 0] < -gap:
+            first = min(first, -gap / change[q, 0])
+    return first
+
+
+@compiled
+def _accept(
+    model: SpaceModel, state: SpaceState, s: SpaceSolution, start: Array, end: Array, tally: Array
+) -> None:
+    """Take a step, and correct the velocities at its end."""
+    watch(model, state, s, tally)
+    take(model, state, s, start, end)
+    if model.velocity_solve:
+        correct_velocity(model, state, s)
+
+
+@compiled
+def run(
+    model: SpaceModel,
+    state: SpaceState,
+    dt: float,
+    smallest: float,
+    ground: Array,
+    shift: Array,
+    seen: Array,
+    rows: Array,
+) -> tuple[int, int]:
+    """As many steps as there are rows; times and errors are left to the caller.
+
+    A step is divided where a point lands within it, and halved where it fails.
+
+    Args:
+        model: The bodies.
+        state: Changed in place.
+        dt: s.
+        smallest: The smallest part of a step to try, s.
+        ground: (steps + 1, 3) accelerations of the ground, m/s2; linear in between.
+        shift: (steps, 3) what its mean over each step has beyond that of its ends, m/s2.
+        seen: (n, 4) the last angles, carried on.
+        rows: (steps, columns) filled in.
+
+    Returns:
+        Number of steps that succeeded, number of rejected solutions.
+    """
+    tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
+    rows[:, 1], rows[:, 2] = dt, 0.0
+    while k < len(rows):
+        h, gained = min(h, dt - done), ground[k + 1] - ground[k]
+        first = ground[k] + shift[k]
+        start, end = first + gained * (done / dt), first + gained * ((done + h) / dt)
+        s = solve(model, state, h, start, end, phase != TIMING)
+        rows[k, 2] += s.iterations
+        if phase == TIMING:
+            part = _landing(model, state, s, end) if s.settled else 1.0
+            if part < 1 and part * h > GRAVE * dt:
+                h *= (1 - EARLY) * part
+            phase = TIMED
+        elif not s.settled:
+            h, phase, rejected = 0.5 * h, LOOKING, rejected + 1
+            if h < smallest:
+                break
+        elif phase == LOOKING and _lands(model, state, s):
+            phase = TIMING
+        else:
+            _accept(model, state, s, start, end, tally)
+            done += h
+            if done > dt * (1 - 1e-9):
+                tally /= dt
+                record(model, state, ground[k + 1], seen, tally, rows[k])
+                tally[:, :], done, k = 0.0, 0.0, k + 1
+            h, phase = dt - done, LOOKING
+    return k, rejected

@@ -1,0 +1,118 @@
+"""What the compiled steps of rigid blocks in space work on: plain arrays with names.
+
+Bodies 0 to n - 1 are the blocks, body n is what stands below all of them: the ground, or a platform
+on horizontal springs. It does not turn, and its surface is z = 0.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from solver.types import Array, Indices
+
+
+class SpaceModel(NamedTuple):
+    """What does not change in a run. n blocks, k pairs."""
+
+    mass: Array
+    """(n + 1,) kg; 0 for the ground."""
+    inertia: Array
+    """(n + 1, 3) principal moments about the centre, kg m2."""
+    half: Array
+    """(n + 1, 3) half of width, thickness and height, m."""
+    upper: Indices
+    """(k,) upper body of each pair; the first n pairs are the blocks with the ground."""
+    lower: Indices
+    """(k,) lower body of each pair."""
+    carried: Indices
+    """(n,) the pair of each block with what carries it."""
+    law: Array
+    """(k, 5) friction: static, dynamic, decay (s/m), cohesive force of a point (N), 1 if lost."""
+    spring: Array
+    """(2,) stiffness (N/m) and damping (N s/m) of the platform, alike along x and y."""
+    gravity: Array
+    """(3,) m/s2."""
+    scheme: Array
+    """alpha_m, alpha_f, beta of the generalized-alpha method."""
+    velocity_solve: bool
+    """Whether contact is also solved at velocity level."""
+
+
+class SpaceState(NamedTuple):
+    """What a step changes, in place."""
+
+    place: Array
+    """(n + 1, 3) centres; of the ground its displacement, m."""
+    quaternion: Array
+    """(n + 1, 4) rotations."""
+    velocity: Array
+    """(n + 1, 3) of the centres, m/s."""
+    spin: Array
+    """(n + 1, 3) angular velocities W in the body, rad/s."""
+    inertia_force: Array
+    """p, the inertia of the platform against its spring, N, (2,)."""
+    memory: Array
+    """(k, SLOTS, 8): anchor (2), force (3), slip rate (m/s, 0: stuck), 1 + number of its face
+    (0: away), the gap that it is held at (m, 0 or below)."""
+    broken: Array
+    """(k, SLOTS) 1 where the cohesion is lost."""
+    slip: Array
+    """(n, 2) slip on what carries the block, m."""
+    exchanged: Array
+    """(5,) work of the ground; dissipated by friction, damping, contact, time integration, J."""
+
+
+class SpaceContacts(NamedTuple):
+    """The m points that may touch within a step, as things stand at its start."""
+
+    pair: Indices
+    """(m,)"""
+    slot: Indices
+    """(m,) place in the pair's memory."""
+    body: Indices
+    """(m,) whose point it is."""
+    base: Indices
+    """(m,) whose face it may touch."""
+    face: Indices
+    """(m,) number of that face."""
+    arm: Array
+    """(m, 3) place in its body, m."""
+    axes: Array
+    """(m, 3, 3) rows normal and two tangential, in the body of the face; of a crossing in space."""
+    start: Array
+    """(m, 3) gap, from `rest` on, and place along the face, m."""
+    rest: Array
+    """(m,) gap of a point that was found sunk in and is held there; 0 for others, m."""
+    way: Array
+    """(m, 3) of a crossing the direction of the edge in the point's body; 0 for others."""
+    foot: Array
+    """(m, 3) its place on the other edge, in the body of the face, m."""
+    border: Array
+    """(m, 3) the direction of that edge, in that body."""
+
+
+class SpaceSolution(NamedTuple):
+    """What a step of length `dt` comes to, before it is taken."""
+
+    settled: bool
+    dt: float
+    contacts: SpaceContacts
+    iterations: int
+    moved: Array
+    """(n + 1, 3) increments of the centres, m."""
+    turned: Array
+    """(n + 1, 3) Cayley vectors psi in space."""
+    force: Array
+    """(m, 3) contact forces in the frames of the faces, N."""
+    change: Array
+    """(m, 3) changes of gap and place along the face, m."""
+    pushed: Array
+    """(m, 3) contact forces in space on the point's body, N."""
+    mu: Array
+    """(m,) coefficients of friction."""
+    cohesion: Array
+    """(m,) cohesive forces, N."""
+    yielded: Array
+    """(m, 3) D (f - f_n), what the points gave way beyond the motion of their bodies, m."""
+    sliding: Array
+    """(m,) 1 where a point is at the limit of its friction and moves, else 0."""

@@ -1,0 +1,75 @@
+"""Taking a step of rigid blocks in space: state, stick memory, energy ledger; compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.rigid.space.contact import rotations
+from solver.rigid.space.friction import recalled, slips
+from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
+from solver.rigid.space.rotation import advanced, to_body
+from solver.types import Array
+
+
+@compiled
+def _take_centres(
+    model: SpaceModel, state: SpaceState, s: SpaceSolution, before: Array, after: Array
+) -> None:
+    """Centres, velocities and inertia forces; work of the ground, damping, loss of the average."""
+    am, af, dt = model.scheme[0], model.scheme[1], s.dt
+    last = len(model.mass) - 1
+    for k in range(2):
+        du, p = s.moved[last, k], state.inertia_force[k]
+        spring = model.spring[0] * (state.place[last, k] + (1 - af) * du)
+        following = -(spring + am * p) / (1 - am)
+        state.exchanged[2] += model.spring[1] * du * du / dt
+        state.exchanged[4] += (0.5 - af) * du * (following - p + model.spring[0] * du)
+        state.inertia_force[k] = following
+    for b in range(last + 1):
+        for k in range(3):
+            du = s.moved[b, k]
+            state.exchanged[0] -= model.mass[b] * du * 0.5 * (before[k] + after[k])
+            state.place[b, k] += du
+            state.velocity[b, k] = 2 * du / dt - state.velocity[b, k]
+
+
+@compiled
+def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
+    """Stick memory of all points, and what contact and friction took."""
+    _, anchor = recalled(state, s.contacts)
+    state.memory[:, :, 2:] = 0.0
+    for q in range(len(s.mu)):
+        force, change = s.force[q], s.change[q]
+        kept = state.memory[s.contacts.pair[q], s.contacts.slot[q]]
+        place = s.contacts.start[q, 1:] + change[1:]
+        moved = place + s.yielded[q, 1:] - anchor[q]
+        slipping = slips(force, s.mu[q], s.cohesion[q])
+        if force[0] > 0 and not slipping:
+            moved = np.zeros(2)
+        kept[:2] = anchor[q] + moved if force[0] > 0 else place
+        kept[2:5] = force
+        kept[6], kept[7] = s.contacts.face[q] + 1.0, s.contacts.rest[q]
+        if s.sliding[q] == 1:
+            kept[5] = math.hypot(moved[0], moved[1]) / s.dt
+            state.broken[s.contacts.pair[q], s.contacts.slot[q]] = 1.0
+        rubbed = -(force[1] * moved[0] + force[2] * moved[1])
+        work = force[0] * change[0] + force[1] * change[1] + force[2] * change[2]
+        state.exchanged[1] += rubbed
+        state.exchanged[3] -= work + rubbed
+
+
+@compiled
+def take(
+    model: SpaceModel, state: SpaceState, s: SpaceSolution, before: Array, after: Array
+) -> None:
+    """Go to the end of a step, `state` being changed in place; velocities are corrected after."""
+    frames = rotations(state.quaternion)
+    for b in range(len(frames) - 1):
+        psi = to_body(frames[b], s.turned[b])
+        state.spin[b] = 2 * psi / s.dt - state.spin[b]
+        state.quaternion[b] = advanced(state.quaternion[b], s.turned[b])
+    _remember(model, state, s)
+    _take_centres(model, state, s, before, after)

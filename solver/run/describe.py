@@ -1,0 +1,198 @@
+"""What a scene means, without solving it: derived numbers, expected mode, size."""
+
+from __future__ import annotations
+
+import math
+
+from solver.errors import EnvironmentTrouble
+from solver.excitation.description import describe_motion
+from solver.excitation.motion import base_motion
+from solver.reference.expected import expected_mode, has_expected_mode
+from solver.reference.housner import housner_restitution
+from solver.scene import BlockSpec, FrameSpec, FrictionSpec, PlateSpec, Scene
+
+Lines = list[tuple[str, str]]
+
+#: Cells of one box of a structured mesh.
+PARTS = {"quadrilateral": 1, "triangle": 2, "hexahedron": 1, "tetrahedron": 5}
+
+
+def describe(scene: Scene) -> str:
+    """What a scene means: derived numbers, expected mode, size of the mesh, steps."""
+    lines = [("scene", scene.title or "without a title")]
+    for block in scene.blocks:
+        lines += _block_numbers(block, scene)
+    lines += _foundation(scene)
+    lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
+    lines += _motions(scene)
+    if has_expected_mode(scene):
+        lines.append(("expected mode", f"{expected_mode(scene)} (rigid block; Shenton 1996)"))
+    for block in scene.blocks:
+        of = f" of {block.name}" if len(scene.blocks) > 1 else ""
+        lines.append((f"mesh{of}", _mesh(block, scene.dimension)))
+    steps = math.ceil(scene.time.end / scene.time.step * (1 - 1e-12))
+    lines.append(("time", f"{steps} steps of {scene.time.step:g} s to {scene.time.end:g} s"))
+    return table(lines)
+
+
+def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
+    """Numbers of rigid-body rocking."""
+    shape = block.shape
+    tilt = f", released from {block.tilt_deg:g} degrees" if block.tilt_deg else ""
+    on = f", on {block.on}" if block.on != "foundation" else ""
+    alpha, down = shape.slenderness, -scene.gravity_vector[-1]
+    lines = [
+        (block.name, f"{block.width:g} x {block.height:g} x {block.thickness:g} m{on}{tilt}"),
+        ("  mass", f"{shape.mass:.6g} kg ({shape.density:.6g} kg/m3)"),
+        ("  half diagonal R", f"{shape.half_diagonal:.4f} m"),
+        ("  slenderness alpha", f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"),
+    ]
+    if scene.dimension == 3:
+        across = math.atan2(block.thickness, block.height)
+        text = f"{across:.5f} rad = {math.degrees(across):.3f} degrees"
+        lines.append(("  slenderness along y", text))
+    if down > 0:
+        lines += [
+            ("  frequency p", f"{shape.frequency(down):.4f} 1/s"),
+            ("  uplift at", f"{_uplift(block, scene):.4f} g"),
+        ]
+    ratio = housner_restitution(shape)
+    text = f"{ratio:.4f}" if ratio > 0 else "none, too squat to rock on"
+    lines.append(("  restitution", f"{text} (Housner 1963)"))
+    return lines + _start(block)
+
+
+def _start(block: BlockSpec) -> Lines:
+    """Velocities at the start, where there are any."""
+    turning = block.angular_velocity
+    vectors: list[tuple[str, tuple[float, ...], str]] = [
+        ("  velocity", block.velocity, "m/s"),
+        ("  angular velocity", turning if isinstance(turning, tuple) else (turning,), "rad/s"),
+    ]
+    return [
+        (name, f"{' '.join(f'{number:g}' for number in vector)} {unit}")
+        for name, vector, unit in vectors
+        if any(vector)
+    ]
+
+
+def _uplift(block: BlockSpec, scene: Scene) -> float:
+    """Horizontal acceleration of what carries it over gravity at which the block uplifts."""
+    along, down = scene.gravity_vector[0], scene.gravity_vector[-1]
+    return max(0.0, -down * block.width / block.height - abs(along)) / scene.gravity
+
+
+def _foundation(scene: Scene) -> Lines:
+    """What carries the blocks, with its natural period where it has one."""
+    spec = scene.foundation
+    names = {"rigid": "rigid ground", "oscillator": "rigid platform on a spring"}
+    lines: Lines = [("foundation", names.get(spec.kind, ""))]
+    if isinstance(spec, PlateSpec):
+        size = f"{spec.width:g} x {spec.height:g} x {spec.thickness:g} m"
+        held = {"fixed": "held everywhere", "bottom": "held at its bottom", "rollers": "on rollers"}
+        lines = [("foundation", f"meshed plate, {size}, {held[spec.support]}")]
+        lines.append(("  density", f"{spec.shape(scene.carried_mass).density:.6g} kg/m3"))
+        lines.append(("  mesh", _grid(spec, scene.dimension)))
+    if isinstance(spec, FrameSpec):
+        deck, count = spec.deck, 4 if scene.dimension == 3 else spec.bays + 1
+        size = f"{deck.width:g} x {deck.height:g} x {deck.thickness:g} m"
+        column = f"{spec.column.width:g} x {spec.column.thickness:g} m, {spec.storey:g} m high"
+        lines = [
+            ("foundation", f"meshed frame, deck {size}"),
+            ("  columns", f"{count}, {column}"),
+            ("  mesh", _frame_grid(spec, scene.dimension)),
+        ]
+    if scene.has_platform:
+        mass, stiffness, damping = platform = scene.platform()
+        lines += [
+            ("  mass", f"{mass:.6g} kg (blocks / platform {scene.carried_mass / mass:.4g})"),
+            ("  stiffness", f"{stiffness:.6g} N/m"),
+            ("  damping", f"{damping:.6g} N s/m, {100 * platform.damping_ratio:.3g} % of critical"),
+            ("  natural period", f"{platform.period:.4g} s (empty, rigid)"),
+        ]
+    if isinstance(spec, FrameSpec) or (isinstance(spec, PlateSpec) and scene.has_platform):
+        lines.append(("  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"))
+    return lines
+
+
+def _computed_period(scene: Scene) -> float:
+    """Of the meshed foundation alone, s; the one part of `check` that needs dolfinx."""
+    try:
+        from solver.build.foundation import natural_period
+    except ImportError as error:
+        raise EnvironmentTrouble(f"{error}, which the natural period needs") from error
+    return natural_period(scene)
+
+
+def _frictions(scene: Scene) -> list[tuple[str, str]]:
+    """Friction of every pair; once where all are the same."""
+    laws = {block.name: scene.friction_of(block) for block in scene.blocks}
+    if len(set(laws.values())) == 1:
+        return [("", _friction(next(iter(laws.values()))))]
+    return [(f" of {name}", _friction(law)) for name, law in laws.items()]
+
+
+def _friction(law: FrictionSpec) -> str:
+    words = [f"{law.static:g}"]
+    if law.dynamic != law.static:
+        fall = f"decaying with {law.decay:g} s/m" if law.decay else "a jump"
+        words = [f"{law.static:g} static, {law.dynamic:g} dynamic, {fall}"]
+    if law.cohesion:
+        words.append(f"cohesion {law.cohesion:g} Pa{', lost by slip' * law.cohesion_lost}")
+    return ", ".join(words)
+
+
+def _motions(scene: Scene) -> Lines:
+    """What the ground does in each direction."""
+    motion = scene.motion
+    parts = [("base motion", motion)]
+    if motion is not None:
+        parts += [(f"  {name}", part) for name, part in motion.beside()]
+    lines = []
+    for name, spec in parts:
+        where = "motion" if spec is motion else f"motion.{name.strip()}"
+        found = base_motion(spec, scene.time.end, where)
+        step = None if scene.time.adaptive else scene.time.step
+        first, *others = describe_motion(found, step)
+        indent = " " * (len(name) - len(name.lstrip()) + 2)
+        lines.append((name, first[1]))
+        lines += [(f"{indent}{part}", text) for part, text in others]
+    return lines
+
+
+def _mesh(block: BlockSpec, dimension: int) -> str:
+    if block.model == "rigid":
+        return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
+    return _grid(block, dimension)
+
+
+def _grid(body: BlockSpec | PlateSpec, dimension: int) -> str:
+    """Size of a structured mesh; a box makes two triangles or five tetrahedra."""
+    nodes = math.prod(body.degree * count + 1 for count in body.cells)
+    count = math.prod(body.cells) * PARTS[body.cell]
+    if body.cell == "tetrahedron" and body.degree == 2:
+        nodes -= math.prod(body.cells)  # no edge passes through the middle of a box
+    return _size(count, body.cell, body.degree, nodes, dimension)
+
+
+def _frame_grid(frame: FrameSpec, dimension: int) -> str:
+    """Size of the mesh of a frame; columns share their uppermost nodes with the deck."""
+    cells, degree, flat = frame.cells, frame.degree, dimension - 1
+    along = frame.bays * cells.bay + (frame.bays + 1) * cells.column
+    columns = (frame.bays + 1) ** flat
+    count = along**flat * cells.deck + columns * cells.column**flat * cells.storey
+    nodes = (degree * along + 1) ** flat * (degree * cells.deck + 1)
+    nodes += columns * (degree * cells.column + 1) ** flat * degree * cells.storey
+    cell = "quadrilateral" if dimension == 2 else "hexahedron"
+    return _size(count, cell, degree, nodes, dimension)
+
+
+def _size(cells: int, cell: str, degree: int, nodes: int, dimension: int) -> str:
+    plural = {"hexahedron": "hexahedra", "tetrahedron": "tetrahedra"}.get(cell, f"{cell}s")
+    return f"{cells} {plural} of degree {degree}, {nodes} nodes, {dimension * nodes} unknowns"
+
+
+def table(lines: Lines) -> str:
+    """Names and values in two columns."""
+    width = max(len(name) for name, _ in lines) + 2
+    return "".join(f"{name:{width}}{value}\n" for name, value in lines)

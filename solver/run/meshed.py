@@ -1,0 +1,155 @@
+"""Scenes with meshed bodies: the time loop over SNES."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from solver.bodies.elastic_body import ElasticBody
+from solver.build.assembly import Assembly, build, initial_state
+from solver.law.compiled import NUMBA, is_kept
+from solver.run.files import Fields
+from solver.run.observer import Observer
+from solver.run.simulate import RunContext
+from solver.scene import Scene
+from solver.scheme.step_control import Ladder, Tolerance
+from solver.stepping.local_error import Judge, LocalError
+from solver.stepping.state import Exchange
+from solver.stepping.stepper import StepFailed
+
+MACHINE_CODE = {2: "solver.law.few_points", 3: "solver.law.space_friction"}
+"""Modules whose compiled functions solve local problems, by the dimension."""
+
+
+class MeshedRun:
+    """The engine of scenes with meshed bodies."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        log: Callable[[str], None],
+        *,
+        petsc_options: Sequence[str] = (),
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+    ):
+        """Mesh, set up, and find the start.
+
+        Args:
+            scene: What to run.
+            log: Is told what happens.
+            petsc_options: Options for SNES.
+            comm: Communicator.
+        """
+        self._scene, self._log = scene, log
+        machine_code = import_module(MACHINE_CODE[scene.dimension]).__name__
+        if NUMBA is not None and not is_kept(machine_code):
+            log("compiling the local problem of contact: some seconds, kept for later runs")
+        self.assembly: Assembly = build(scene, petsc_options=petsc_options, comm=comm)
+        self._stepper = self.assembly.stepper
+        self.state, remark = initial_state(scene, self.assembly)
+        if remark:
+            log(remark)
+        motion = scene.motion
+        ground = [0]
+        if motion is not None and motion.vertical is not None:
+            ground.append(scene.dimension - 1)
+        if motion is not None and motion.second is not None:
+            ground.append(1)
+        self._observer = Observer(
+            self.assembly, self.state, platform=scene.carrier_moves, ground=ground
+        )
+        self._steps = self._rejected = self._damped = self._iterations = 0
+        self._judge = None
+        if scene.time.tolerance is not None:  # adaptive
+            size = min(block.shape.half_diagonal for block in scene.blocks)
+            error = LocalError(self._stepper.system, self.state, size)
+            self._judge = Judge(error, Tolerance(scene.time.tolerance))
+        self._row: list[float] = []
+        points = sum(link.interface.count for link in self._stepper.links)
+        self.description = (
+            f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
+        )
+
+    def first_row(self) -> list[float]:
+        """The row of the history at t = 0."""
+        return self._observer.row(self.state, Exchange(), self._scene.time.step)
+
+    def open_fields(self, folder: Path) -> Fields:
+        """What writes the fields."""
+        from solver.fields.meshed_snapshots import Snapshots
+
+        return Snapshots(self, folder, self._scene)
+
+    def loop(self, desk: RunContext) -> tuple[str, str]:
+        """Step to the end; returns status and reason."""
+        span = self._scene.time
+        ladder = Ladder(span.step, span.end, span.smallest, span.largest)
+        status, reason = "completed", ""
+        due = desk.files.next_snapshot(0.0)
+        while not ladder.done:
+            stopped = desk.stopped(self.state.time)
+            if stopped:
+                status, reason = "interrupted", stopped
+                break
+            step = ladder.step
+            try:
+                new, exchange = self._stepper.advance(self.state, step)
+            except StepFailed as trouble:
+                where = f"at t = {self.state.time:.6g} s with a step of {step:.3g} s"
+                self._log(f"step rejected {where}: {trouble}")
+                if ladder.reject():
+                    continue
+                status, reason = "not converged", f"{where}: {trouble}"
+                break
+            judge = self._judge
+            if judge is not None and not judge.accepts(new, step) and ladder.reject():
+                continue
+            self._damped += bool(self.state.unsettled)
+            self.state = new
+            ladder.accept(climb=judge is None or judge.climbs())
+            self.state.time = ladder.time
+            self._record(desk, exchange, step)
+            if ladder.time >= due * (1 - 1e-12):
+                desk.files.snapshot(self.state.time)
+                due = desk.files.next_snapshot(self.state.time)
+        self._rejected = ladder.rejected
+        self._last_row(desk)
+        desk.files.snapshot(self.state.time)
+        return status, reason
+
+    def _record(self, desk: RunContext, exchange: Exchange, step: float) -> None:
+        """Write down a step that succeeded."""
+        self._steps += 1
+        self._iterations += exchange.iterations
+        self._row = self._observer.row(self.state, exchange, step)
+        if self._steps % self._scene.output.history_every == 0:
+            self._last_row(desk)
+        desk.show(self.state.time, step, exchange.iterations)
+
+    def _last_row(self, desk: RunContext) -> None:
+        """Append the row of the last step, once."""
+        if self._row:
+            desk.history.append(self._row)
+            self._row = []
+
+    def cost(self) -> dict[str, Any]:
+        """What the run took."""
+        stepper = self._stepper
+        system = stepper.system
+        rescues = Counter(stepper.local.rescues) + stepper.velocity_local.rescues
+        bodies = [body for body in system.bodies if isinstance(body, ElasticBody)]
+        return {
+            "steps": self._steps,
+            "rejected_steps": self._rejected,
+            "damped_steps": self._damped,
+            "newton_iterations": self._iterations,
+            "factorizations": sum(body.factorizations for body in bodies),
+            "unknowns": system.unknowns,
+            "ranks": system.comm.size,
+            "local_problems_rescued": dict(rescues),
+        }

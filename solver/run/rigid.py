@@ -1,0 +1,185 @@
+"""Scenes whose bodies are all rigid: the time loop, in the plane and in space.
+
+Many steps at a time run in compiled code, up to the next snapshot. Nothing here needs dolfinx,
+PETSc or Gmsh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from solver.excitation.motion import ground_motion
+from solver.fields.rigid_snapshots import RigidSnapshots
+from solver.history.history import scene_columns
+from solver.law.compiled import NUMBA, is_kept
+from solver.rigid.ground import SteppedGround, motion_at
+from solver.rigid.outcome import Advance
+from solver.rigid.plane.system import PlaneSystem
+from solver.scene import Scene
+from solver.types import Array
+
+if TYPE_CHECKING:
+    from solver.rigid.space.system import SpaceSystem
+    from solver.run.simulate import RunContext
+
+
+#: Steps after which someone may interrupt the run, compiled and interpreted.
+STEPS_AT_ONCE = 5000 if NUMBA is not None else 200
+
+
+class RigidRun:
+    """The engine of scenes with rigid bodies alone."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        log: Callable[[str], None],
+        *,
+        writes: bool = True,
+        ranks: int = 1,
+    ):
+        """Set up at t = 0.
+
+        Args:
+            scene: What to run.
+            log: Is told what happens.
+            writes: False on all ranks but one: all compute the same.
+            ranks: Number of ranks.
+        """
+        self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
+        self._motion = ground_motion(scene)
+        self._ground = None
+        if self._motion is not None:
+            self._ground = SteppedGround(self._motion, scene.time.step, STEPS_AT_ONCE)
+        rows = "solver.rigid.plane.rows" if scene.dimension == 2 else "solver.rigid.space.rows"
+        self._system = self._start()
+        if NUMBA is not None and not is_kept(rows):
+            log("compiling the steps of rigid blocks: less than a minute, kept for later runs")
+        # What the scene does not have gets no columns in its history.
+        self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
+        self._steps = self._rejected = self._iterations = 0
+        how = "compiled" if NUMBA is not None else "interpreted: numba is not installed"
+        self.description = (
+            f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks, {how}"
+        )
+
+    def _start(self) -> PlaneSystem | SpaceSystem:
+        """The bodies of the scene."""
+        if self._scene.dimension == 2:
+            return PlaneSystem.from_scene(self._scene)
+        from solver.rigid.space.system import SpaceSystem
+
+        return SpaceSystem.from_scene(self._scene)
+
+    def _first_acceleration(self) -> tuple[float, ...]:
+        """Of the ground at t = 0, m/s2."""
+        if self._motion is None:
+            return (0.0,) * self._scene.dimension
+        return tuple(self._motion.acceleration(0.0))
+
+    def first_row(self) -> Array:
+        """The row of the history at t = 0."""
+        row = self._system.row(self._scene.time.step, self._first_acceleration())
+        return row[self._columns]
+
+    def open_fields(self, folder: Path) -> RigidSnapshots:
+        """What writes the fields."""
+        return RigidSnapshots(self._system, folder, self._scene, writes=self._writes)
+
+    def loop(self, desk: RunContext) -> tuple[str, str]:
+        """Step to the end; returns status and reason."""
+        span = self._scene.time
+        total = math.floor(span.end / span.step + 1e-9)
+        status, reason = "completed", ""
+        while self._steps < total and not reason:
+            reason = desk.stopped(self._steps * span.step)
+            if reason:
+                status = "interrupted"
+                break
+            reason = self._piece(desk, self._next_stop(desk, total))
+            status = "not converged" if reason else status
+        if not reason:
+            reason = self._rest(desk)
+            status = "not converged" if reason else status
+        desk.files.snapshot(self._now(desk))
+        return status, reason
+
+    def _now(self, desk: RunContext) -> float:
+        """Time of the last row, s."""
+        return float(desk.history["time_s"][-1])
+
+    def _next_stop(self, desk: RunContext, total: int) -> int:
+        """Number of steps at which the next snapshot is due, or someone may interrupt."""
+        step, first = self._scene.time.step, self._steps
+        due = desk.files.next_snapshot(first * step) / step * (1 - 1e-12)
+        return math.ceil(min(max(due, first + 1), first + STEPS_AT_ONCE, total))
+
+    def _piece(self, desk: RunContext, stop: int) -> str:
+        """Run up to step number `stop`; returns why not, if it failed."""
+        step, first = self._scene.time.step, self._steps
+        ground = None if self._ground is None else self._ground.between(first, stop)
+        outcome = self._advance(stop - first, step, ground)
+        rows = outcome.rows
+        rows[:, 0] = np.arange(first + 1, first + 1 + len(rows)) * step
+        self._steps += len(rows)
+        every = self._scene.output.history_every
+        ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or outcome.failure
+        kept = (np.arange(first + 1, self._steps + 1) % every == 0) | (
+            np.arange(first + 1, self._steps + 1) == (self._steps if ends else -1)
+        )
+        desk.history.extend(rows[kept][:, self._columns])
+        self._report(desk, outcome)
+        due = desk.files.next_snapshot(first * step)
+        if self._steps * step >= due * (1 - 1e-12):
+            desk.files.snapshot(self._steps * step)
+        return outcome.failure or ""
+
+    def _rest(self, desk: RunContext) -> str:
+        """A last, shorter step where the end is no multiple of the step."""
+        span = self._scene.time
+        reached = self._steps * span.step
+        rest = span.end - reached
+        if rest <= span.smallest * (1 - 1e-9):
+            return ""
+        ends = np.array([reached, span.end])
+        ground = None if self._motion is None else motion_at(self._motion, ends)
+        outcome = self._advance(1, rest, ground)
+        outcome.rows[:, 0] = span.end
+        self._steps += len(outcome.rows)
+        desk.history.extend(outcome.rows[:, self._columns])
+        self._report(desk, outcome)
+        return outcome.failure or ""
+
+    def _advance(self, count: int, step: float, ground: tuple[Array, Array] | None) -> Advance:
+        """Run so many steps of length `step`; `ground`: accelerations at their ends, mean ones."""
+        accelerations, mean = ground or (None, None)
+        smallest = min(self._scene.time.smallest, step)
+        return self._system.advance(count, step, accelerations, smallest, mean)
+
+    def _report(self, desk: RunContext, outcome: Advance) -> None:
+        """Count, and tell of what went wrong."""
+        self._rejected += outcome.rejected
+        self._iterations += int(outcome.rows[:, 2].sum())
+        if outcome.rejected:
+            self._log(f"{outcome.rejected} steps halved before t = {self._system.time:.6g} s")
+        if len(outcome.rows):
+            last = outcome.rows[-1]
+            desk.show(float(last[0]), float(last[1]), int(last[2]))
+
+    def cost(self) -> dict[str, Any]:
+        """What the run took."""
+        rescued = self._system.rescued if isinstance(self._system, PlaneSystem) else {}
+        return {
+            "steps": self._steps,
+            "rejected_steps": self._rejected,
+            "newton_iterations": self._iterations,
+            "factorizations": 0,
+            "unknowns": self._system.unknowns,
+            "ranks": self._ranks,
+            "local_problems_rescued": rescued,
+        }

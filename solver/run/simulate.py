@@ -1,0 +1,167 @@
+"""A scene from beginning to end: build, start, step, record, write."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.history.history import History, scene_columns
+from solver.info import versions
+from solver.parallel import Comm, Single, world
+from solver.results.summary import summarise
+from solver.run.files import Fields, RunFiles
+from solver.run.garbage import rarely_collected
+from solver.run.interruption import Interruption
+from solver.scene import Scene
+
+Log = Callable[[str], None]
+
+
+class ProgressReport(Protocol):
+    """What a progress display understands."""
+
+    def update(self, time: float, step: float, iterations: int) -> None:
+        """A step of length `step` ended at `time`."""
+
+    def close(self) -> None:
+        """The run ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a run gives.
+
+    Attributes:
+        status: "completed", "not converged" or "interrupted".
+        history: One row a step; `history["block.angle_rad"]` is a numpy array.
+        summary: The content of summary.json.
+    """
+
+    status: str
+    history: History
+    summary: dict[str, Any]
+
+
+@dataclass(slots=True)
+class RunContext:
+    """What an engine is given: where its rows go, and who watches.
+
+    Attributes:
+        scene: What is run.
+        history: Takes the rows.
+        files: The folder of the run, if there is one.
+        interruption: Whether someone wants the run to stop.
+        progress: A display.
+    """
+
+    scene: Scene
+    history: History
+    files: RunFiles
+    interruption: Interruption
+    progress: ProgressReport | None
+
+    def show(self, now: float, step: float, iterations: int) -> None:
+        """Tell the display of a finished step."""
+        if self.progress is not None:
+            self.progress.update(now, step, iterations)
+
+    def stopped(self, now: float) -> str:
+        """Why the run has to stop at a time (s); empty where it has not."""
+        if not self.interruption.requested():
+            return ""
+        return f"stopped by {self.interruption.cause} at t = {now:.6g} s"
+
+
+class Engine(Protocol):
+    """What runs a scene: with meshed bodies, or with rigid ones alone."""
+
+    description: str
+    """Size of the problem, for the log."""
+
+    def first_row(self) -> Sequence[float] | NDArray[np.float64]:
+        """The row of the history at t = 0."""
+
+    def open_fields(self, folder: Path) -> Fields:
+        """What writes the fields."""
+
+    def loop(self, desk: RunContext) -> tuple[str, str]:
+        """Step to the end; returns status and reason."""
+
+    def cost(self) -> dict[str, Any]:
+        """What the run took, seconds apart."""
+
+
+def engine_for(scene: Scene, files: RunFiles, petsc_options: Sequence[str], comm: Comm) -> Engine:
+    """The engine that a scene needs, set up and at its start."""
+    if scene.is_rigid:  # then dolfinx, PETSc and Gmsh stay out of it
+        from solver.run.rigid import RigidRun
+
+        return RigidRun(scene, files.log, writes=comm.rank == 0, ranks=comm.size)
+    from solver.run.meshed import MeshedRun
+
+    assert not isinstance(comm, Single)
+    return MeshedRun(scene, files.log, petsc_options=petsc_options, comm=comm)
+
+
+def simulate(
+    scene: Scene,
+    *,
+    folder: Path | None = None,
+    petsc_options: Sequence[str] = (),
+    progress: ProgressReport | None = None,
+    log: Log | None = None,
+    seconds: float | None = None,
+    comm: Comm | None = None,
+) -> Result:
+    """Run a scene; collective on all ranks of `comm`.
+
+    Args:
+        scene: What to run.
+        folder: Where to leave history, summary, fields; None: no files.
+        petsc_options: Options for SNES, with prefix `rockslip_`, such as
+            ("-rockslip_snes_monitor",).
+        progress: A display; on every rank.
+        log: Is told what happens, line by line, besides run.log.
+        seconds: Wall time after which the run is stopped between two steps; None: never.
+        comm: Communicator; None: all ranks of the command.
+
+    Returns:
+        The result; a run that cannot go on or is interrupted returns what it has, and says so.
+    """
+    began = time.perf_counter()
+    if comm is None:
+        comm = world(meshed=not scene.is_rigid)
+    with (
+        ExitStack() as stack,
+        RunFiles(scene, folder, comm, log) as files,
+        Interruption(comm, seconds) as interruption,
+    ):
+        if progress is not None:
+            stack.callback(progress.close)
+        engine = engine_for(scene, files, petsc_options, comm)
+        history = History(scene_columns(scene), files.history_file)
+        history.append(engine.first_row())
+        files.start(history, engine.open_fields, engine.description)
+        desk = RunContext(scene, history, files, interruption, progress)
+        ready, written = time.perf_counter(), files.output_seconds
+        with rarely_collected():
+            status, reason = engine.loop(desk)
+        loop = time.perf_counter() - ready - (files.output_seconds - written)
+        cost = {
+            "wall_s": loop,
+            "setup_s": ready - began - written,
+            "output_s": files.output_seconds,
+            **engine.cost(),
+        }
+        summary = summarise(
+            scene, history, status=status, cost=cost, versions=versions(), reason=reason
+        )
+        files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
+    return Result(status, history, summary)

@@ -1,0 +1,170 @@
+"""Blocks."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+from geometry.block import Block
+from solver.errors import SceneError
+from solver.scene.cells import cell_of, cells_of
+from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
+from solver.scene.contact import FrictionSpec
+from solver.scene.ranges import (
+    Cell,
+    Cells,
+    Dimension,
+    Finite,
+    NotNegative,
+    Positive,
+    Ratio,
+    Rotation,
+    Tilt,
+    Turn,
+    Vector,
+)
+
+# Names that mean something else in key paths or in the columns of a history.
+RESERVED = (
+    *("foundation", "contact", "damping", "motion", "time", "output"),
+    *("base", "platform", "plate", "frame", "energy"),
+)
+
+#: Numbers of cells where a scene says nothing.
+DEFAULT_CELLS: dict[Dimension, Cells] = {2: (6, 16), 3: (6, 6, 16)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockSpec(Checked):
+    """A block: `[[block]]`; what is None here is filled in by the scene, which knows its dimension.
+
+    A rigid block takes the keys of elasticity and mesh, too, and makes no use of them: the same
+    scene with one word changed.
+    """
+
+    name: str = "block"
+    """Letters, digits, _ and -; addresses the block in overrides and columns."""
+    on: str = "foundation"
+    """What carries it: the foundation, or a block's name."""
+    width: Positive
+    """B, m."""
+    height: Positive
+    """H, m."""
+    thickness: Positive = 1.0
+    """t, m."""
+    mass: Positive | None = None
+    """m, kg; or `density`."""
+    density: Positive | None = None
+    """rho, kg/m^3; or `mass`."""
+    model: Literal["elastic", "rigid"] = "elastic"
+    """With a mesh, or with 3 unknowns (6 in 3-D) and without one."""
+    young: Positive | None = None
+    """Young's modulus E, Pa; of elastic blocks."""
+    poisson: Ratio | None = None
+    """Poisson's ratio nu; of elastic blocks."""
+    offset: Finite = 0.0
+    """Of its centre from the centre of what carries it, along x, m."""
+    offset_second: Finite = 0.0
+    """The same along y, m; 3-D only."""
+    tilt_deg: Tilt = 0.0
+    """Initial rigid rotation about the bottom corner on that side, positive towards +x, degrees."""
+    tilt_direction_deg: Turn = 0.0
+    """Where it leans to: angle from +x towards +y, degrees; 3-D only."""
+    velocity: Vector = OPEN
+    """Of its centre at the start, relative to the ground, m/s."""
+    angular_velocity: Rotation = OPEN
+    """At the start, rad/s; in the plane one number, positive when its lean towards +x grows."""
+    cells: Cells = OPEN
+    """Number of cells along width and height, 6 and 16; 3-D: width, thickness, height, 6, 6, 16."""
+    cell: Cell = OPEN
+    """quadrilateral or triangle; in 3-D hexahedron or tetrahedron."""
+    degree: Literal[1, 2] = 1
+    """Polynomial degree of the displacement."""
+    refinement: Annotated[float, Number(at_least=1)] = 1.0
+    """Longest cell edges over those at the bottom corners."""
+    friction: NotNegative | FrictionSpec | None = None
+    """Between it and what carries it; None: that of `[contact]`."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        Checked.__post_init__(self)
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", self.name) or self.name in RESERVED:
+            allowed = f"a letter, then letters, digits, _ and -; none of {', '.join(RESERVED)}"
+            raise SceneError("name", shown(self.name), allowed)
+        exactly_one(self, "mass", "density")
+        if self.model == "elastic":
+            for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
+                if getattr(self, key) is None:
+                    raise SceneError(key, "nothing", f'{range_}, or model = "rigid"')
+        try:
+            representable = 0 < self.shape.mass < math.inf
+        except (ValueError, ZeroDivisionError):
+            representable = False
+        if not representable:
+            sizes = f"{self.width:g} x {self.height:g} x {self.thickness:g} m"
+            raise SceneError("width", sizes, "a block of finite volume, mass and density")
+
+    def in_dimension(self, dimension: Dimension) -> BlockSpec:
+        """The block in a scene of this dimension, nothing left open; SceneError if it cannot be."""
+        return replace(
+            self,
+            velocity=_velocity(self, dimension),
+            angular_velocity=_angular_velocity(self, dimension),
+            cells=cells_of(self, dimension, DEFAULT_CELLS[dimension]),
+            cell=cell_of(self, dimension),
+        )._without_depth(dimension)
+
+    def _without_depth(self, dimension: Dimension) -> BlockSpec:
+        """Itself, unless it asks in the plane for what is there in 3-D only."""
+        for key in ("offset_second", "tilt_direction_deg"):
+            if dimension == 2 and getattr(self, key) != 0:
+                raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
+        return self
+
+    @property
+    def shape(self) -> Block:
+        """The block as a geometric body of uniform density."""
+        volume = self.width * self.height * self.thickness
+        density = self.density or (self.mass or 0.0) / volume  # one of them is there
+        size = {"width": self.width, "height": self.height, "thickness": self.thickness}
+        return Block(**size, density=density)
+
+    @property
+    def elasticity(self) -> tuple[float, float]:
+        """E (Pa) and nu of an elastic block; ValueError for a rigid one."""
+        if self.model != "elastic" or self.young is None or self.poisson is None:
+            raise ValueError(f"block {self.name} is rigid")
+        return self.young, self.poisson
+
+    @property
+    def tilt(self) -> float:
+        """`tilt_deg` in rad."""
+        return math.radians(self.tilt_deg)
+
+    @property
+    def tilt_direction(self) -> float:
+        """`tilt_direction_deg` in rad."""
+        return math.radians(self.tilt_direction_deg)
+
+
+def _velocity(spec: BlockSpec, dimension: Dimension) -> Vector:
+    if is_open(spec.velocity):
+        return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
+    if len(spec.velocity) != dimension:
+        allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
+        raise SceneError("velocity", shown(spec.velocity), allowed)
+    return spec.velocity
+
+
+def _angular_velocity(spec: BlockSpec, dimension: Dimension) -> Rotation:
+    given = spec.angular_velocity
+    if is_open(given):
+        return 0.0 if dimension == 2 else (0.0, 0.0, 0.0)
+    if isinstance(given, tuple) != (dimension == 3):
+        allowed = "a finite number" if dimension == 2 else "3 values, each a finite number,"
+        raise SceneError(
+            "angular_velocity", shown(given), f"{allowed} where dimension = {dimension}"
+        )
+    return given

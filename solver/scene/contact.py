@@ -1,0 +1,63 @@
+"""Contact and friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from solver.errors import SceneError
+from solver.scene.checking import OPEN, Checked, Number, is_open, shown
+from solver.scene.ranges import NotNegative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionSpec(Checked):
+    """The paper's law of friction, tau = c + mu p, as a table.
+
+    mu = mu_d [1 + (mu_s/mu_d - 1) exp(-DC v_rel)]; with DC = 0 a jump from mu_s to mu_d.
+    """
+
+    static: NotNegative
+    """mu_s."""
+    dynamic: NotNegative = OPEN
+    """mu_d <= mu_s; left out: mu_s."""
+    decay: NotNegative = 0.0
+    """DC, s/m; 0: a jump."""
+    cohesion: NotNegative = 0.0
+    """c, Pa."""
+    cohesion_lost: bool = False
+    """A point that has slipped has no cohesion any more."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        Checked.__post_init__(self)
+        if is_open(self.dynamic):
+            object.__setattr__(self, "dynamic", self.static)
+        if self.dynamic > self.static:
+            raise SceneError("dynamic", shown(self.dynamic), f"dynamic <= static = {self.static:g}")
+        if self.decay > 0 and self.dynamic == self.static:
+            raise SceneError("decay", shown(self.decay), "0 where dynamic = static")
+        if self.cohesion_lost and self.cohesion == 0:
+            raise SceneError("cohesion_lost", "true", "false where cohesion = 0")
+
+
+def friction_law(friction: float | FrictionSpec) -> FrictionSpec:
+    """A number as the table that means the same; a table as it is."""
+    return friction if isinstance(friction, FrictionSpec) else FrictionSpec(static=friction)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactSpec(Checked):
+    """Contact: `[contact]`."""
+
+    points: Literal["nodes", "gauss"] = "nodes"
+    """Contact points: Gauss-Lobatto, for rocking, or Gauss, for sliding."""
+    gamma: Annotated[float, Number(at_least=10)] = 100.0
+    """Nondimensional Nitsche parameter: gamma (lambda + 2 mu) degree^2 / h. Below 10 the traction
+    of a cell outweighs its stiffness."""
+    theta: Literal[1, 0, -1] = 1
+    """Nitsche variant: symmetric, plain, skew-symmetric."""
+    friction: NotNegative | FrictionSpec = 0.6
+    """Coulomb's mu, or a table; for blocks that do not have their own."""
+    velocity_solve: bool = True
+    """Second contact solve, for the velocities, after each step."""

@@ -1,0 +1,257 @@
+"""Scenes that are beyond what the method can do, refused when they are read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from solver.errors import SceneError
+from solver.scene.block import BlockSpec
+from solver.scene.foundation import PlateSpec
+from solver.scene.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from solver.scene.material import Material
+    from solver.scene.scene import Scene
+
+LARGEST_STRAIN = 0.05
+"""Of a meshed body under the weight that it carries and the inertia of that under a pulse of the
+ground. Impacts strain it several times as much, and St. Venant-Kirchhoff's law softens under
+pressure until it fails at 0.4."""
+
+LARGEST_CORNER_STRAIN = 0.25
+"""The same in the cell at a bottom corner, where a block that rocks stands on that corner alone."""
+
+SQUEEZED_CORNER = 30.0
+"""That strain times (lambda + 2 mu)/mu: what the tangent of the undeformed body misses of one whose
+volume hardly changes, over what it knows. At 28 iterations converged, at 270 they did not."""
+
+MOST_CELLS_A_STEP = 1e5
+"""Cells that sound crosses in a step: where a body turns, the iteration loses as many digits twice
+over. Bodies as stiff as that are rigid for all that such steps show."""
+
+LONGEST_CELL = 100.0
+"""Length of a cell at a bottom corner over its width: force that goes from one face of such a
+corner to the other meets another stiffness, and gains energy."""
+
+PRESSED_WITHOUT_ENERGY = 2e-5
+"""For theta 0 and -1: energy that a corner stores when all stands on it, over the least scale that
+gains are measured by, 1e-3 m g H. A block that rocks gained up to .28 of that energy."""
+
+RIGID = 1e3
+"""How much stiffer than any meshed body a rigid block in space is made, at most."""
+
+MOST_CROSSINGS = 3e3
+"""How often sound crosses such a block in a step, at most: none of its vibration shows then. At 1e5
+times iterations failed where it turned on a plate that is itself stiffer than any rock."""
+
+
+def refuse_beyond(scene: Scene) -> None:
+    """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
+
+    Raises:
+        SceneError: Names the key, what it was given, and what is allowed.
+    """
+    _refuse_loose_cohesion(scene)
+    meshed = [block for block in scene.blocks if block.model == "elastic"]
+    corners = {block.name: _corner_cell(block, scene.dimension) for block in meshed}
+    or_rigid = ', or model = "rigid"'
+    for block in meshed:
+        cell, density = corners[block.name], block.shape.density
+        _refuse_long(block, cell)
+        edge = min(cell) / block.degree
+        _refuse_stiff(f"{block.name}.young", block.elasticity[0], density, edge, scene, or_rigid)
+    plate = scene.foundation if isinstance(scene.foundation, PlateSpec) else None
+    if plate is not None and scene.dimension == 3 and plate.support == "rollers":
+        # It may turn about the vertical.
+        sides = (plate.width, plate.thickness, plate.height)
+        edge = min(_equal_parts(sides, plate.cells)) / plate.degree
+        density = plate.shape(scene.carried_mass).density
+        _refuse_stiff("foundation.young", plate.young, density, edge, scene)
+    for block in scene.blocks:
+        pressure, carrier = _pressure(scene, block), scene.carrier_of(block)
+        for body in (block, carrier):
+            if body is not None and body.model == "elastic":
+                _refuse_soft(f"{body.name}.young", body.elasticity[0], pressure)
+        if block.name in corners:
+            _refuse_soft_corner(block, corners[block.name], pressure)
+            _refuse_without_energy(scene, block, corners[block.name], pressure)
+        if carrier is None and plate is not None and plate.support != "fixed":
+            _refuse_soft("foundation.young", plate.young, pressure)
+
+
+def _pressure(scene: Scene, block: BlockSpec) -> float:
+    """Weight and inertia of a block and of all that it carries, over its bottom, Pa."""
+    carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
+    return carried * _acceleration(scene) / _bottom(block)
+
+
+def _acceleration(scene: Scene) -> float:
+    """Of gravity and of pulses of the ground, all added up, m/s2."""
+    motions = [] if scene.motion is None else [scene.motion]
+    motions += [motion for first in motions for _, motion in first.beside()]
+    pulses = sum(abs(getattr(motion, "amplitude_g", 0.0)) for motion in motions)
+    return scene.gravity + STANDARD_GRAVITY * pulses
+
+
+def _stands_on(scene: Scene, block: BlockSpec, below: BlockSpec) -> bool:
+    """Whether a block is another one, or stands on it, or on what stands on it."""
+    at: BlockSpec | None = block
+    while at is not None and at.name != below.name:
+        at = scene.carrier_of(at)
+    return at is not None
+
+
+def _refuse_soft(where: str, young: float, pressure: float) -> None:
+    """Refuse a modulus (Pa) below what a pressure (Pa) asks for."""
+    least = pressure / LARGEST_STRAIN
+    if young < least:
+        got = f"{young:g}, strained by {pressure / young:.2g} under what it carries"
+        raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
+
+
+def _refuse_soft_corner(block: BlockSpec, cell: Sequence[float], pressure: float) -> None:
+    """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
+    load = pressure * _bottom(block) / block.elasticity[0]  # over E, m2
+    strain = load / _facet_below(cell, block)
+    if strain > LARGEST_CORNER_STRAIN:
+        got = f"{block.elasticity[0]:g}, strained by {strain:.2g} on a corner cell alone"
+        least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
+        allowed = f"young >= {least:.3g} (a strain of {LARGEST_CORNER_STRAIN:g}), or larger cells"
+        raise SceneError(f"{block.name}.young", got, allowed)
+    material, strain = _material(block), load / _bottom_of(cell, block)
+    squeezed = strain * material.longitudinal / material.shear
+    if squeezed > SQUEEZED_CORNER:
+        got = f"{material.young:g}, strained by {strain:.2g} on a corner cell alone"
+        got += f" at poisson {material.poisson:g}"
+        least = material.young * squeezed / SQUEEZED_CORNER
+        allowed = f"young >= {least:.3g}, a smaller poisson, or larger cells"
+        raise SceneError(f"{block.name}.young", got, allowed)
+
+
+def _refuse_without_energy(
+    scene: Scene, block: BlockSpec, cell: Sequence[float], pressure: float
+) -> None:
+    """Refuse theta 0 and -1, which know no energy of contact, where there is much of it."""
+    contact = scene.contact
+    if contact.theta == 1:
+        return
+    gamma_h = contact.gamma * _material(block).longitudinal * block.degree**2 / cell[-1]
+    weight = _bottom_of(cell, block) / 2 ** (scene.dimension - 1)
+    load = pressure * _bottom(block)
+    share = load / (2 * gamma_h * weight) / (1e-3 * block.height)
+    if share > PRESSED_WITHOUT_ENERGY:
+        got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
+        least = contact.gamma * share / PRESSED_WITHOUT_ENERGY
+        raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
+
+
+def _material(block: BlockSpec) -> Material:
+    """That of a meshed block."""
+    from solver.scene.material import Material
+
+    young, poisson = block.elasticity
+    return Material(young=young, poisson=poisson, density=block.shape.density)
+
+
+def young_of_rigid(scene: Scene, block: BlockSpec) -> float:
+    """Young's modulus of a block in space that is rigid beside meshed bodies, Pa.
+
+    A thousand times that of the stiffest, unless sound then crosses the block too often in a step.
+    """
+    moduli = [other.young for other in scene.blocks if other.model == "elastic"]
+    moduli.append(getattr(scene.foundation, "young", None))
+    stiff = RIGID * max(young for young in moduli if young)
+    speed = MOST_CROSSINGS * min(_sides(block, 3)) / _longest_step(scene)
+    return min(stiff, block.shape.density * speed**2)
+
+
+def _longest_step(scene: Scene) -> float:
+    """Of a run, s."""
+    return scene.time.largest or scene.time.step
+
+
+def _sides(block: BlockSpec, dimension: int) -> tuple[float, ...]:
+    """Edges along x, in space y, and upwards, m."""
+    return (block.width, *(() if dimension == 2 else (block.thickness,)), block.height)
+
+
+def _bottom(block: BlockSpec) -> float:
+    """Area of the bottom, m2."""
+    return block.width * block.thickness
+
+
+def _bottom_of(cell: Sequence[float], block: BlockSpec) -> float:
+    """Area of the bottom of a cell of these edges (m), m2; in the plane as thick as the block."""
+    return math.prod(cell[:-1]) * (block.thickness if len(cell) == 2 else 1.0)
+
+
+def _facet_below(cell: Sequence[float], block: BlockSpec) -> float:
+    """Area of the facet of a corner cell (m) that a block leans on, m2: beyond 45 degrees a side.
+
+    In space the smaller of its two.
+    """
+    if abs(block.tilt_deg) <= 45.0:
+        return _bottom_of(cell, block)
+    return cell[-1] * (block.thickness if len(cell) == 2 else min(cell[:-1]))
+
+
+def _equal_parts(sides: Sequence[float], cells: Sequence[int]) -> list[float]:
+    """Edges of cells that are all alike, m."""
+    return [side / count for side, count in zip(sides, cells, strict=True)]
+
+
+def _corner_cell(block: BlockSpec, dimension: int) -> list[float]:
+    """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m."""
+    sides = _sides(block, dimension)
+    if block.refinement == 1:
+        return _equal_parts(sides, block.cells)
+    from geometry.grading import graded, graded_to_both_ends
+
+    along, upwards = block.cells[:-1], block.cells[-1]
+    parts = [graded_to_both_ends(count, block.refinement)[1] for count in along]
+    parts.append(graded(upwards, block.refinement)[1])
+    return [side * float(part) for side, part in zip(sides, parts, strict=True)]
+
+
+def _refuse_long(block: BlockSpec, cell: Sequence[float]) -> None:
+    """Refuse a block whose corner cells, of these edges (m), are far longer than wide."""
+    times = max(cell) / min(cell)
+    if times > LONGEST_CELL:
+        graded = f" and refinement {block.refinement:g}" if block.refinement != 1 else ""
+        got = f"{list(block.cells)}{graded}, at bottom corners {times:.3g} times as long as wide"
+        raise SceneError(f"{block.name}.cells", got, f"at most {LONGEST_CELL:g} times")
+
+
+def _refuse_stiff(
+    where: str, young: float, density: float, edge: float, scene: Scene, otherwise: str = ""
+) -> None:
+    """Refuse a body that may turn, whose smallest cells (m) sound crosses too often in a step.
+
+    Args:
+        where: Path of its modulus.
+        young: E, Pa.
+        density: rho, kg/m3.
+        edge: Of its smallest cells, over the degree, m.
+        scene: What it is part of.
+        otherwise: What else is allowed, in words.
+    """
+    step = _longest_step(scene)
+    crossed = math.sqrt(young / density) * step / edge
+    if crossed > MOST_CELLS_A_STEP:
+        most = young * (MOST_CELLS_A_STEP / crossed) ** 2
+        got = f"{young:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
+        allowed = f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){otherwise}"
+        raise SceneError(where, got, allowed)
+
+
+def _refuse_loose_cohesion(scene: Scene) -> None:
+    """Refuse cohesion at Gauss points where theta gives contact no energy: it gains without end."""
+    contact = scene.contact
+    if scene.is_rigid:
+        return
+    coheres = any(scene.friction_of(block).cohesion > 0 for block in scene.blocks)
+    if coheres and contact.theta != 1 and contact.points == "gauss":
+        got = f'{contact.theta} with points = "gauss" and cohesion'
+        raise SceneError("contact.theta", got, '1, or points = "nodes"')

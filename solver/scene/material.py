@@ -1,0 +1,70 @@
+"""St. Venant-Kirchhoff: Hooke's law between second Piola-Kirchhoff stress and Green strain.
+
+The law of the paper's plane elements with large deflection: linear elasticity in a body that may
+rotate by any angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """Isotropic elastic material.
+
+    Attributes:
+        young: Young's modulus E, Pa.
+        poisson: Poisson's ratio nu, 0 <= nu < 0.5.
+        density: rho, kg/m3.
+        plane: "strain", "stress", or "solid" in 3-D.
+    """
+
+    young: float
+    poisson: float
+    density: float
+    plane: str = "strain"
+
+    @property
+    def shear(self) -> float:
+        """Second Lame constant mu, Pa."""
+        return self.young / (2 * (1 + self.poisson))
+
+    @property
+    def lame(self) -> float:
+        """First Lame constant lambda, Pa; in plane stress 2 lambda mu/(lambda + 2 mu)."""
+        nu = self.poisson
+        lame = self.young * nu / ((1 + nu) * (1 - 2 * nu))
+        if self.plane == "stress":
+            return 2 * lame * self.shear / (lame + 2 * self.shear)
+        return lame
+
+    @property
+    def longitudinal(self) -> float:
+        """Lambda + 2 mu, Pa: the stiffness against a contact pressure."""
+        return self.lame + 2 * self.shear
+
+    def times(self, thickness: float) -> Material:
+        """The material of a plate of this thickness: forces per metre become whole forces."""
+        return replace(self, young=self.young * thickness, density=self.density * thickness)
+
+    def normal_stress_map(self, normal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rows D with S N = D (2 E) for normals N (n, d), the strain's entries in one: (n, d, d d).
+
+        D is symmetric in the strain's indices, so that D^T gives symmetric matrices.
+        """
+        count, d = normal.shape
+        identity = np.eye(d)
+        shared = np.einsum("ik,nl->nikl", identity, normal)
+        rows = self.shear * (shared + shared.swapaxes(2, 3))
+        rows += self.lame * normal[:, :, None, None] * identity
+        return np.asarray(0.5 * rows.reshape(count, d, d * d))
+
+
+def green_strain(gradient: Any) -> Any:
+    """E = (F^T F - I)/2 of a UFL displacement gradient, without the cancellation of F^T F - I."""
+    return (gradient + gradient.T + gradient.T * gradient) / 2

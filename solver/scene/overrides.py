@@ -1,0 +1,64 @@
+"""The text of a scene to plain tables, and single values of it set from the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from solver.errors import SceneError, UnknownKey
+from solver.scene.checking import nearest, shown
+
+
+def read_toml(text: str, source: str) -> dict[str, Any]:
+    """The tables of a TOML text; SceneError, in which it is called `source`, if it is none."""
+    import tomllib
+
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also numbers and nesting beyond all bounds
+        raise SceneError(source, f"unreadable TOML, {error}", "TOML") from None
+
+
+def _toml_value(text: str) -> Any:
+    """A value of the command line: TOML where it is TOML, else the text itself."""
+    import tomllib
+
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return table["value"] if len(table) == 1 else text
+
+
+def override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
+    """Set one value, `path=value`, in the tables of a scene.
+
+    Args:
+        tables: The scene, changed in place.
+        text: Path and value; a block is addressed by its name.
+        known: Keys of a scene.
+    """
+    path, equals, value = text.partition("=")
+    *parents, key = [part.strip() for part in path.split(".")]
+    if not equals or not key or not all(parents):
+        raise SceneError("--set", shown(text), "path=value, such as block.height=1.2")
+    blocks = _blocks(tables)
+    allowed = [*blocks, *(key for key in known if key != "block")]
+    table: Any = tables
+    for depth, parent in enumerate(parents):
+        if depth == 0 and parent in blocks:
+            table = blocks[parent]
+            continue
+        if depth == 0 and parent not in allowed:
+            raise UnknownKey(parent, parent, ", ".join(allowed), nearest(parent, allowed))
+        table = table.setdefault(parent, {})
+        if not isinstance(table, dict):
+            raise SceneError(f"--set {path}", f"{parent}, which is no table", "the path of a key")
+    table[key] = _toml_value(value.strip())
+
+
+def _blocks(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The tables of the blocks by name."""
+    entries = tables.get("block")
+    entries = entries if isinstance(entries, list) else []
+    return {str(entry.get("name", "block")): entry for entry in entries if isinstance(entry, dict)}

@@ -1,0 +1,93 @@
+"""Reading and writing a scene: TOML text, tables, overrides."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from solver.errors import SceneError
+from solver.scene.checking import from_table, key_of
+from solver.scene.overrides import override, read_toml
+from solver.scene.scene import Scene
+
+
+def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene file.
+
+    Args:
+        path: The TOML file.
+        overrides: Such as `"block.height=1.2"`; a block is addressed by its name.
+    """
+    path = Path(path)
+    return parse_scene(read_text(path), folder=path.parent, overrides=overrides, source=path.name)
+
+
+def read_text(path: Path) -> str:
+    """The text of a scene file; the only part of reading a scene that looks at the file."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8"
+        raise SceneError(str(path), f"no text ({reason.lower()})", "a scene in TOML") from None
+
+
+def parse_scene(
+    content: str | Mapping[str, Any],
+    *,
+    folder: str | Path = ".",
+    overrides: Sequence[str] = (),
+    source: str = "scene",
+) -> Scene:
+    """A scene from the text of a TOML file, or from its tables.
+
+    Args:
+        content: Text, or plain tables as `tomllib` makes them.
+        folder: Where relative names of files start from.
+        overrides: As for `load_scene`.
+        source: What errors call the text as a whole.
+    """
+    tables = read_toml(content, source) if isinstance(content, str) else deepcopy(dict(content))
+    if not tables:
+        raise SceneError(source, "an empty scene", "at least [[block]] and [time]")
+    set_values(tables, overrides)
+    _find_files(tables.get("motion"), "motion", folder)
+    scene: Scene = from_table(Scene, tables)
+    return scene
+
+
+def set_values(tables: dict[str, Any], overrides: Sequence[str]) -> None:
+    """Set values in the tables of a scene, which are changed in place.
+
+    Args:
+        tables: Plain tables as `tomllib` makes them.
+        overrides: As for `load_scene`.
+    """
+    known = [key_of(item) for item in fields(Scene)]
+    for text in overrides:
+        override(tables, text, known=known)
+
+
+def _find_files(motion: Any, where: str, folder: str | Path) -> None:
+    """Make the names of the files of a motion absolute, and refuse those that are not there."""
+    if not isinstance(motion, dict):
+        return
+    if motion.get("kind") in ("record", "table") and isinstance(motion.get("file"), str):
+        motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
+        # os.path, unlike pathlib, says False to names that no file can have.
+        if not os.path.isfile(motion["file"]):
+            got = motion["file"] + " (a folder)" * os.path.isdir(motion["file"])
+            raise SceneError(f"{where}.file", got, "a file that exists")
+    for direction in ("vertical", "second"):
+        _find_files(motion.get(direction), f"{where}.{direction}", folder)
+
+
+def scene_to_toml(scene: Scene) -> str:
+    """The scene as text that `parse_scene` reads back to an equal scene."""
+    import tomli_w
+
+    text: str = tomli_w.dumps(scene.to_dict())
+    return text

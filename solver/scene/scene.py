@@ -1,0 +1,175 @@
+"""A scene: what is to be simulated, in code and in TOML."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from solver.errors import SceneError
+from solver.scene.block import BlockSpec
+from solver.scene.checking import (
+    OPEN,
+    Checked,
+    is_open,
+    nearest,
+    shown,
+    to_table,
+)
+from solver.scene.contact import ContactSpec, FrictionSpec, friction_law
+from solver.scene.damping import DampingSpec
+from solver.scene.foundation import (
+    FoundationSpec,
+    FrameSpec,
+    OscillatorSpec,
+    PlateSpec,
+    Platform,
+    RigidSpec,
+)
+from solver.scene.limits import refuse_beyond
+from solver.scene.motion import MotionSpec
+from solver.scene.output import OutputSpec
+from solver.scene.ranges import Dimension, NotNegative, Tilt
+from solver.scene.time import TimeSpec
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene(Checked):
+    """All of a simulation's input, checked; nothing is left open in its parts."""
+
+    title: str = ""
+    dimension: Dimension = 2
+    plane: Literal["strain", "stress"] = OPEN
+    """2-D only: "strain" if left out; None in 3-D."""
+    gravity: NotNegative = 9.81
+    """g, m/s^2."""
+    gravity_tilt_deg: Tilt = 0.0
+    """Turns gravity towards +x, degrees: an incline."""
+    blocks: tuple[BlockSpec, ...] = field(metadata={"key": "block"})
+    foundation: FoundationSpec = field(default_factory=RigidSpec)
+    contact: ContactSpec = field(default_factory=ContactSpec)
+    damping: DampingSpec | None = None
+    motion: MotionSpec | None = None
+    time: TimeSpec
+    output: OutputSpec = field(default_factory=OutputSpec)
+
+    def __post_init__(self) -> None:
+        """Check the values, and fill in what depends on the dimension."""
+        Checked.__post_init__(self)
+        if not self.blocks:
+            raise SceneError("block", "0 blocks", "one block or more, [[block]]")
+        self._check_names()
+        order = self.order  # refuses circles
+        if self.dimension == 2 and is_open(self.plane):
+            object.__setattr__(self, "plane", "strain")
+        if self.dimension == 3 and not is_open(self.plane):
+            raise SceneError("plane", shown(self.plane), "nothing where dimension = 3")
+        object.__setattr__(self, "blocks", tuple(self._filled(block) for block in self.blocks))
+        self._check_thickness(order[0])
+        try:
+            foundation = self.foundation.in_dimension(self.dimension, self.blocks[0].thickness)
+        except SceneError as error:
+            raise error.under("foundation") from None
+        object.__setattr__(self, "foundation", foundation)
+        if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
+            raise SceneError("motion.second", "a table", "nothing where dimension = 2")
+        refuse_beyond(self)
+        if self.time.adaptive and self.is_rigid:
+            # Their steps are cut where bodies touch and where slips end, whatever `step` is.
+            allowed = "false where nothing is meshed"
+            raise SceneError("time.adaptive", "true", allowed)
+
+    def _check_names(self) -> None:
+        """Every block has a name of its own and stands on something that is there."""
+        names = [block.name for block in self.blocks]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise SceneError(f"{twice}.name", "one name twice", "a name of its own for each block")
+        for block in self.blocks:
+            carriers = ["foundation", *(name for name in names if name != block.name)]
+            if block.on not in carriers:
+                allowed = " or ".join(map(shown, carriers))
+                meant = nearest(block.on, carriers)
+                raise SceneError(f"{block.name}.on", shown(block.on), allowed, meant)
+
+    def _filled(self, block: BlockSpec) -> BlockSpec:
+        """A block with nothing left open."""
+        try:
+            filled = block.in_dimension(self.dimension)
+            tetrahedra = filled.model == "elastic" and filled.cell == "tetrahedron"
+            if tetrahedra and filled.degree == 2 and self.contact.points == "nodes":
+                # Their faces have no rule with positive weights at the vertices.
+                allowed = '1 for tetrahedra, or contact.points = "gauss"'
+                raise SceneError("degree", "2", allowed)
+        except SceneError as error:
+            raise error.under(block.name) from None
+        return filled
+
+    def _check_thickness(self, first: BlockSpec) -> None:
+        """In the plane all bodies are equally thick."""
+        for block in self.blocks:
+            if self.dimension == 2 and block.thickness != first.thickness:
+                allowed = f"that of {first.name}, {first.thickness:g}, where dimension = 2"
+                raise SceneError(f"{block.name}.thickness", shown(block.thickness), allowed)
+
+    @property
+    def gravity_vector(self) -> tuple[float, ...]:
+        """Gravity along x and y (3-D: x, y and z), m/s^2."""
+        tilt = math.radians(self.gravity_tilt_deg)
+        along, down = self.gravity * math.sin(tilt), -self.gravity * math.cos(tilt)
+        return (along, down) if self.dimension == 2 else (along, 0.0, down)
+
+    @property
+    def order(self) -> tuple[BlockSpec, ...]:
+        """The blocks, each after what carries it, else as in the file."""
+        placed: list[BlockSpec] = []
+        waiting = list(self.blocks)
+        while waiting:
+            there = {"foundation", *(block.name for block in placed)}
+            ready = [block for block in waiting if block.on in there]
+            if not ready:
+                circle = ", ".join(f"{block.name} on {block.on}" for block in waiting)
+                raise SceneError(f"{waiting[0].name}.on", circle, "a stack that ends on foundation")
+            placed += ready
+            waiting = [block for block in waiting if block.on not in there]
+        return tuple(placed)
+
+    @property
+    def carried_mass(self) -> float:
+        """Mass of all blocks, kg."""
+        return sum(block.shape.mass for block in self.blocks)
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether nothing in the scene is meshed."""
+        rigid = all(block.model == "rigid" for block in self.blocks)
+        return rigid and isinstance(self.foundation, RigidSpec | OscillatorSpec)
+
+    @property
+    def has_platform(self) -> bool:
+        """Whether the blocks stand on a spring: an oscillator, or a plate on rollers."""
+        on_rollers = isinstance(self.foundation, PlateSpec) and self.foundation.support == "rollers"
+        return on_rollers or isinstance(self.foundation, OscillatorSpec)
+
+    @property
+    def carrier_moves(self) -> bool:
+        """Whether what carries the blocks moves as a whole: on a spring, or on columns."""
+        return self.has_platform or isinstance(self.foundation, FrameSpec)
+
+    def platform(self) -> Platform:
+        """Mass, stiffness and damping of the empty platform; ValueError if there is none."""
+        if self.has_platform and isinstance(self.foundation, OscillatorSpec | PlateSpec):
+            return self.foundation.platform(self.carried_mass)
+        raise ValueError(f"a foundation of kind {self.foundation.kind} has no spring")
+
+    def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
+        """The block that carries a block; None: the foundation does."""
+        return next((carrier for carrier in self.blocks if carrier.name == block.on), None)
+
+    def friction_of(self, block: BlockSpec) -> FrictionSpec:
+        """Friction between a block and what carries it."""
+        return friction_law(self.contact.friction if block.friction is None else block.friction)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as plain tables, every default written out."""
+        return to_table(self)

@@ -1,0 +1,1 @@
+"""Generalized-alpha and the control of its steps: pure numbers."""

@@ -1,0 +1,1 @@
+"""One step of all bodies in contact: residual, correction, impulses, energy ledger."""

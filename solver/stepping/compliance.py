@@ -1,0 +1,105 @@
+"""Contact compliance (Delassus operator) of an elastic body.
+
+It is computed column by column, as points come near contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.factorization import Factorization
+from solver.contact.nitsche_points import same
+from solver.parallel import Layer
+from solver.types import Array, Indices
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceDofs:
+    """Points of a body where forces act and motions are read.
+
+    Attributes:
+        layer: The nodes that the rows refer to.
+        force_rows: (points d, layer unknowns): its transpose turns point forces into nodal ones.
+        read_rows: Rows of the same shape that read the response.
+        count: Number of points.
+    """
+
+    layer: Layer
+    force_rows: Any
+    read_rows: Any
+    count: int
+
+
+class Compliance:
+    """What unit forces at the ports of a body move: K^-1 (force rows)^T, read through other rows.
+
+    In the frame that rotates with the body all of it is constant. A column is computed when its
+    point first comes near contact, so that a standing block never pays for its sides and top.
+    """
+
+    def __init__(self, body: ElasticBody, factor: Factorization, ports: Sequence[InterfaceDofs]):
+        """Start without any column.
+
+        Args:
+            body: The body that the factorization belongs to.
+            factor: Factorized tangent or mass.
+            ports: Groups of points; they are numbered on from group to group.
+        """
+        self.body, self.factor, self.ports = body, factor, tuple(ports)
+        self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])
+        count = int(self._first[-1])
+        self._place = np.full(count, -1)
+        self._response = np.empty((body.size, 0))
+        self._matrix = np.empty((count * body.dimension, 0))
+        self._last: Indices = np.empty(0, dtype=np.int64)
+        self._gathered: tuple[Array, Array] = np.empty((0, 0)), np.empty((body.size, 0))
+
+    def of(self, chosen: Indices) -> tuple[Array, Array]:
+        """Compliance (m d, m d) among the points `chosen`, responses to them (owned, m d)."""
+        if same(chosen, self._last):
+            return self._gathered
+        missing = chosen[self._place[chosen] < 0]
+        if len(missing):
+            self._compute(missing)
+        rows, columns = self._expand(chosen), self._expand(self._place[chosen])
+        self._gathered = self._matrix[np.ix_(rows, columns)], self._response[:, columns]
+        self._last = chosen
+        return self._gathered
+
+    def blocks(self, chosen: Indices) -> Array:
+        """Compliance among the points `chosen`, (m, m, d, d)."""
+        m, d = len(chosen), self.body.dimension
+        return self.of(chosen)[0].reshape(m, d, m, d).transpose(0, 2, 1, 3)
+
+    def _expand(self, points: Indices) -> Indices:
+        """Row numbers of the d directions of points."""
+        d = self.body.dimension
+        return (points[:, None] * d + np.arange(d)).ravel()
+
+    def _compute(self, missing: Indices) -> None:
+        """Solve for the columns of further points."""
+        d, owned = self.body.dimension, self.body.owned
+        right = np.zeros((owned, d, len(missing) * d))
+        for port, first in zip(self.ports, self._first[:-1], strict=True):
+            mine = np.flatnonzero((missing >= first) & (missing < first + port.count))
+            if len(mine):
+                rows = port.force_rows[self._expand(missing[mine] - first)]
+                unit = (rows if isinstance(rows, np.ndarray) else rows.toarray()).T
+                columns = np.zeros((owned, d, unit.shape[1]))
+                port.layer.add(columns, unit.reshape(port.layer.size, d, -1))
+                right[:, :, self._expand(mine)] = columns
+        right = right.reshape(self.body.size, -1)
+        right[self.body.fixed] = 0.0
+        response = self.factor.solve_many(right)
+        read = []
+        for port in self.ports:
+            near = port.layer.gather(response.reshape(owned, -1)).reshape(port.layer.size * d, -1)
+            read.append(port.read_rows @ near)
+        self._place[missing] = self._matrix.shape[1] // d + np.arange(len(missing))
+        self._matrix = np.hstack([self._matrix, np.vstack(read)])
+        self._response = np.hstack([self._response, response])

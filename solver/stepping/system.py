@@ -1,0 +1,154 @@
+"""The bodies of a scene and who touches whom."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import numpy as np
+import scipy.sparse as sp
+
+from solver.bodies.dense_body import DenseBody
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.factorization import Factorization
+from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
+from solver.contact.interface import Interface
+from solver.contact.nitsche_points import compact
+from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.compliance import Compliance, InterfaceDofs
+from solver.stepping.response import BodyRole, DenseResponse, ElasticResponse, Response
+from solver.types import Array
+
+Body = ElasticBody | DenseBody
+"""A part of the scene that moves: meshed, or of a few unknowns. Both offer the same verbs."""
+
+
+@dataclass(slots=True)
+class Link:
+    """An interface between two bodies of a system.
+
+    Attributes:
+        interface: Kinematics and law.
+        body: Number of the body whose points these are; None for what is fixed to the ground.
+        carrier: Number of the body that carries them; None likewise.
+    """
+
+    interface: Interface
+    body: int | None
+    carrier: int | None
+
+
+class System:
+    """All bodies, with one vector of owned unknowns: body after body."""
+
+    def __init__(self, bodies: Sequence[Body]):
+        """Number the unknowns."""
+        self.bodies = tuple(bodies)
+        self.comm: MPI.Intracomm = bodies[0].comm
+        self.dimension = bodies[0].dimension
+        ends = np.cumsum([body.size for body in bodies])
+        self.slices = tuple(
+            slice(int(end) - body.size, int(end)) for body, end in zip(bodies, ends, strict=True)
+        )
+        self.size = int(ends[-1])
+        self.unknowns = sum(body.unknowns for body in bodies)
+        self.directional_mass = np.hstack([body.directional_mass for body in bodies])
+        self.fixed = np.concatenate(
+            [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
+        )
+
+    def part(self, vector: Array, body: int | None) -> Array | None:
+        """The unknowns of one body; None for the ground."""
+        return None if body is None else vector[self.slices[body]]
+
+    def inertia(self, vector: Array) -> Array:
+        """M x."""
+        if len(self.bodies) == 1:
+            return self.bodies[0].inertia(vector)
+        parts = zip(self.bodies, self.slices, strict=True)
+        return np.concatenate([body.inertia(vector[own]) for body, own in parts])
+
+    def rigid(self, link: Link) -> bool:
+        """Whether neither of the two bodies is meshed: their point forces are not unique then."""
+        members = [self.bodies[body] for body in (link.body, link.carrier) if body is not None]
+        return all(isinstance(member, DenseBody) for member in members)
+
+    def rotation(self, u: Array, body: int | None) -> Array:
+        """The rotation of a body, (d, d); that of the ground is none."""
+        if body is None:
+            return np.eye(self.dimension)
+        return self.bodies[body].rotation(u[self.slices[body]])
+
+
+def sides_of(body: int, links: Sequence[Link]) -> list[BodyRole]:
+    """The parts that a body takes in the interfaces."""
+    sides: list[BodyRole] = []
+    first = port = 0
+    for number, link in enumerate(links):
+        interface = link.interface
+        for owner, carries, points in (
+            (link.body, False, interface.points),
+            (link.carrier, True, interface.carrier.points),
+        ):
+            if owner == body and points is not None:
+                sides.append(BodyRole(number, first, interface.count, carries, points, port))
+                port += points.count
+        first += interface.count
+    return sides
+
+
+def response_of(
+    system: System,
+    body: int,
+    links: Sequence[Link],
+    factor: Factorization | Array,
+    weights: TangentWeights | None = None,
+) -> Response:
+    """What a body offers to the contact problem.
+
+    Args:
+        system: All bodies.
+        body: Its number.
+        links: All interfaces.
+        factor: Factorized tangent or mass of a meshed body; the diagonal of a rigid one's.
+        weights: Of the tangent, whose points are read with their tractions; None for the mass.
+    """
+    member, sides = system.bodies[body], sides_of(body, links)
+    tractions = weights is not None
+    if isinstance(member, DenseBody):
+        assert isinstance(factor, np.ndarray)
+        return DenseResponse(member, factor, sides)
+    assert isinstance(factor, Factorization)
+    ports = [
+        ports_of(side.points, links[side.interface].interface, tractions=tractions)
+        for side in sides
+    ]
+    inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass
+    return ElasticResponse(member, Compliance(member, factor, ports), sides, inertia)
+
+
+def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
+    """Rows between the points and the nodes of a meshed body.
+
+    Args:
+        points: The body's own points in an interface.
+        interface: The interface.
+        tractions: Whether points are read with their tractions.
+    """
+    if isinstance(points, NodePoints):
+        d = points.dimension
+        rows = (points.chosen[:, None] * d + np.arange(d)).ravel()
+        rows = compact(sp.identity(points.layer.size * d, format="csr")[rows])
+        return InterfaceDofs(points.layer, rows, rows, points.count)
+    assert isinstance(points, NitschePoints)
+    position = points.points.position_rows()
+    if not tractions:
+        rows = compact(position)
+        return InterfaceDofs(points.points.layer, rows, rows, points.count)
+    traction = points.points.traction_rows()
+    scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
+    read = compact(position - scale @ traction)
+    force = compact(position - interface.theta * scale @ traction)
+    return InterfaceDofs(points.points.layer, force, read, points.count)

@@ -1,0 +1,1 @@
+"""Error against run time: one scene over ladders of steps and meshes."""

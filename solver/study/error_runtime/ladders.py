@@ -1,0 +1,187 @@
+"""The ladders of a scene: its step, tolerance, mesh, degree, contact points, rho_inf, model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+from functools import partial
+from typing import Literal
+
+from solver.errors import SceneError
+from solver.scene import BlockSpec, FrameCellsSpec, FrameSpec, PlateSpec, Scene
+from solver.scene.checking import nearest, shown
+from solver.scene.ranges import Cells
+from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome
+
+Solve = Callable[[Scene], RunOutcome]
+
+#: Steps of a ladder begin with this times that of the scene, and are halved from there.
+COARSEST = 4.0
+
+#: Ladders of what is no refinement (points, rho_inf, model) have so many rungs less.
+FEWER = 2
+
+#: Cells along an edge, over those of the scene.
+REFINEMENTS = (0.5, 1.0, 2.0)
+
+#: Values of rho_inf besides that of the scene.
+RHOS = (0.0, 0.5, 1.0)
+
+#: Tolerances of adaptive steps, over that of the scene or the default.
+TOLERANCES = (100.0, 10.0, 1.0, 0.1)
+
+#: What `--families` takes.
+NAMES = ("step", "adaptive", "mesh", "degree", "points", "rho_inf", "model")
+
+
+def families(scene: Scene, names: Sequence[str], rungs: int, solve: Solve) -> list[LadderFamily]:
+    """The families that are asked for, those that the scene has something for.
+
+    Args:
+        scene: Where they start.
+        names: Of `NAMES`; "step" comes first whether it is among them or not.
+        rungs: Of the ladder of steps.
+        solve: Runs a scene.
+    """
+    adaptive, scene = scene, with_step(scene, scene.time.step)
+    fewer = max(2, rungs - FEWER)
+    made = [steps("step", scene, rungs, solve)]
+    meshed = not scene.is_rigid
+    elastic = any(block.model == "elastic" for block in scene.blocks)
+    if "adaptive" in names and meshed:
+        made.append(_tolerances(adaptive, solve))
+    if "mesh" in names and meshed:
+        made.append(meshes("mesh", scene, solve))
+    if "degree" in names and meshed:
+        made += _other_degree(scene, solve)
+    if "points" in names and elastic:
+        other: Literal["nodes", "gauss"]
+        other = "gauss" if scene.contact.points == "nodes" else "nodes"
+        changed = replace(scene, contact=replace(scene.contact, points=other))
+        made.append(steps(f"points {other}", changed, fewer, solve))
+    if "rho_inf" in names and (meshed or scene.has_platform or scene.motion is not None):
+        for rho in (rho for rho in RHOS if rho != scene.time.rho_inf):
+            changed = replace(scene, time=replace(scene.time, rho_inf=rho))
+            made.append(steps(f"rho_inf {rho:g}", changed, fewer, solve))
+    if "model" in names:
+        made += _other_model(scene, fewer, solve)
+    return made
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Refuse names that are those of no family."""
+    for name in names:
+        if name not in NAMES:
+            raise SceneError("--families", shown(name), ", ".join(NAMES), nearest(name, NAMES))
+
+
+def coarsest_step(scene: Scene) -> float:
+    """The largest step of the ladders, s."""
+    return min(COARSEST * scene.time.step, scene.time.end)
+
+
+def steps(name: str, scene: Scene, rungs: int, solve: Solve, *, own: bool = True) -> LadderFamily:
+    """A ladder of steps, each half of the one before."""
+    found = []
+    for level in range(rungs):
+        step = coarsest_step(scene) / 2**level
+        changed = with_step(scene, step)
+        found.append(Rung(
+            setting=f"step {step:g} s", size=step, work=1 / step, solve=partial(solve, changed)
+        ))  # fmt: skip
+    return LadderFamily(name=name, size="step", rungs=tuple(found), own=own)
+
+
+def with_step(scene: Scene, step: float) -> Scene:
+    """The scene with another step, fixed; its smallest one is the same part of it."""
+    smallest = scene.time.smallest / scene.time.step * step
+    fixed = replace(scene.time, adaptive=False, tolerance=None, largest=None)
+    return replace(scene, time=replace(fixed, step=step, smallest=smallest))
+
+
+def _tolerances(scene: Scene, solve: Solve) -> LadderFamily:
+    """A ladder of tolerances of adaptive steps, none longer than those of the ladders of steps."""
+    span, found = replace(scene.time, adaptive=True), []
+    largest = max(coarsest_step(scene), span.step)
+    for factor in TOLERANCES:
+        tolerance = factor * (span.tolerance or math.nan)  # adaptive: it has one
+        changed = replace(scene, time=replace(span, tolerance=tolerance, largest=largest))
+        rung = Rung(
+            setting=f"tolerance {tolerance:g}",
+            size=tolerance,
+            work=factor ** (-1 / 3),  # the error of a step falls with its cube
+            solve=partial(solve, changed),
+        )
+        found.append(rung)
+    return LadderFamily(name="adaptive", size="tolerance", rungs=tuple(found))
+
+
+def meshes(name: str, scene: Scene, solve: Solve) -> LadderFamily:
+    """A ladder of meshes, at the step of the scene."""
+    found, seen = [], []
+    for factor in REFINEMENTS:
+        changed = _refined(scene, factor)
+        if changed in seen:  # one cell cannot be halved
+            continue
+        seen.append(changed)
+        found.append(Rung(
+            setting=_cells(changed),
+            size=1 / factor,
+            work=factor**scene.dimension,
+            solve=partial(solve, changed),
+        ))  # fmt: skip
+    return LadderFamily(name=name, size="cells", rungs=tuple(found))
+
+
+def _cells(scene: Scene) -> str:
+    """The mesh of the first meshed body, in words."""
+    for body in (*scene.blocks, scene.foundation):
+        if isinstance(body, PlateSpec) or (isinstance(body, BlockSpec) and body.model == "elastic"):
+            return f"cells {' x '.join(map(str, body.cells))}"
+    return "cells of the frame"
+
+
+def _refined(scene: Scene, factor: float) -> Scene:
+    """The scene with so many times the cells along every edge."""
+
+    def times(count: int) -> int:
+        return max(1, round(factor * count))
+
+    def all_times(cells: Cells) -> Cells:
+        if len(cells) == 2:
+            return times(cells[0]), times(cells[1])
+        return times(cells[0]), times(cells[1]), times(cells[2])
+
+    blocks = tuple(replace(block, cells=all_times(block.cells)) for block in scene.blocks)
+    ground = scene.foundation
+    if isinstance(ground, PlateSpec):
+        ground = replace(ground, cells=all_times(ground.cells))
+    if isinstance(ground, FrameSpec):
+        counts = {key: times(count) for key, count in asdict(ground.cells).items()}
+        ground = replace(ground, cells=FrameCellsSpec(**counts))
+    return replace(scene, blocks=blocks, foundation=ground)
+
+
+def _other_degree(scene: Scene, solve: Solve) -> list[LadderFamily]:
+    """The ladder of meshes with the other degree; none where the scene does not allow it."""
+    other: Literal[1, 2] = 1 if scene.blocks[0].degree == 2 else 2
+    blocks = tuple(replace(block, degree=other) for block in scene.blocks)
+    ground = scene.foundation
+    if isinstance(ground, PlateSpec):
+        ground = replace(ground, degree=other)
+    try:
+        changed = replace(scene, blocks=blocks, foundation=ground)
+    except SceneError:
+        return []
+    return [meshes(f"degree {other}", changed, solve)]
+
+
+def _other_model(scene: Scene, rungs: int, solve: Solve) -> list[LadderFamily]:
+    """A ladder of steps with the other model, where the scene says what that one needs."""
+    elastic = any(block.model == "elastic" for block in scene.blocks)
+    other: Literal["elastic", "rigid"] = "rigid" if elastic else "elastic"
+    if other == "elastic" and any(b.young is None or b.poisson is None for b in scene.blocks):
+        return []
+    blocks = tuple(replace(block, model=other) for block in scene.blocks)
+    return [steps(f"{other} blocks", replace(scene, blocks=blocks), rungs, solve, own=False)]

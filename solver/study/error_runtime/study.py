@@ -1,0 +1,124 @@
+"""A scene over its ladders: run, timed, and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from time import perf_counter, process_time
+
+from mpi4py import MPI
+
+from solver.errors import SceneError
+from solver.run.simulate import simulate
+from solver.scene import Scene
+from solver.study.error_runtime.beside import Beside
+from solver.study.error_runtime.family import RunOutcome, Trial, climb
+from solver.study.error_runtime.findings import Findings
+from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
+from solver.study.error_runtime.measures import chosen, measures, words
+from solver.study.error_runtime.reference import references
+from solver.study.error_runtime.table import text, write_csv, write_everything
+from solver.study.machine import machine
+
+#: What a row of the table counts.
+COUNTS = ("unknowns", "steps", "rejected_steps", "newton_iterations")
+
+#: What it says of the energy.
+BALANCE = ("largest_gain_fraction", "ledger_error_fraction")
+
+#: Panels of the picture, at most, where no measures are asked for.
+PANELS = 4
+
+Tell = Callable[[str], None]
+
+
+def study(
+    scene: Scene,
+    *,
+    names: Sequence[str] = NAMES,
+    wanted: Sequence[str] = (),
+    rungs: int = 6,
+    repeat: int = 3,
+    longest: float = 60.0,
+    target: float = 0.01,
+    others: Sequence[Beside] = (),
+    tell: Tell = lambda line: None,
+) -> Findings:
+    """Run a scene over its ladders, one run after the other, and judge every run.
+
+    Args:
+        scene: Where the ladders start.
+        names: Families, of `NAMES`.
+        wanted: Measures, the one that counts most first; empty: all there are.
+        rungs: Of the ladder of steps.
+        repeat: Times that each run is made.
+        longest: Runs that would take longer than this are left out, s.
+        target: Relative error that is aimed at.
+        others: Points of other programs.
+        tell: Is told of every run.
+    """
+    plain = replace(scene, output=replace(scene.output, fields="none", history_every=1))
+    every = coarsest_step(plain)
+    made = families(plain, names, rungs, partial(solve, every=every))
+    trials, left_out = climb(
+        made, repeat=repeat, longest=longest, tell=lambda trial: tell(_line(trial))
+    )
+    found = references(plain, trials, every)
+    if not found:
+        got = f"{sum(t.outcome.completed for t in trials)} completed runs in which nothing moves"
+        raise SceneError("time.step", got, "two completed runs or more of a block that moves")
+    blocks = tuple(block.name for block in scene.blocks)
+    judged, missing = chosen(list(found), wanted)
+    return Findings(
+        title=scene.title or "without a title",
+        machine=machine(),
+        repeat=repeat,
+        trials=trials,
+        left_out=[*left_out, *(f"{name}, which no run tells" for name in missing)],
+        references=found,
+        names={measure: words(measure, blocks) for measure in judged},
+        target=target,
+        others=[other for other in others if other.measure in judged],
+    )
+
+
+def solve(scene: Scene, every: float) -> RunOutcome:
+    """One run, on this process alone."""
+    began, worked = perf_counter(), process_time()
+    result = simulate(scene, comm=MPI.COMM_SELF)
+    share = (process_time() - worked) / (perf_counter() - began)
+    if result.status == "interrupted":
+        raise KeyboardInterrupt
+    summary, cost = result.summary, result.summary["cost"]
+    completed = result.status == "completed"
+    counts = {name: cost[name] for name in COUNTS}
+    energy = {name: summary["energy"][name] for name in BALANCE}
+    return RunOutcome(
+        measures=measures(scene, result.history, summary, every) if completed else {},
+        loop_s=cost["wall_s"],
+        setup_s=cost["setup_s"],
+        status=result.status,
+        counts=counts | energy | {"processor_share": share},
+        modes={name: block["mode"] for name, block in summary["blocks"].items()},
+    )
+
+
+def write(findings: Findings, folder: Path) -> list[Path]:
+    """Write table, text, JSON and picture; returns the files."""
+    from solver.study.error_runtime.picture import picture
+
+    files = [folder / f"errors.{kind}" for kind in ("csv", "txt", "json", "png")]
+    write_csv(findings, files[0])
+    files[1].write_text(text(findings), encoding="utf-8")
+    write_everything(findings, files[2])
+    picture(findings, files[3], list(findings.names)[:PANELS])
+    return files
+
+
+def _line(trial: Trial) -> str:
+    """A run, for who waits."""
+    outcome = trial.outcome
+    said = f"{trial.loop_s:.3g} s" if outcome.completed else outcome.status
+    return f"{trial.family.name}, {trial.rung.setting}: {said}"

@@ -1,0 +1,1 @@
+"""Extreme scenes: a check of the program itself."""

@@ -1,0 +1,121 @@
+"""The study of stability: scenes driven far, each with a verdict."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from solver.errors import NotConverged, SceneError
+
+if TYPE_CHECKING:
+    from solver.study.stability.matrix import StabilityCase
+    from solver.study.stability.verdict import Verdict
+
+TEXT = "scenes driven far, each with a verdict: held, refused by name, or failed"
+
+#: What the study leaves; `--force` writes over these.
+TABLE, LINES, PICTURE = "stability.csv", "stability.txt", "stability.png"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the study."""
+    add = parser.add_argument
+    add(
+        "--family",
+        dest="families",
+        metavar="NAME",
+        nargs="+",
+        default=[],
+        help="only these families: beginnings of their names",
+    )
+    add("--random", type=int, metavar="N", default=0, help="so many random scenes instead")
+    add("--seed", type=int, metavar="S", default=1, help="of the random scenes, default 1")
+    add("--limit", type=float, metavar="S", default=120.0, help="wall time a scene, default 120 s")
+    add("-j", dest="processes", type=int, metavar="N", help="processes; default one a processor")
+    add("-o", "--output", metavar="DIR", type=Path, default=Path("stability"), help="folder")
+    add("--force", action="store_true", help="write over an earlier study")
+    add("-q", "--quiet", action="store_true", help="say nothing but errors")
+
+
+def run(options: argparse.Namespace) -> int:
+    """`rockslip study stability`; 0 where every scene holds or is refused, 3 where one failed."""
+    from mpi4py import MPI
+
+    from solver.parallel import on_first_rank
+    from solver.study.stability.table import sentence
+
+    comm = MPI.COMM_WORLD
+    cases: list[StabilityCase] = on_first_rank(comm, lambda: prepare(options))
+    order = {case.name: number for number, case in enumerate(cases)}
+    verdicts: list[Verdict] = []
+    try:
+        for verdict in judged(cases, options.limit, options.processes, quiet=options.quiet):
+            verdicts.append(verdict)
+    finally:  # what was interrupted keeps what it has
+        verdicts.sort(key=lambda verdict: order[verdict.name])
+        if comm.rank == 0:
+            write(options.output, verdicts)
+    if comm.rank == 0:
+        if not options.quiet:
+            told = [f"{v.verdict}: {v.name}: {v.reason}\n" for v in verdicts if v.reason]
+            sys.stdout.write(f"{''.join(told)}{sentence(verdicts)}\nwritten to {options.output}\n")
+    failed = any(verdict.verdict == "failed" for verdict in verdicts)
+    return NotConverged.exit_code if comm.bcast(failed) else 0
+
+
+def prepare(options: argparse.Namespace) -> list[StabilityCase]:
+    """The scenes that are asked for, and their folder; SceneError for what cannot be."""
+    from solver.run.folders import make_folder
+    from solver.study.stability.families import FAMILIES, matrix
+    from solver.study.stability.sampler import draw
+
+    for name, value in (("--random", options.random), ("--limit", options.limit)):
+        if value < 0:
+            raise SceneError(name, str(value), "a number >= 0")
+    for family in options.families:
+        if not any(known.name.startswith(family) for known in FAMILIES):
+            names = ", ".join(known.name for known in FAMILIES)
+            raise SceneError("--family", family, f"the beginning of one of: {names}")
+    cases = draw(options.random, options.seed) if options.random else matrix()
+    if options.families:
+        cases = [case for case in cases if case.family.startswith(tuple(options.families))]
+    make_folder(options.output, force=options.force)
+    return cases
+
+
+def judged(
+    cases: list[StabilityCase], limit: float, processes: int | None, *, quiet: bool = False
+) -> Iterator[Verdict]:
+    """The verdicts of all scenes as they finish; on rank 0, the others get none."""
+    from mpi4py import MPI
+
+    from solver.study.pool import side_by_side
+    from solver.study.stability.verdict import Verdict, judge, warm_up
+    from solver.study.tally import Tally
+
+    warm_up()
+    tally = Tally(len(cases), quiet=quiet, rank=MPI.COMM_WORLD.rank)
+    outcomes = side_by_side(partial(judge, limit=limit), cases, processes=processes)
+    with closing(tally), closing(outcomes):
+        for number, outcome in outcomes:
+            case = cases[number]
+            if isinstance(outcome, Exception):
+                reason = f"{type(outcome).__name__}: {outcome}"
+                outcome = Verdict.of(case, "failed", " ".join(reason.split()))
+            tally.add(case.name)
+            yield outcome
+
+
+def write(folder: Path, verdicts: list[Verdict]) -> None:
+    """Leave the tables and the picture."""
+    from solver.study.stability.picture import picture
+    from solver.study.stability.table import as_csv, as_text
+
+    (folder / TABLE).write_text(as_csv(verdicts), encoding="utf-8")
+    (folder / LINES).write_text(as_text(verdicts), encoding="utf-8")
+    picture(verdicts, folder / PICTURE)

@@ -1,0 +1,1 @@
+"""One scene under many ground motions."""

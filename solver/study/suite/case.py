@@ -1,0 +1,152 @@
+"""One case of a suite: a scene under one motion, run beside the rigid-body answer."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from solver.errors import SceneError
+from solver.scene import Scene, parse_scene
+from solver.scene.checking import shown
+from solver.study.suite.motions import SuiteMotion
+
+#: What is compared with the reference: the key of the summary, and the name of the ratio.
+COMPARED = {
+    "peak_drift_m": "peak_drift_ratio",
+    "peak_slip_m": "peak_slip_ratio",
+    "peak_angle_rad": "peak_angle_ratio",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SuiteCase:
+    """What one process is given to do.
+
+    Attributes:
+        name: Its own in the suite; also the name of its file.
+        motion: The motion.
+        varied: Keys and values, as text, that differ from case to case.
+        tables: The scene as plain tables.
+        folder: Where the relative names of the scene start from.
+        tail: How long the run goes on after the motion, s.
+        reference: Whether the rigid-body answer is computed, too.
+        keep: Folder for all files of the run; None: none are written.
+    """
+
+    name: str
+    motion: SuiteMotion
+    varied: tuple[tuple[str, str], ...]
+    tables: Mapping[str, Any]
+    folder: Path
+    tail: float
+    reference: bool
+    keep: Path | None
+
+
+def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:
+    """Every combination of the values in `KEY=VALUE,VALUE...`."""
+    ladders = []
+    for word in words:
+        key, _, text = word.partition("=")
+        values = [value.strip() for value in text.split(",")]
+        if not key.strip() or not all(values) or len(set(values)) < len(values):
+            allowed = "KEY=VALUE,VALUE..., such as contact.friction=0.1,0.2"
+            raise SceneError("--vary", shown(word), allowed)
+        ladders.append([(key.strip(), value) for value in values])
+    if len({ladder[0][0] for ladder in ladders}) < len(ladders):
+        raise SceneError("--vary", "one key twice", "each key once")
+    yield from itertools.product(*ladders)
+
+
+def scene_of(case: SuiteCase) -> tuple[Scene, float]:
+    """The scene of a case, which ends with its motion, and the largest ground acceleration, g."""
+    from solver.excitation.motion import base_motion
+    from solver.scene.units import STANDARD_GRAVITY
+
+    tables = dict(case.tables) | {"motion": dict(case.motion.table)}
+    sets = [f"{key}={value}" for key, value in case.varied]
+    scene = parse_scene(tables, folder=case.folder, overrides=sets)
+    motion, time = scene.motion, scene.time
+    along = base_motion(motion, time.end)
+    if motion is None or along is None:  # no motion of a suite is one of these
+        raise SceneError("motion", "nothing that moves", "a motion along x")
+    stops = [along.stop]
+    for direction, beside in motion.beside():
+        moves = base_motion(beside, time.end, f"motion.{direction}")
+        stops += [moves.stop] if moves is not None else []
+    # Whole steps: a last, shorter one would need factorizations of its own.
+    end = math.ceil((max(stops) + case.tail) / time.step * (1 - 1e-9)) * time.step
+    return replace(scene, time=replace(time, end=end)), along.peak / STANDARD_GRAVITY
+
+
+def run_case(case: SuiteCase) -> dict[str, Any]:
+    """Run a case on one process; its row of the table, without name, motion and varied keys.
+
+    Raises:
+        SceneError: The motion or a varied value is bad input.
+    """
+    from mpi4py import MPI
+
+    from solver.run.simulate import simulate
+
+    scene, peak = scene_of(case)
+    if case.keep is not None:
+        shutil.rmtree(case.keep, ignore_errors=True)  # what an interrupted suite left
+    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF)
+    summary = result.summary
+    measures = _measures(summary)
+    row = {
+        "status": result.status,
+        "reason": summary["reason"],
+        "end_s": summary["end_s"],
+        "pga_g": peak,
+        **measures,
+    }
+    if case.reference:
+        try:
+            row |= _compared(measures, _reference(scene))
+        except SceneError as error:
+            row["reason"] = f"no reference, {error}"
+    energy, cost = summary["energy"], summary["cost"]
+    return row | {
+        "largest_gain_fraction": energy["largest_gain_fraction"],
+        "ledger_error_fraction": energy["ledger_error_fraction"],
+        "steps": cost["steps"],
+        "rejected_steps": cost["rejected_steps"],
+        "wall_s": cost["wall_s"],
+    }
+
+
+def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """What is kept of a summary: peaks, what remains, modes."""
+    found: dict[str, Any] = {}
+    if "platform" in summary:
+        found["platform.peak_drift_m"] = summary["platform"]["peak_drift_m"]
+    for name, block in summary["blocks"].items():
+        for key in ("peak_slip_m", "residual_slip_m", "peak_angle_rad", "mode"):
+            found[f"{name}.{key}"] = block[key]
+    return found
+
+
+def _reference(scene: Scene) -> dict[str, Any]:
+    """The same of the rigid-body answer."""
+    from solver.reference.answer import reference_history
+    from solver.results.summary import summarise
+
+    history = reference_history(scene)
+    return _measures(summarise(scene, history, status="completed", cost={}, versions={}))
+
+
+def _compared(found: Mapping[str, Any], reference: Mapping[str, Any]) -> dict[str, Any]:
+    """The measures of the reference, and the ratios to those that are not zero."""
+    row = {f"reference.{key}": value for key, value in reference.items()}
+    for key, value in found.items():
+        owner, _, measure = key.rpartition(".")
+        if measure in COMPARED and reference[key]:
+            row[f"{owner}.{COMPARED[measure]}"] = value / reference[key]
+    return row

@@ -1,0 +1,241 @@
+"""The study of a suite: one scene under many motions, side by side."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from solver.arguments import add_overrides, add_scene
+from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+
+if TYPE_CHECKING:
+    from solver.study.suite.case import SuiteCase
+
+TEXT = "one scene under many motions side by side: records, tables, synthetic ones"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the study."""
+    add = parser.add_argument
+    add_scene(parser, text="a TOML file; its motion and end are replaced")
+    add(
+        *("--motions", "--motion"),
+        metavar="MOTION",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="files, folders of files, @FILE with a name a line, or synthetic (the default)",
+    )
+    add("--count", type=int, metavar="N", help="number of synthetic motions, default 30")
+    add("--seed", type=int, metavar="S", help="of the synthetic motions")
+    add_overrides(parser)
+    add(
+        "--vary",
+        metavar="KEY=V1,V2,...",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="run all motions with each of these values, such as contact.friction=0.1,0.2",
+    )
+    add("--tail", type=float, default=0.0, metavar="S", help="go on after the motion, s; default 0")
+    add("--reference", action="store_true", help="the rigid-body answer beside each run")
+    add("--keep", action="store_true", help="keep all files of each run, in DIR/runs")
+    add("-j", dest="processes", type=int, metavar="N", help="processes; default one a processor")
+    add("-o", "--output", metavar="DIR", type=Path, help="default SCENE's name + .suite")
+    add("-q", "--quiet", action="store_true", help="say nothing but errors")
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--force", action="store_true", help="write over an earlier suite")
+    again.add_argument("--resume", action="store_true", help="go on with an earlier suite")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What is to be done.
+
+    Attributes:
+        folder: Where the suite goes.
+        cases: All of them.
+        varied: The keys that vary.
+        rows: Rows of the cases that have been done before, by name.
+    """
+
+    folder: Path
+    cases: tuple[SuiteCase, ...]
+    varied: tuple[str, ...]
+    rows: dict[str, dict[str, Any]]
+
+
+def run(options: argparse.Namespace) -> int:
+    """`rockslip study suite`; 0 where all cases completed, 3 where one failed."""
+    from mpi4py import MPI
+
+    from solver.parallel import abort_on_exceptions, on_first_rank
+    from solver.study.pool import side_by_side
+    from solver.study.suite.case import run_case
+    from solver.study.suite.folder import store
+    from solver.study.tally import Tally
+
+    comm = MPI.COMM_WORLD
+    abort_on_exceptions(comm)
+    plan: Plan = on_first_rank(comm, lambda: prepare(options))
+    waiting = [case for case in plan.cases if case.name not in plan.rows]
+    rows = dict(plan.rows)
+    tally = Tally(len(plan.cases), done=len(rows), quiet=options.quiet, rank=comm.rank)
+    outcomes = side_by_side(run_case, waiting, processes=options.processes)
+    try:
+        with closing(outcomes):
+            for number, outcome in outcomes:
+                case = waiting[number]
+                row = _row(case, outcome)
+                if row["status"] != "interrupted":
+                    rows[case.name] = row
+                    store(plan.folder, case.name, row)
+                tally.add(case.name)
+    finally:
+        tally.close()
+        if comm.rank == 0:
+            _write(plan, rows)
+    failed = any(row["status"] != "completed" for row in rows.values())
+    if comm.rank == 0 and not options.quiet:
+        _tell(plan, rows)
+    codes = comm.bcast(failed or len(rows) < len(plan.cases) if comm.rank == 0 else None)
+    return NotConverged.exit_code if codes else 0
+
+
+def prepare(options: argparse.Namespace) -> Plan:
+    """Look at everything that can be refused before anything is run, and claim the folder."""
+    from solver.scene import parse_scene, read_text, set_values
+    from solver.scene.overrides import read_toml
+    from solver.study.suite.case import variations
+    from solver.study.suite.folder import claim, finished
+    from solver.study.suite.motions import find_motions
+
+    _check_numbers(options)
+    path: Path = options.scene
+    tables = read_toml(read_text(path), path.name)
+    set_values(tables, options.overrides)
+    motions = find_motions(
+        options.motions, tables.pop("motion", None), count=options.count, seed=options.seed
+    )
+    varied = list(variations(options.vary))
+    base = parse_scene(tables, folder=path.parent, source=path.name)
+    for values in varied:
+        sets = [f"{key}={value}" for key, value in values]
+        moving = tables | {"motion": dict(motions[0].table)}
+        parse_scene(moving, folder=path.parent, overrides=sets, source=path.name)
+    if options.reference:
+        from solver.reference.answer import reference_name
+
+        reference_name(base)
+    folder = options.output or Path(path.stem + ".suite")
+    settings = _settings(options, base.to_dict(), motions)
+    claim(folder, settings, force=options.force, resume=options.resume)
+    cases = tuple(
+        _case(options, motion, values, tables, folder) for values in varied for motion in motions
+    )
+    keys = tuple(key for key, _ in varied[0])
+    return Plan(folder=folder, cases=cases, varied=keys, rows=finished(folder))
+
+
+def _check_numbers(options: argparse.Namespace) -> None:
+    """Refuse numbers out of range."""
+    if not 0 <= options.tail < 1e6:
+        raise SceneError("--tail", f"{options.tail:g}", "0 <= tail < 1e6 s")
+    if options.processes is not None and options.processes < 1:
+        raise SceneError("-j", f"{options.processes}", "a whole number > 0")
+
+
+def _settings(
+    options: argparse.Namespace, scene: dict[str, Any], motions: list[Any]
+) -> dict[str, Any]:
+    """What the suite is made from: a suite that goes on must be made from the same."""
+    from solver import VERSION
+
+    return {
+        "version": VERSION,
+        "scene": scene,
+        "vary": options.vary,
+        "tail": options.tail,
+        "reference": options.reference,
+        "keep": options.keep,
+        "motions": {
+            # Not the place of a file: only what it holds.
+            motion.name: {**motion.table, "file": motion.digest} if motion.digest else motion.table
+            for motion in motions
+        },
+    }
+
+
+def _case(
+    options: argparse.Namespace,
+    motion: Any,
+    values: tuple[tuple[str, str], ...],
+    tables: dict[str, Any],
+    folder: Path,
+) -> SuiteCase:
+    """One motion with one combination of the varied values."""
+    from solver.study.suite.case import SuiteCase
+    from solver.study.suite.folder import RUNS
+
+    parts = [motion.name, *(f"{key}={value}" for key, value in values)]
+    name = re.sub(r"[^\w.=+-]+", "_", ",".join(parts).replace(",", "__"))
+    return SuiteCase(
+        name=name,
+        motion=motion,
+        varied=values,
+        tables=tables,
+        folder=options.scene.parent,
+        tail=options.tail,
+        reference=options.reference,
+        keep=folder / RUNS / name if options.keep else None,
+    )
+
+
+def _row(case: SuiteCase, outcome: Mapping[str, Any] | Exception) -> dict[str, Any]:
+    """The row of a case in the table, whatever came of it."""
+    if isinstance(outcome, ImportError):
+        raise EnvironmentTrouble(f"{outcome}; see README.md, or use ./in-env rockslip ...")
+    row: dict[str, Any] = {"motion": case.motion.name, **dict(case.varied)}
+    if isinstance(outcome, Exception):
+        known = isinstance(outcome, SceneError)
+        text = " ".join(str(outcome).split())
+        reason = text if known else f"{type(outcome).__name__}: {text}"
+        return row | {"status": "failed", "reason": reason}
+    return row | dict(outcome)
+
+
+def _ordered(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows that there are, in the order of the cases."""
+    return [rows[case.name] for case in plan.cases if case.name in rows]
+
+
+def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
+    """Write the tables of what has been done."""
+    from solver.study.suite.folder import SUMMARY, TABLE, TEXT, write
+    from solver.study.suite.table import as_csv, as_text, ratios
+
+    ordered = _ordered(plan, rows)
+    if not ordered:
+        return
+    write(plan.folder / TABLE, as_csv(ordered))
+    write(plan.folder / TEXT, as_text(ordered, plan.varied))
+    completed = sum(row["status"] == "completed" for row in ordered)
+    counts = {"cases": len(plan.cases), "completed": completed}
+    counts["failed"] = len(ordered) - completed
+    write(plan.folder / SUMMARY, counts | {"ratios": ratios(ordered, plan.varied)})
+
+
+def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
+    """Print the table and where it is."""
+    from solver.study.suite.table import as_text
+
+    ordered = _ordered(plan, rows)
+    completed = sum(row["status"] == "completed" for row in ordered)
+    sys.stdout.write(as_text(ordered, plan.varied) if ordered else "")
+    sys.stdout.write(f"{completed} of {len(plan.cases)} completed; written to {plan.folder}\n")

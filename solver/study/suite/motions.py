@@ -1,0 +1,147 @@
+"""The motions of a suite: files, folders of files, lists of files, synthetic ones."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from solver.errors import SceneError
+from solver.scene.checking import to_table
+
+#: The word that stands for the synthetic motions.
+SYNTHETIC = "synthetic"
+
+#: Endings of the files of a folder that are taken for motions, in lower case.
+ENDINGS = (".at2", ".txt", ".csv", ".dat", ".acc")
+
+#: Files of a folder that are no motions whatever their ending: descriptions of the others.
+PASSED_OVER = ("readme", "index", "license", "licence")
+
+#: Kinds of motions of a scene of which a suite changes the file alone.
+WITH_FILE = ("record", "table")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SuiteMotion:
+    """One motion of a suite.
+
+    Attributes:
+        name: Its own in the suite.
+        table: What stands in `[motion]`.
+        digest: Of the file, "" where there is none or it cannot be read.
+    """
+
+    name: str
+    table: Mapping[str, Any]
+    digest: str = ""
+
+
+def find_motions(
+    words: Sequence[str], motion: Any, *, count: int | None, seed: int | None
+) -> list[SuiteMotion]:
+    """The motions that a command line names.
+
+    Args:
+        words: Files, folders, `@` and a file with names of files, "synthetic"; none: "synthetic".
+        motion: The `[motion]` of the scene: where it is one with a file, or says no kind (a record
+            then), its other keys hold for all files.
+        count: Number of synthetic motions; None: 30.
+        seed: Of the synthetic motions; None: the default one.
+
+    Raises:
+        SceneError: Something is not there.
+    """
+    words = words or [SYNTHETIC]
+    if SYNTHETIC not in words:
+        for option, value in (("--count", count), ("--seed", seed)):
+            if value is not None:
+                raise SceneError(option, f"{value}", f"nothing without --motions {SYNTHETIC}")
+    record = {"kind": WITH_FILE[0]}
+    kept = record | dict(motion) if isinstance(motion, Mapping) else record
+    if kept["kind"] not in WITH_FILE:
+        kept = record
+    found: list[SuiteMotion] = []
+    for word in words:
+        if word == SYNTHETIC:
+            found += _synthetic(count, seed)
+            continue
+        for file in _files(word):
+            table = kept | {"file": os.path.abspath(file)}
+            found.append(SuiteMotion(name=file.stem, table=table, digest=_digest(file)))
+    return list(_named_apart(found))
+
+
+def _synthetic(count: int | None, seed: int | None) -> Iterator[SuiteMotion]:
+    """Motions drawn inside the ranges of Table 1."""
+    from solver.excitation.synthetic.table1 import table1_suite
+
+    if count is not None and count < 1:
+        raise SceneError("--count", f"{count}", "a whole number > 0")
+    chosen = {"count": count, "seed": seed}
+    specs = table1_suite(**{key: value for key, value in chosen.items() if value is not None})
+    for number, spec in enumerate(specs, start=1):
+        yield SuiteMotion(name=f"{SYNTHETIC}_{number:02d}", table=to_table(spec))
+
+
+def _files(word: str) -> list[Path]:
+    """The files that a word of the command line stands for."""
+    if word.startswith("@"):
+        return list(_listed(Path(word[1:])))
+    path = Path(word)
+    if not os.path.exists(path):  # unlike pathlib, says False to names that no file can have
+        raise SceneError("--motions", word, "a file, a folder, @LIST, or synthetic")
+    if not path.is_dir():
+        return [path]
+    try:
+        files = sorted(file for file in path.iterdir() if _is_motion(file))
+    except OSError as error:
+        reason = (error.strerror or "unreadable").lower()
+        raise SceneError("--motions", f"{word} ({reason})", "a folder of motions") from None
+    if not files:
+        raise SceneError("--motions", f"{word} without any", f"files {', '.join(ENDINGS)}")
+    return files
+
+
+def _is_motion(file: Path) -> bool:
+    """Whether a file of a folder looks like a motion."""
+    described = file.stem.lower() in PASSED_OVER
+    return file.suffix.lower() in ENDINGS and not described and not file.is_dir()
+
+
+def _listed(file: Path) -> Iterator[Path]:
+    """The files in a list, one name a line, relative to its folder; # begins a comment."""
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = (getattr(error, "strerror", None) or "no text").lower()
+        raise SceneError("--motions", f"@{file} ({reason})", "a list of files") from None
+    for number, line in enumerate(lines, start=1):
+        name = line.split("#")[0].strip()
+        if name and not os.path.exists(file.parent / name):
+            raise SceneError(f"{file}: line {number}", name, "a file that exists")
+        if name:
+            yield file.parent / name
+
+
+def _digest(file: Path) -> str:
+    """What tells the content of a file from others."""
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def _named_apart(motions: Sequence[SuiteMotion]) -> Iterator[SuiteMotion]:
+    """The same motions; those whose name has been are given a number."""
+    seen: set[str] = set()
+    for motion in motions:
+        name, number = motion.name, 1
+        while name in seen:
+            number += 1
+            name = f"{motion.name}_{number}"
+        seen.add(name)
+        yield SuiteMotion(name=name, table=motion.table, digest=motion.digest)

@@ -1,0 +1,122 @@
+"""The tables of a suite: all numbers as CSV, the most important ones as text, means of ratios."""
+
+from __future__ import annotations
+
+import csv
+import io
+import statistics
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from solver.study.tables import in_columns
+
+Row = Mapping[str, Any]
+
+#: Columns of the text: end of the name in the CSV, heading, factor, format; `NAME.` of a block.
+SHOWN = (
+    ("pga_g", "PGA g", 1.0, ".3f"),
+    ("platform.peak_drift_m", "drift mm", 1e3, ".3f"),
+    ("reference.platform.peak_drift_m", "reference", 1e3, ".3f"),
+    ("platform.peak_drift_ratio", "ratio", 1.0, ".4f"),
+    (".peak_angle_rad", "angle rad", 1.0, ".3g"),
+    (".peak_angle_ratio", "ratio", 1.0, ".4f"),
+    (".peak_slip_m", "slip mm", 1e3, ".3f"),
+    (".peak_slip_ratio", "ratio", 1.0, ".4f"),
+    (".residual_slip_m", "residual", 1e3, ".3f"),
+    (".mode", "mode", None, ""),
+    ("wall_s", "wall s", 1.0, ".1f"),
+)
+
+
+def columns(rows: Sequence[Row]) -> list[str]:
+    """Names of all columns, in the order in which rows bring them."""
+    return list(dict.fromkeys(key for row in rows for key in row))
+
+
+def as_csv(rows: Sequence[Row]) -> str:
+    """All numbers with all digits; what is not known is empty."""
+    stream = io.StringIO()
+    # The longest row has all columns in their order: one that failed has few.
+    table = csv.DictWriter(
+        stream, columns(sorted(rows, key=len, reverse=True)), lineterminator="\n"
+    )
+    table.writeheader()
+    table.writerows(rows)
+    return stream.getvalue()
+
+
+def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
+    """The most important numbers, then the means of the ratios, then what went wrong."""
+    there = columns(rows)
+    named = ["motion", *varied, "status"]
+    chosen: list[tuple[str, str, float | None, str]] = [(key, key, None, "") for key in named]
+    several = len([key for key in there if _is_of_block(key, ".mode")]) > 1
+    for key, heading, factor, form in SHOWN:
+        for name in there:
+            if name == key or _is_of_block(name, key):
+                owner = f"{name.split('.')[0]} " if several and key.startswith(".") else ""
+                chosen.append((name, owner + heading, factor, form))
+    table = [[heading for _, heading, _, _ in chosen]]
+    table += [
+        [_cell(row.get(key), factor, form) for key, _, factor, form in chosen] for row in rows
+    ]
+    lines = in_columns(table)
+    means = [_sentence(mean, varied) for mean in ratios(rows, varied)]
+    lines += ["", *means] if means else []
+    lines += _remarks(rows, varied)
+    return "\n".join(lines) + "\n"
+
+
+def ratios(rows: Sequence[Row], varied: Sequence[str]) -> list[dict[str, Any]]:
+    """Mean, standard deviation, least and largest of each ratio, for each of the varied values."""
+    found = []
+    groups = dict.fromkeys(tuple(str(row[key]) for key in varied) for row in rows)
+    for group in groups:
+        inside = [row for row in rows if tuple(str(row[key]) for key in varied) == group]
+        for name in (key for key in columns(rows) if key.endswith("_ratio")):
+            values = [row[name] for row in inside if row.get(name) is not None]
+            if values:
+                found.append(
+                    {
+                        "varied": dict(zip(varied, group, strict=True)),
+                        "ratio": name,
+                        "count": len(values),
+                        "mean": statistics.fmean(values),
+                        "deviation": statistics.pstdev(values),
+                        "least": min(values),
+                        "largest": max(values),
+                    }
+                )
+    return found
+
+
+def _is_of_block(name: str, ending: str) -> bool:
+    """Whether a column is a block's own measure."""
+    of_others = name.startswith(("reference.", "platform."))
+    return ending.startswith(".") and name.endswith(ending) and not of_others
+
+
+def _cell(value: Any, factor: float | None, form: str) -> str:
+    """A value as text."""
+    if value is None:
+        return "-"
+    return str(value) if factor is None else format(factor * value, form)
+
+
+def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
+    """The mean of a ratio in words."""
+    group = "".join(f"{key} {mean['varied'][key]}, " for key in varied)
+    return (
+        f"{group}{mean['ratio']}: mean {mean['mean']:.4f}, deviation {mean['deviation']:.4f}, "
+        f"{mean['least']:.4f} to {mean['largest']:.4f}, {mean['count']} motions"
+    )
+
+
+def _remarks(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
+    """A line for each case that has a reason."""
+    lines = []
+    for row in rows:
+        if row.get("reason"):
+            name = ", ".join([row["motion"], *(f"{key} {row[key]}" for key in varied)])
+            lines.append(f"{name}: {row['status']}: {row['reason']}")
+    return ["", *lines] if lines else []

@@ -1,0 +1,133 @@
+"""Contact of two round elastic bodies: Hertz, and Cattaneo and Mindlin for a tangential load.
+
+Line contact is that of two cylinders in plane strain, loads per metre of length; point contact that
+of two spheres (Johnson 1985, chapters 4 and 7). All for small strain: a/R << 1.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.types import Array
+
+
+def contact_modulus(*bodies: tuple[float, float]) -> float:
+    """E*, Pa: 1/E* = sum of (1 - nu^2)/E over the bodies (E, nu) that deform; one or two."""
+    return 1 / sum((1 - nu**2) / young for young, nu in bodies)
+
+
+def contact_radius(*radii: float) -> float:
+    """R, m: 1/R = sum of 1/R_i; a plane (infinite radius) adds nothing."""
+    return 1 / sum(1 / radius for radius in radii)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HertzLine:
+    """Two cylinders, pressed together by P per metre."""
+
+    load: float
+    """P, N/m."""
+    radius: float
+    """R, m; see `contact_radius`."""
+    modulus: float
+    """E*, Pa; see `contact_modulus`."""
+
+    @property
+    def half_width(self) -> float:
+        """Half-width of the contact a = sqrt(4 P R / (pi E*)), m."""
+        return math.sqrt(4 * self.load * self.radius / (math.pi * self.modulus))
+
+    @property
+    def peak_pressure(self) -> float:
+        """Largest pressure p_0 = 2 P / (pi a), Pa."""
+        return 2 * self.load / (math.pi * self.half_width)
+
+    def pressure(self, x: Array) -> Array:
+        """Pressure p_0 sqrt(1 - x^2/a^2), Pa, at distance x (m) from the middle; 0 outside."""
+        return self.peak_pressure * _ellipse(x, self.half_width)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HertzPoint:
+    """Two spheres, pressed together by P."""
+
+    load: float
+    """P, N."""
+    radius: float
+    """R, m; see `contact_radius`."""
+    modulus: float
+    """E*, Pa; see `contact_modulus`."""
+
+    @property
+    def contact_radius(self) -> float:
+        """Radius of the contact a = (3 P R / (4 E*))^(1/3), m."""
+        return math.cbrt(3 * self.load * self.radius / (4 * self.modulus))
+
+    @property
+    def peak_pressure(self) -> float:
+        """Largest pressure p_0 = 3 P / (2 pi a^2), Pa."""
+        return 3 * self.load / (2 * math.pi * self.contact_radius**2)
+
+    @property
+    def approach(self) -> float:
+        """Approach of the bodies delta = a^2 / R, m."""
+        return self.contact_radius**2 / self.radius
+
+    def pressure(self, r: Array) -> Array:
+        """Pressure p_0 sqrt(1 - r^2/a^2), Pa, at distance r (m) from the middle; 0 outside."""
+        return self.peak_pressure * _ellipse(r, self.contact_radius)
+
+
+def stick_half_width(contact: HertzLine, tangential: float, friction: float) -> float:
+    """Half-width of the stick zone c = a sqrt(1 - Q/(mu P)), m (Cattaneo 1938, Mindlin 1949).
+
+    Args:
+        contact: The normal contact, pressed first.
+        tangential: Q, N/m, |Q| <= mu P.
+        friction: mu.
+    """
+    return contact.half_width * math.sqrt(1 - _used(contact.load, tangential, friction))
+
+
+def stick_radius(contact: HertzPoint, tangential: float, friction: float) -> float:
+    """Radius of the stick zone c = a (1 - Q/(mu P))^(1/3), m (Cattaneo 1938, Mindlin 1949).
+
+    Args:
+        contact: The normal contact, pressed first.
+        tangential: Q, N, |Q| <= mu P.
+        friction: mu.
+    """
+    return contact.contact_radius * math.cbrt(1 - _used(contact.load, tangential, friction))
+
+
+def shear_traction(contact: HertzLine, tangential: float, friction: float, x: Array) -> Array:
+    """Tangential traction of a line contact, Pa, at distance x (m) from the middle.
+
+    q = mu p_0 [sqrt(1 - x^2/a^2) - (c/a) sqrt(1 - x^2/c^2)], the second root in the stick zone
+    |x| < c only; it has the direction of Q.
+
+    Args:
+        contact: The normal contact, pressed first.
+        tangential: Q, N/m, |Q| <= mu P.
+        friction: mu.
+        x: m.
+    """
+    a, c = contact.half_width, stick_half_width(contact, tangential, friction)
+    full = friction * contact.pressure(x)
+    held = friction * contact.peak_pressure * c / a * _ellipse(x, c) if c > 0 else 0.0
+    return math.copysign(1, tangential) * (full - held)
+
+
+def _used(load: float, tangential: float, friction: float) -> float:
+    """The part of friction that is used, |Q|/(mu P); ValueError above 1."""
+    used = abs(tangential) / (friction * load)
+    if used > 1:
+        raise ValueError(f"tangential load {tangential} beyond friction {friction * load}")
+    return used
+
+
+def _ellipse(x: Array, half: float) -> Array:
+    return np.sqrt(np.maximum(1 - (x / half) ** 2, 0.0))
