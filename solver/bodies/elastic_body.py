@@ -1,13 +1,12 @@
-"""An elastic body: what it weighs, how it resists, factorized for each step size and rho_inf.
+"""An elastic body: its inertia, its resistance, its factorized tangents.
 
-Total Lagrangian, St. Venant-Kirchhoff. All vectors hold the owned unknowns of a rank, node by node,
+All vectors hold the owned unknowns of a rank, node by node,
 and belong to the whole thickness.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from petsc4py import PETSc
 
@@ -16,39 +15,16 @@ import ufl
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
+from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
 from solver.parallel import global_sum
-from solver.scene.material import Material, green_strain
+from solver.scene.damping import DampingSpec
+from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.types import Array, Mask
-
-STRAINED = 0.1
-"""Change of the stiffness by strain, times (lambda + 2 mu)/mu, from which on iterations heed it:
-what they leave of an error is of that size."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Damping:
-    """Rayleigh damping C = lambda_R M + beta_R K; the second part acts on the rate of Green strain.
-
-    Attributes:
-        mass: lambda_R, 1/s.
-        stiffness: beta_R, s.
-    """
-
-    mass: float = 0.0
-    stiffness: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class StrainWeights:
-    """S = C:(new E_{n+1} + old E_n), the stress of a step's internal force."""
-
-    new: float
-    old: float
 
 
 class ElasticBody:
@@ -60,7 +36,7 @@ class ElasticBody:
         material: Material,
         *,
         degree: int = 1,
-        damping: Damping | None = None,
+        damping: DampingSpec | None = None,
         clamped: Callable[[Array], Mask] | None = None,
         name: str = "block",
         thickness: float = 1.0,
@@ -82,7 +58,7 @@ class ElasticBody:
             spring: Between some facets and the ground.
         """
         self.name, self.thickness = name, thickness
-        self.material, self.damping = material, damping or Damping()
+        self.material, self.damping = material, damping or DampingSpec()
         self.law = material.times(thickness)
         """Stresses times thickness."""
         d = domain.geometry.dim
@@ -98,7 +74,13 @@ class ElasticBody:
             supports = (*supports, Support(facets=facets, directions=tuple(range(d))))
         self.clamped = bool(supports)
         self.fixed = self._held(supports)
-        self._compile(domain, degree)
+        self._forms = ElasticForms(
+            self.u, self.u_old, self.law, viscous=bool(self.damping.stiffness)
+        )
+        self.stiffness_matrix, self.mass_matrix = self._forms.stiffness(), self._forms.mass()
+        self._diagonal = self.stiffness_matrix.getDiagonal().array
+        self._product = self.mass_matrix.createVecs()
+        self._factor, self._image = (vector.array for vector in self._product)  # kept
         self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
         # Views that are kept: asking dolfinx for one costs as much as copying the values.
         self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
@@ -139,46 +121,6 @@ class ElasticBody:
         density = fem.Constant(domain, spring.stiffness / area)
         matrix = PackedForm(density * horizontal * ds).matrix()
         return matrix, spring.dashpot / spring.stiffness
-
-    def _compile(self, domain: mesh.Mesh, degree: int) -> None:
-        """The weak forms, with the weights of a step as constants."""
-        d, material = self.dimension, self.law
-        simplex = domain.basix_cell().name in ("triangle", "tetrahedron")
-        quadrature = max(1, 2 * degree - 2) if simplex else 2 * degree
-        dx = ufl.Measure("dx", domain, metadata={"quadrature_degree": quadrature})
-        self._weights = StrainWeights(new=1.0, old=0.0)
-        values = (1.0, 0.0, material.lame, material.shear)
-        new, old, lame, shear = (fem.Constant(domain, value) for value in values)
-        self._weight_new, self._weight_old = new, old
-        identity, test, trial = (
-            ufl.Identity(d),
-            ufl.TestFunction(self.space),
-            ufl.TrialFunction(self.space),
-        )
-
-        def stress(strain: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
-            return lame * ufl.tr(strain) * identity + 2 * shear * strain
-
-        strain, strain_old = green_strain(ufl.grad(self.u)), green_strain(ufl.grad(self.u_old))
-        midpoint = identity + ufl.grad(0.5 * self.u + 0.5 * self.u_old)
-        averaged = new * strain + old * strain_old
-        increment = strain - strain_old
-        self._force = PackedForm(ufl.inner(midpoint * stress(averaged), ufl.grad(test)) * dx)
-        if self.damping.stiffness:
-            self._viscous = PackedForm(ufl.inner(midpoint * stress(increment), ufl.grad(test)) * dx)
-        self._strain_energy = PackedForm(0.5 * ufl.inner(strain, stress(strain)) * dx)
-        self._increment_energy = PackedForm(ufl.inner(increment, stress(increment)) * dx)
-        linear = ufl.inner(stress(ufl.sym(ufl.grad(trial))), ufl.sym(ufl.grad(test)))
-        self.stiffness_matrix = PackedForm(linear * dx).matrix()
-        self._diagonal = self.stiffness_matrix.getDiagonal().array
-        self._stress, self._dx = stress, dx
-        self._strained: tuple[fem.Function, PackedForm] | None = None
-        inertia = fem.Constant(domain, material.density) * ufl.inner(trial, test)
-        self.mass_matrix = PackedForm(
-            inertia * ufl.dx(domain, metadata={"quadrature_degree": 2 * degree})
-        ).matrix()
-        self._product = self.mass_matrix.createVecs()
-        self._factor, self._image = (vector.array for vector in self._product)  # kept
 
     def _measure_inertia(self) -> None:
         """Mass, centre and moments that the best-fit rotation needs, from the consistent mass."""
@@ -254,28 +196,6 @@ class ElasticBody:
         length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.law.density))
         return self.law.longitudinal * length
 
-    def surface_force(self, facets: NDArray[np.int32], traction: Sequence[float]) -> Array:
-        """Forces of a traction on boundary facets, per undeformed area: a load that stays as it is.
-
-        Args:
-            facets: Numbers of the facets.
-            traction: Pa, (d,).
-        """
-        domain = self.space.mesh
-        order = np.argsort(facets)
-        tags = mesh.meshtags(
-            domain, domain.topology.dim - 1, facets[order], np.ones(len(facets), dtype=np.int32)
-        )
-        ds = ufl.Measure("ds", domain, subdomain_data=tags)(1)
-        value = fem.Constant(domain, self.thickness * np.asarray(traction, dtype=float))
-        form = PackedForm(ufl.inner(value, ufl.TestFunction(self.space)) * ds)
-        vector = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
-        form.vector(vector.array)
-        vector.scatter_reverse(la.InsertMode.add)
-        force: Array = vector.array[: self.size].copy()
-        force[self.fixed] = 0.0
-        return force
-
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""
         if self.clamped:
@@ -295,10 +215,7 @@ class ElasticBody:
     def begin(self, u_old: Array, weights: StrainWeights) -> None:
         """Fix what a step starts from: displacement at t_n and the weights of its stress."""
         self._assign(self._old, u_old)
-        if weights != self._weights:
-            self._weights = weights
-            self._weight_new.value, self._weight_old.value = weights.new, weights.old
-            self._force.refresh()
+        self._forms.weigh(weights)
 
     def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
         """Owned values into a function, ghosts from their owners."""
@@ -315,7 +232,7 @@ class ElasticBody:
         self._assign(self._new, u)
         if static:
             self._assign(self._old, u)
-        return self._assembled(self._force)
+        return self._assembled(self._forms.force)
 
     def _assembled(self, form: PackedForm) -> Array:
         """Forces of a form on the owned unknowns."""
@@ -326,8 +243,9 @@ class ElasticBody:
 
     def viscous_force(self, dt: float) -> Array | None:
         """C du/dt of a step, by strain rates, at the displacement last assigned; None without."""
-        beta = self.damping.stiffness
-        return beta / dt * self._assembled(self._viscous) if beta else None
+        if self._forms.viscous is None:
+            return None
+        return self.damping.stiffness / dt * self._assembled(self._forms.viscous)
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
@@ -358,11 +276,11 @@ class ElasticBody:
 
     def strain_energy(self) -> float:
         """Integral of E:C:E/2 over this rank's cells, J, at the displacement last assigned."""
-        return self._strain_energy.scalar()
+        return self._forms.strain_energy.scalar()
 
     def increment_energy(self) -> float:
         """Integral of dE:C:dE over this rank's cells, J, dE = E_{n+1} - E_n."""
-        return self._increment_energy.scalar()
+        return self._forms.increment_energy.scalar()
 
     def stiffen(self, interface: PETSc.Mat) -> None:
         """Hand over the theta term of Nitsche's method, which tangents subtract.
@@ -382,21 +300,11 @@ class ElasticBody:
         Returns:
             Whether it differs from what it was by enough to be taken.
         """
-        if self._strained is None:
-            state, trial = fem.Function(self.space), ufl.TrialFunction(self.space)
-            gradient = ufl.grad(state)
-            turning = ufl.Identity(self.dimension) + gradient
-            stress = turning * self._stress(green_strain(gradient))
-            force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self.space))) * self._dx
-            self._strained = state, PackedForm(ufl.derivative(force, state, trial))
-        state, form = self._strained
+        state, form = self._forms.strained_stiffness()
         shape = self.arm + u.reshape(-1, self.dimension)
         self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
         strained = form.matrix()
-        change = strained.copy()
-        change.axpy(-1.0, self.stiffness_matrix)
-        share = change.norm(PETSc.NormType.INFINITY) / strained.norm(PETSc.NormType.INFINITY)
-        if share * self.material.longitudinal < STRAINED * self.material.shear:
+        if not differs(strained, self.stiffness_matrix, self.material):
             return False
         self.stiffness_matrix = strained
         self._factorizations.clear()

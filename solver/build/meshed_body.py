@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from geometry.gmsh_model import MeshedBody
-from solver.bodies.elastic_body import Damping, ElasticBody
+from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.supports import GroundSpring, Support
 from solver.scene import Scene
 from solver.scene.material import Material
@@ -40,7 +40,6 @@ def meshed_body(
     """
     plane = scene.dimension == 2
     young, poisson = elasticity
-    given = scene.damping if damped else None
     return ElasticBody(
         made.mesh,
         Material(
@@ -50,7 +49,7 @@ def meshed_body(
             plane=scene.plane if plane else "solid",
         ),
         degree=degree,
-        damping=None if given is None else Damping(mass=given.mass, stiffness=given.stiffness),
+        damping=scene.damping if damped else None,
         name=name,
         thickness=thickness if plane else 1.0,
         supports=supports,

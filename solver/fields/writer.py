@@ -13,8 +13,9 @@ from typing import Any
 import ufl
 from dolfinx import fem, io
 
+from solver.bodies.elastic_forms import green_strain
 from solver.fields.pvd import PvdIndex
-from solver.scene.material import Material, green_strain
+from solver.scene.material import Material
 
 
 def von_mises_stress(displacement: fem.Function, material: Material) -> Any:

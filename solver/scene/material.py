@@ -7,7 +7,6 @@ rotate by any angle.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +62,3 @@ class Material:
         rows = self.shear * (shared + shared.swapaxes(2, 3))
         rows += self.lame * normal[:, :, None, None] * identity
         return np.asarray(0.5 * rows.reshape(count, d, d * d))
-
-
-def green_strain(gradient: Any) -> Any:
-    """E = (F^T F - I)/2 of a UFL displacement gradient, without the cancellation of F^T F - I."""
-    return (gradient + gradient.T + gradient.T * gradient) / 2

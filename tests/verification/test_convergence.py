@@ -13,10 +13,12 @@ from dolfinx import fem
 
 from geometry.block import Block
 from geometry.mesh import block_mesh
-from solver.bodies.elastic_body import Damping, ElasticBody, StrainWeights
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.plane_target import Plane
 from solver.law.friction import FrictionLaw
+from solver.scene import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.stepper import Stepper
@@ -121,7 +123,7 @@ def dense(matrix) -> np.ndarray:
     return full
 
 
-def vibration(rho_inf: float, theta: int, damping: Damping | None = None) -> Vibration:
+def vibration(rho_inf: float, theta: int, damping: DampingSpec | None = None) -> Vibration:
     made, _, body = block((2, 4), "quadrilateral", 2, damping=damping)
     faces = MeshedContactPair(
         body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5), theta=theta
@@ -136,12 +138,12 @@ def vibration(rho_inf: float, theta: int, damping: Damping | None = None) -> Vib
     return Vibration(body, stepper, shapes[:, 3], float(np.sqrt(squares[3])))
 
 
-def largest_error(vibrating: Vibration, damping: Damping | None, dts: Sequence[float]) -> float:
+def largest_error(vibrating: Vibration, damping: DampingSpec | None, dts: Sequence[float]) -> float:
     """Over a run, relative to the start, against the damped oscillation in closed form.
 
     q'' + (lambda + beta omega^2) q' + omega^2 q = 0, q(0) = 1, q'(0) = omega.
     """
-    omega, given = vibrating.frequency, damping or Damping()
+    omega, given = vibrating.frequency, damping or DampingSpec()
     decay = (given.mass + given.stiffness * omega**2) / 2
     damped = np.sqrt(omega**2 - decay**2)
     amplitude = 1e-7
@@ -168,7 +170,7 @@ def test_vibration_converges_in_the_step(rho_inf, theta, damped):
     omega = vibration(rho_inf, theta).frequency
     part = 0.04
     damping = (
-        Damping(mass=part * omega, stiffness=0.0 if theta else part / omega) if damped else None
+        DampingSpec(mass=part * omega, stiffness=0.0 if theta else part / omega) if damped else None
     )
     vibrating = vibration(rho_inf, theta, damping)
     period = 2 * np.pi / omega
@@ -181,7 +183,7 @@ def test_vibration_converges_in_the_step(rho_inf, theta, damped):
 @pytest.mark.parametrize("theta", [0, 1])
 def test_start_is_in_balance(theta):
     """p_0 = -K u_0, from the matrices; small displacements, loads from nowhere, no damping in p."""
-    damping = Damping(mass=30.0, stiffness=2e-4)
+    damping = DampingSpec(mass=30.0, stiffness=2e-4)
     vibrating = vibration(0.8, theta, damping)
     body = vibrating.body
     u, v = 1e-9 * np.random.default_rng(0).uniform(-1, 1, (2, body.size))

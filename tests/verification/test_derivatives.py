@@ -10,11 +10,13 @@ import pytest
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import Damping, ElasticBody, StrainWeights
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.interface import Interface
 from solver.contact.plane_target import Plane
 from solver.law.friction import FrictionLaw
+from solver.scene import DampingSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
 
@@ -64,7 +66,7 @@ def thing(request) -> Thing:
     cell, degree, plane = request.param
     made = block_mesh(SHAPE, cells=(2, 3), cell=cell, refinement=1.5, comm=MPI.COMM_SELF)
     material = Material(young=3.0, poisson=0.25, density=2000.0, plane=plane)
-    damping = Damping(mass=0.0, stiffness=1e-3)
+    damping = DampingSpec(mass=0.0, stiffness=1e-3)
     body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
     faces = MeshedContactPair(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5))
     return Thing(body, faces, faces.join(FACES))

@@ -13,19 +13,21 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
+from loads import surface_force
 
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_forms import green_strain
 from solver.bodies.supports import Support
 from solver.contact.body_points import NodePoints
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
 from solver.law.friction import FrictionLaw
-from solver.scene.material import Material, green_strain
+from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import System
@@ -99,7 +101,7 @@ class Patch:
         stepper = Stepper(System(bodies), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(d))
         loaded = upper.facet_tags.find(FacetTag.TOP), beside(lower, self.width)
         load = [
-            body.surface_force(facets, -PRESSURE * self.frame[0])
+            surface_force(body, facets, -PRESSURE * self.frame[0])
             for body, facets in zip(bodies, loaded, strict=True)
         ]
         state = stepper.static_start(

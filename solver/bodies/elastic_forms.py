@@ -1,0 +1,150 @@
+"""The weak forms of an elastic body: internal force, energies, stiffness and mass.
+
+Total Lagrangian, St. Venant-Kirchhoff. The internal force of a step is that of the averaged strain
+with the deformation gradient of the midpoint (Simo and Tarnow 1992),
+
+    S = C : (w_new E_{n+1} + w_old E_n),   F = I + grad (u_n + u_{n+1})/2,   f.v = int F S : grad v,
+
+which keeps energy and does no work in rotations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from petsc4py import PETSc
+
+import ufl
+from dolfinx import fem, mesh
+
+from solver.compat import PackedForm
+from solver.scene.material import Material
+
+STRAINED_STIFFNESS_CHANGE = 0.1
+"""Change of the stiffness by strain, times (lambda + 2 mu)/mu, from which on the tangent follows
+it: what iterations with the undeformed tangent leave of an error is of that size."""
+
+
+@dataclass(frozen=True, slots=True)
+class StrainWeights:
+    """Weights of the strains in the stress of a step's internal force.
+
+    Attributes:
+        new: w_new, of E_{n+1}.
+        old: w_old, of E_n.
+    """
+
+    new: float
+    old: float
+
+
+def green_strain(gradient: Any) -> Any:
+    """E = (F^T F - I)/2 of a UFL displacement gradient, without the cancellation of F^T F - I."""
+    return (gradient + gradient.T + gradient.T * gradient) / 2
+
+
+class ElasticForms:
+    """Compiled forms of one body; what they are assembled into belongs to the caller.
+
+    Attributes:
+        force: Internal force of a step.
+        viscous: The same of the strain increment, for Rayleigh's beta_R; None without damping.
+        strain_energy: Integral of E:C:E/2 at the end of the step.
+        increment_energy: Integral of dE:C:dE, dE = E_{n+1} - E_n.
+    """
+
+    def __init__(
+        self, u: fem.Function, u_old: fem.Function, material: Material, *, viscous: bool
+    ) -> None:
+        """Compile the forms.
+
+        Args:
+            u: Displacement u_{n+1}; its values are those at the time of assembly.
+            u_old: Displacement u_n.
+            material: Stresses times thickness.
+            viscous: Whether forces of the strain rate are needed.
+        """
+        self._space, self._material = u.function_space, material
+        domain = self._space.mesh
+        self._weights = StrainWeights(new=1.0, old=0.0)
+        values = (1.0, 0.0, material.lame, material.shear)
+        self._new, self._old, self._lame, self._shear = (
+            fem.Constant(domain, value) for value in values
+        )
+        degree = self._space.ufl_element().degree
+        self._dx = _cell_measure(domain, degree)
+        test = ufl.TestFunction(self._space)
+        strain, strain_old = green_strain(ufl.grad(u)), green_strain(ufl.grad(u_old))
+        midpoint = self._identity + ufl.grad(0.5 * u + 0.5 * u_old)
+        averaged = self._new * strain + self._old * strain_old
+        increment = strain - strain_old
+
+        def internal(of: Any) -> PackedForm:
+            return PackedForm(ufl.inner(midpoint * self._stress(of), ufl.grad(test)) * self._dx)
+
+        self.force = internal(averaged)
+        self.viscous = internal(increment) if viscous else None
+        self.strain_energy = PackedForm(0.5 * ufl.inner(strain, self._stress(strain)) * self._dx)
+        self.increment_energy = PackedForm(ufl.inner(increment, self._stress(increment)) * self._dx)
+        self._strained: tuple[fem.Function, PackedForm] | None = None
+
+    @property
+    def _identity(self) -> Any:
+        """I, (d, d)."""
+        return ufl.Identity(self._space.mesh.geometry.dim)
+
+    def _stress(self, strain: Any) -> Any:
+        """S = lambda tr(E) I + 2 mu E."""
+        return self._lame * ufl.tr(strain) * self._identity + 2 * self._shear * strain
+
+    def weigh(self, weights: StrainWeights) -> None:
+        """Set the weights of the strains in the internal force."""
+        if weights != self._weights:
+            self._weights = weights
+            self._new.value, self._old.value = weights.new, weights.old
+            self.force.refresh()
+
+    def stiffness(self) -> PETSc.Mat:
+        """K of the undeformed body, assembled."""
+        trial, test = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
+        strains = (ufl.sym(ufl.grad(of)) for of in (trial, test))
+        strain, virtual = strains
+        return PackedForm(ufl.inner(self._stress(strain), virtual) * self._dx).matrix()
+
+    def mass(self) -> PETSc.Mat:
+        """M, consistent: a row-sum mass has the wrong rotary inertia."""
+        trial, test = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
+        density = fem.Constant(self._space.mesh, self._material.density)
+        degree = 2 * self._space.ufl_element().degree
+        dx = ufl.dx(self._space.mesh, metadata={"quadrature_degree": degree})
+        return PackedForm(density * ufl.inner(trial, test) * dx).matrix()
+
+    def strained_stiffness(self) -> tuple[fem.Function, PackedForm]:
+        """The displacement (to be filled in) and the form of K at it; compiled once."""
+        if self._strained is None:
+            state, trial = fem.Function(self._space), ufl.TrialFunction(self._space)
+            gradient = ufl.grad(state)
+            stress = (self._identity + gradient) * self._stress(green_strain(gradient))
+            force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self._space))) * self._dx
+            self._strained = state, PackedForm(ufl.derivative(force, state, trial))
+        return self._strained
+
+
+def differs(strained: PETSc.Mat, stiffness: PETSc.Mat, material: Material) -> bool:
+    """Whether a stiffness differs from another by enough for iterations to need it."""
+    change = strained.copy()
+    change.axpy(-1.0, stiffness)
+    share = change.norm(PETSc.NormType.INFINITY) / strained.norm(PETSc.NormType.INFINITY)
+    return bool(share * material.longitudinal >= STRAINED_STIFFNESS_CHANGE * material.shear)
+
+
+def _cell_measure(domain: mesh.Mesh, degree: int) -> ufl.Measure:
+    """The measure dx with the lowest quadrature that is accurate enough.
+
+    Degree 2 p on quadrilaterals and hexahedra, 2 p - 2 on simplices, at least 1; the degree that
+    UFL estimates costs two to five times as much.
+    """
+    simplex = domain.basix_cell().name in ("triangle", "tetrahedron")
+    quadrature = max(1, 2 * degree - 2) if simplex else 2 * degree
+    return ufl.Measure("dx", domain, metadata={"quadrature_degree": quadrature})
