@@ -228,6 +228,6 @@ def _tell(line: str) -> None:
 
 
 def _remedy(error: ImportError) -> str:
-    """What to do about a package that is not there."""
+    """Advice for a package that cannot be imported."""
     said = " ".join(str(error).split())
     return f"{said}; the environment is described in README.md, ./in-env rockslip ... has it all"

@@ -1,4 +1,4 @@
-"""What can go wrong, and the exit code of the command for it."""
+"""Errors of the program, each with the exit code of the command for it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SceneError(RockslipError):
         self.where, self.got, self.allowed, self.nearest = where, got, allowed, nearest
 
     def under(self, prefix: str) -> SceneError:
-        """The same error for a table that stands at `prefix`."""
+        """This error with its key below the table `prefix`."""
         where = f"{prefix}.{self.where}" if prefix else self.where
         return type(self)(where, self.got, self.allowed, self.nearest)
 

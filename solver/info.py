@@ -1,4 +1,4 @@
-"""What the program runs on: versions, ranks, linear algebra."""
+"""Versions, ranks and linear algebra that the program runs on."""
 
 from __future__ import annotations
 

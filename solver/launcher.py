@@ -1,4 +1,4 @@
-"""Whether mpirun or its like started this process, told without starting MPI."""
+"""Detect a launcher such as mpirun from the environment, without starting MPI."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _rank() -> int | None:
 
 
 def was_launched() -> bool:
-    """Whether there may be other ranks."""
+    """True if a launcher started this process, so that there may be other ranks."""
     return _rank() is not None
 
 

@@ -1,4 +1,4 @@
-"""What the ranks of a run say to one another: sums, and the surface layer that all of them hold."""
+"""Communication among the ranks of a run: sums, broadcasts, and the surface layer they all hold."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def any_rank(comm: Comm, flag: bool) -> bool:
 
 
 def on_first_rank(comm: Comm, action: Callable[[], Any]) -> Any:
-    """What `action` returns on rank 0, on every rank; what it refuses is refused on every rank."""
+    """Run `action` on rank 0; its result, or the error that it raises, reaches every rank."""
     answer: Any = None
     if comm.rank == 0:
         try:

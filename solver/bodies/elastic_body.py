@@ -89,7 +89,7 @@ class ElasticBody:
         self._rounding: tuple[TangentWeights, Array] | None = None
         self._spring, self._dashpot = self._spread(domain, spring)
         self.factorizations = 0
-        """How many tangents were factorized so far."""
+        """Number of tangents factorized so far."""
         self._interface: PETSc.Mat | None = None
         self.identity = np.eye(d)
         self._measure_inertia()
@@ -152,11 +152,11 @@ class ElasticBody:
 
     @property
     def inertia_tensor(self) -> Array:
-        """Of the unrotated body in space about its centre, (3, 3), kg m2."""
+        """Inertia tensor of the unrotated body in space about its centre, (3, 3), kg m2."""
         return np.trace(self._moment) * np.eye(self.dimension) - self._moment
 
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
-        """That of a rigid body with the same momentum and angular momentum."""
+        """Motion of the rigid body that has the same momentum and angular momentum."""
         d = self.dimension
         momentum, arm = self.inertia(v).reshape(-1, d), self.arm + u.reshape(-1, d)
         if d == 2:
@@ -192,7 +192,7 @@ class ElasticBody:
 
     @property
     def rigidity(self) -> float:
-        """What the body's stiffness against forces on it is like, N/m."""
+        """Order of magnitude of the body's stiffness against forces on its surface, N/m."""
         length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.law.density))
         return self.law.longitudinal * length
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 class RigidMotion(NamedTuple):
-    """How a body moves as a whole.
+    """Motion of a body as a whole.
 
     Attributes:
         moved: Displacement of its centre of mass, (d,), m.

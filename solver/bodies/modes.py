@@ -11,7 +11,7 @@ from solver.scheme.generalized_alpha import TangentWeights
 from solver.types import Array
 
 STATIC = TangentWeights(mass=0.0, stiffness=1.0, interface=0.0, contact=0.0, spring=1.0)
-"""Of the tangent K of the body with its springs to the ground."""
+"""Weights that make the tangent the stiffness K of the body with its springs to the ground."""
 
 
 def eigenvalues(body: ElasticBody, count: int = 1) -> Array:

@@ -1,4 +1,4 @@
-"""What holds a meshed body."""
+"""Supports of a meshed body: held facets, and springs to the ground."""
 
 from __future__ import annotations
 

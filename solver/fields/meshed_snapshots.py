@@ -23,7 +23,7 @@ from solver.types import Array
 
 
 class SteppedRun(Protocol):
-    """What snapshots are taken of."""
+    """The run that snapshots are taken of."""
 
     assembly: Assembly
     state: State
@@ -142,4 +142,4 @@ class RigidFields:
         self._writer.write(time, moved, body.rows(self._corners, pose) @ speed)
 
     def close(self) -> None:
-        """Nothing is left open."""
+        """Close the files; they are complete after every snapshot."""

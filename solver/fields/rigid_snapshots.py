@@ -16,7 +16,7 @@ from solver.types import Array
 
 
 class Bodies(Protocol):
-    """What snapshots are taken of: `PlaneSystem` or `SpaceSystem`."""
+    """The rigid blocks that snapshots are taken of: `PlaneSystem` or `SpaceSystem`."""
 
     @property
     def drift(self) -> float | Array:
@@ -24,7 +24,7 @@ class Bodies(Protocol):
 
     @property
     def drift_velocity(self) -> float | Array:
-        """Its velocity, m/s."""
+        """Velocity of the platform, m/s."""
 
     def centre(self, block: int) -> Array:
         """Centre of a block, m."""
@@ -103,4 +103,4 @@ class RigidSnapshots:
         return arms, turning + self._bodies.velocity(block)
 
     def close(self) -> None:
-        """Nothing is left open."""
+        """Close the files; they are complete after every snapshot."""

@@ -58,7 +58,7 @@ def draw_angle(run: Run, rigid: Run | None) -> Figure:
 
 
 def _add_to_one_block(axes: Any, run: Run, block: BlockSpec) -> None:
-    """What there is room for with one block: impacts, its other angles, the angle over alpha."""
+    """Details for a single block: impacts, its other angles, the angle over alpha."""
     if is_spatial(run.history, block.name):
         _add_other_angles(axes, run.history, block.name)
     else:

@@ -109,7 +109,7 @@ def _polygons(faces: Indices) -> Iterator[Indices]:
 
 
 def _owned(grid: Any) -> Mask:
-    """Which cells are no copies: what a rank knows from its neighbour is in the files of both."""
+    """Cells that are no copies: the ghosts of a rank are in its neighbour's file, too."""
     copies = np.asarray(grid.cell_data.get("vtkGhostType", np.zeros(grid.n_cells)))
     return np.asarray(copies == 0)
 

@@ -180,7 +180,7 @@ def _add_stored(axes: Axes, run: Run) -> None:
 
 
 def _add_lost(axes: Axes, run: Run) -> None:
-    """What has been lost, by its causes, and the work of the ground."""
+    """Dissipated energies by cause, and the work of the ground."""
     history, time = run.history, run.history["time_s"]
     work, total = history["energy.input_J"], history["energy.total_J"]
     lost = {name: history[f"energy.{name}_J"] for name in DISSIPATED_ENERGIES}

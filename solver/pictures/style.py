@@ -1,4 +1,4 @@
-"""How pictures look: sizes, colours, lines."""
+"""Style of the pictures: sizes, colours, lines."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def least_span(axes: Axes, least: float) -> None:
 
 
 def legend_above(figure: Any, columns: int = 4) -> None:
-    """What the curves of all panels are, each once, above them, in one row or in even ones."""
+    """One legend above all panels that names each curve once, in rows of equal length."""
     found: dict[str, Any] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):

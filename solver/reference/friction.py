@@ -10,7 +10,7 @@ from solver.scene import FrictionSpec
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resistance:
-    """What friction can hold, and what it does while the block slides.
+    """Limit of friction at rest, and its force while the block slides.
 
     tau = c + mu p, mu = mu_d + (mu_s - mu_d) exp(-DC v). With DC = 0 a block that sticks is held by
     mu_s and one that slides has mu_d, also while its velocity passes through zero.
@@ -22,7 +22,7 @@ class Resistance:
 
     @property
     def none(self) -> bool:
-        """Whether there is no friction at all."""
+        """True without any friction."""
         return self.law.static == 0 and self.cohesion == 0
 
     def holds(self, normal: float, slipped: bool) -> float:

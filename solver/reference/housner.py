@@ -117,7 +117,7 @@ class _RigidBlock:
     step: float
 
     def at_rest(self, velocity: float) -> bool:
-        """Whether the block, standing upright, has too little velocity left to go on."""
+        """True if the upright block has too little velocity left to go on."""
         square = self.shape.frequency(self.gravity) ** 2
         barrier = square * (1 - math.cos(self.shape.slenderness))
         return velocity**2 / 2 <= RESTING_ENERGY * barrier

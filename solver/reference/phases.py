@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Acceleration = Callable[[float], float]
-"""Of the ground, m/s^2, at a time in s; positive towards +x."""
+"""Acceleration of the ground, m/s^2, at a time in s; positive towards +x."""
 
 
 def still(time: float) -> float:

@@ -114,7 +114,7 @@ class _Pair:
         return -(p.damping * state[3] + p.stiffness * state[2]) / (p.mass + self.mass)
 
     def way(self, time: float, state: Array, slipped: bool) -> float:
-        """Which way the block slides from here on, +1 or -1; 0: it sticks."""
+        """Direction in which the block slides from here on, +1 or -1; 0 if it sticks."""
         if state[1] != 0 or self.law.none:
             return math.copysign(1, state[1])
         normal, needed = self.normal(time), float(self.needed(state))
@@ -123,7 +123,7 @@ class _Pair:
         return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
 
     def acceleration(self, time: float, state: Any, force: Any) -> Any:
-        """Of the platform, a_P, when its force on the block is `force` over the block's mass."""
+        """Acceleration a_P of the platform under a force on the block, given over its mass."""
         p = self.platform
         pull = p.damping * state[3] + p.stiffness * state[2] + self.mass * force
         return -self.ground(time) - pull / p.mass

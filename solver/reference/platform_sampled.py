@@ -28,16 +28,16 @@ APART = 1e-9
 
 
 class PlatformState(NamedTuple):
-    """Where the block and the platform are."""
+    """State of the block and the platform."""
 
     slip: float
     """m."""
     rate: float
-    """Of the slip, w, m/s."""
+    """Velocity w of the slip, m/s."""
     drift: float
     """u, m."""
     velocity: float
-    """Of the drift, v, m/s."""
+    """Velocity v of the drift, m/s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +47,12 @@ class Segment:
     ground: float
     """a_g at its start, m/s^2."""
     slope: float
-    """Of a_g, m/s^3."""
+    """Slope of a_g, m/s^3."""
     length: float
     """s."""
 
     def from_(self, tau: float) -> Segment:
-        """What is left of it after a time tau (s)."""
+        """The rest of the segment after a time tau (s)."""
         return Segment(self.ground + self.slope * tau, self.slope, self.length - tau)
 
 
@@ -62,11 +62,11 @@ class Pair:
 
     platform: Platform
     mass: float
-    """Of the block, kg."""
+    """Mass of the block, kg."""
     normal: float
     """Gravity across the platform, m/s^2."""
     law: Resistance
-    """With a friction force that does not depend on the speed."""
+    """Law of friction, with a force that does not depend on the speed."""
     both: LinearOscillator
     """Block and platform as one."""
     alone: LinearOscillator
@@ -89,7 +89,7 @@ class Pair:
         return -(c * velocity + k * drift) / (m + self.mass)
 
     def way(self, state: PlatformState, slipped: bool) -> float:
-        """Which way the block slides from here on, +1 or -1; 0: it sticks."""
+        """Direction in which the block slides from here on, +1 or -1; 0 if it sticks."""
         if state.rate or self.law.none:
             return math.copysign(1, state.rate)
         needed = self.needed(state.drift, state.velocity)
@@ -97,7 +97,7 @@ class Pair:
         return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
 
     def stick(self, state: PlatformState, segment: Segment, tau: float) -> PlatformState:
-        """Where both are after sticking for a time tau (s)."""
+        """State after sticking for a time tau (s)."""
         load, slope = -segment.ground, -segment.slope
         u, v = self.both.after(state.drift, state.velocity, load, slope, tau)
         return PlatformState(state.slip, 0.0, u, v)
@@ -105,7 +105,7 @@ class Pair:
     def slide(
         self, state: PlatformState, segment: Segment, force: float, tau: float
     ) -> PlatformState:
-        """Where both are after sliding under a friction force (over the block's mass) for tau."""
+        """State after sliding for tau under a friction force (over the block's mass)."""
         ground, slope = segment.ground, segment.slope
         load = -ground - self.mass / self.platform.mass * force
         u, v = self.alone.after(state.drift, state.velocity, load, -slope, tau)
@@ -261,7 +261,7 @@ def _phase(
 
 
 def _turns(derivative: Callable[[float], float], length: float) -> Iterator[float]:
-    """Where a function has its extreme inside a stretch, if it has one, and the end."""
+    """The argument of a function's extreme inside a stretch, if there is one, and its end."""
     first, last = derivative(0.0), derivative(length)
     if first * last < 0:
         yield _root(derivative, 0.0, length)
@@ -269,7 +269,7 @@ def _turns(derivative: Callable[[float], float], length: float) -> Iterator[floa
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that changes its sign between two arguments is zero, to round-off."""
+    """Root of a function that changes its sign between two arguments, to round-off."""
     from scipy.optimize import brentq
 
     if function(low) * function(high) > 0:  # by round-off: one of the ends is the zero

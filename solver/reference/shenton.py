@@ -1,4 +1,4 @@
-"""How a rigid block begins to move: criteria of Shenton (1996) for rest, sliding and rocking.
+"""Initiation of motion of a rigid block: Shenton's (1996) criteria for rest, sliding and rocking.
 
 r = H/B; A = horizontal acceleration of the base over gravity; mu = friction, static = dynamic.
 """

@@ -31,7 +31,7 @@ class SlidingReference:
     slip: NDArray[np.float64]
     """Displacement of the block relative to the ground, m, positive towards +x."""
     velocity: NDArray[np.float64]
-    """Of the block relative to the ground, m/s."""
+    """Velocity of the block relative to the ground, m/s."""
 
 
 def sliding(

@@ -1,4 +1,4 @@
-"""How well a run kept its energy: pure functions of columns of its history."""
+"""Energy balance of a run: pure functions of columns of its history."""
 
 from __future__ import annotations
 
@@ -53,5 +53,5 @@ def ledger_error(history: History) -> Array:
 
 
 def losses(history: History) -> dict[str, float]:
-    """What has been dissipated by the end, by its cause, J."""
+    """Energy dissipated by the end, by cause, J."""
     return {f"{name}_J": float(history[f"energy.{name}_J"][-1]) for name in DISSIPATED_ENERGIES}

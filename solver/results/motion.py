@@ -1,4 +1,4 @@
-"""How a block moved, from its columns of the history, in the plane and in space alike.
+"""Motion of a block from its columns of the history, in the plane and in space alike.
 
 In space everything is told in the one upright plane in which the block leans most: its signed lean
 there is the angle of two dimensions, and the width of its base across that plane is the width.
@@ -21,7 +21,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockMotion:
-    """What one block did.
+    """Motion of one block over a run.
 
     Attributes:
         time: t, s.
@@ -46,7 +46,7 @@ class BlockMotion:
 
 
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
-    """What the history says of a block."""
+    """The motion of a block as its columns give it."""
     name, carrier = block.name, scene.carrier_of(block)
     if is_spatial(history, name):
         angle, lean, shape = _lean_in_space(history, block, carrier)
@@ -68,7 +68,7 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
 
 
 def is_spatial(history: History, name: str) -> bool:
-    """Whether a block's columns are those of three dimensions."""
+    """True if a block's columns are those of three dimensions."""
     return f"{name}.angle_x_rad" in history
 
 
@@ -105,7 +105,7 @@ def _rotations(history: History, name: str) -> Array:
 
 
 def _axes(history: History, name: str) -> Array:
-    """Where the upright axis of a block points, (rows, 3)."""
+    """Direction of a block's upright axis, (rows, 3)."""
     return rotated(_rotations(history, name), UP)
 
 
@@ -151,7 +151,7 @@ def _shape_across(shape: Block, direction: Array) -> Block:
 
 
 def _fell(history: History, block: BlockSpec, carrier: BlockSpec | None) -> bool:
-    """Whether the centre of a block ends below the surface that it stood on.
+    """True if the centre of a block ends below the surface that it stood on.
 
     That of the foundation is at level 0. That of a block is its top; a block that lies beside an
     overturned carrier is above the plane of that top, but not above its centre.

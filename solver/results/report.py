@@ -11,7 +11,7 @@ LISTED = 8
 
 
 def report(summary: Mapping[str, Any]) -> str:
-    """What came of a run."""
+    """The result of a run, as lines of text."""
     lines = [f"{summary['status']} at t = {summary['end_s']:.6g} s"]
     if summary["reason"]:
         lines[0] += f": {summary['reason']}"
@@ -34,7 +34,7 @@ def report(summary: Mapping[str, Any]) -> str:
 
 
 def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
-    """What one block did."""
+    """Lines on one block."""
     lines = [
         f"{name}: {block['mode']}, peak angle {math.degrees(block['peak_angle_rad']):.4g} degrees, "
         f"peak slip {1e3 * block['peak_slip_m']:.3g} mm, "
@@ -52,7 +52,7 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
 
 
 def _platform(platform: Mapping[str, float]) -> str:
-    """What the platform did."""
+    """Lines on the platform."""
     words = []
     for direction, along in (("", ""), ("_second", " along y")):
         if f"peak_drift{direction}_m" in platform:
@@ -64,7 +64,7 @@ def _platform(platform: Mapping[str, float]) -> str:
 
 
 def _cost(cost: Mapping[str, Any]) -> str:
-    """What a run cost."""
+    """Lines on the cost of a run."""
     words = [f"{cost['wall_s']:.2f} s in the time loop"]
     for key, text in (
         ("setup_s", "{:.2f} s set-up"),

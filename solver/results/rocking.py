@@ -1,4 +1,4 @@
-"""What a block did, from its history: swings, impacts with their restitution, and its mode.
+"""Swings, impacts with their restitution, and mode of a block, from its history.
 
 A swing is a stay of the rocking angle theta on one side of zero. It begins where |theta| exceeds
 `SMALLEST_SWING` times the slenderness alpha = atan(B/H) and ends with an impact where theta crosses
@@ -145,7 +145,7 @@ def impacts(time: Array, angle: Array, shape: Block, gravity: float) -> list[Imp
 
 
 def _impact_time(time: Array, angle: Array, last: int) -> float:
-    """Where the angle crosses zero after row `last`, or else stops to fall."""
+    """Row at which the angle crosses zero after row `last`, or else stops falling."""
     i = last
     while i + 1 < len(angle) and angle[i] * angle[i + 1] > 0:
         if abs(angle[i + 1]) >= abs(angle[i]):
@@ -157,7 +157,7 @@ def _impact_time(time: Array, angle: Array, last: int) -> float:
 
 
 def _crossing(time: Array, angle: Array, i: int) -> float:
-    """How long after row `i`, the last of a swing, the angle is zero, s.
+    """Time from row `i`, the last of a swing, to the zero of the angle, s.
 
     At an impact the angle has a kink, so that what comes after it says nothing of when it was: the
     parabola through the last three rows before it does. Where that has no zero before the next row
@@ -200,7 +200,7 @@ def _restitution(
 
 
 def overturned(angle: Array, slenderness: float) -> bool:
-    """Whether a block fell over.
+    """True if a block fell over.
 
     It ends beyond its point of balance, |theta| > alpha, or has been where it has no more energy
     than upright, |theta| > 2 alpha (at most 89 degrees: a block lies at 90).
@@ -218,7 +218,7 @@ def mode(
     lean: Array | None = None,
     fell: bool = False,
 ) -> str:
-    """How a block moved: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
+    """Mode of a block: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
 
     Args:
         angle: Rocking angle against what carries the block, rad.

@@ -17,7 +17,7 @@ FIELDS = "fields.pvd"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What a run left in its folder."""
+    """The files that a run left in its folder."""
 
     folder: Path
     scene: Scene
@@ -26,12 +26,12 @@ class Run:
 
     @property
     def label(self) -> str:
-        """What the run is called in pictures."""
+        """Name of the run in pictures."""
         return self.folder.resolve().name
 
     @property
     def model(self) -> str:
-        """What made the run: finite elements, rigid blocks, or the name of a rigid-body answer."""
+        """Model of the run: finite elements, rigid blocks, or the name of a rigid-body answer."""
         return str(self.summary["model"])
 
 

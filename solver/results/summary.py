@@ -59,12 +59,12 @@ def summarise(
 
 
 def _model(scene: Scene) -> str:
-    """What makes the history of a scene: finite elements, unless nothing in it is meshed."""
+    """Model that makes the history of a scene: finite elements, unless nothing in it is meshed."""
     return "rigid blocks" if scene.is_rigid else "finite elements"
 
 
 def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
-    """What one block did."""
+    """Entries of one block."""
     motion = block_motion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
@@ -102,7 +102,7 @@ def _mass_ratio_felt(block: BlockSpec, scene: Scene, history: History) -> float:
 
 
 def _platform(history: History) -> dict[str, float]:
-    """What the platform did, in each direction in which it moves."""
+    """Entries of the platform, for each direction in which it moves."""
     known = {}
     for direction in ("", "_second"):
         if f"platform.drift{direction}_m" in history:
@@ -113,7 +113,7 @@ def _platform(history: History) -> dict[str, float]:
 
 
 def _energy(scene: Scene, history: History) -> dict[str, Any]:
-    """How well energy was kept, and where it went."""
+    """Entries on the energy balance and on where energy went."""
     total, work = history["energy.total_J"], history["energy.input_J"]
     raised = float(gravity_above_upright(scene, history)[0])
     scale = energy.scale(
@@ -138,7 +138,7 @@ def write_json(file: Path, summary: Mapping[str, Any]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """The same in the types of JSON."""
+    """A value in the types of JSON."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""Where blocks stand when nothing moves, and their gravity energy above that."""
+"""Positions of blocks at rest, and their gravity energy above these."""
 
 from __future__ import annotations
 
