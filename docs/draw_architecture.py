@@ -131,43 +131,42 @@ def arrows() -> Counter[tuple[str, str]]:
 
 
 def draw(file: Path) -> None:
-    """Draw the packages in a column, their imports as arcs: as thick as they are many."""
+    """Draw the imports as a matrix: the row's package imports the column's."""
     import matplotlib as mpl
 
     mpl.use("Agg")
     import matplotlib.pyplot as plt
-    from matplotlib.patches import FancyArrowPatch
 
-    sizes = Counter(package_of(module) for module in modules())
-    lines = Counter[str]()
+    sizes: Counter[str] = Counter()
+    lines: Counter[str] = Counter()
     for module, path in modules().items():
+        sizes[package_of(module)] += 1
         lines[package_of(module)] += len(path.read_text().splitlines())
-    figure, axes = plt.subplots(figsize=(8.0, 10.0))
-    height = {package: -number for number, package in enumerate(ORDER)}
-    for package, y in height.items():
-        note = f"{sizes[package]} files, {lines[package]} lines"
-        box = {"boxstyle": "round,pad=0.35", "facecolor": "#eef3f8", "edgecolor": "#4a6a8a"}
-        axes.text(0, y, package, ha="center", va="center", bbox=box, fontsize=10)
-        axes.text(0.9, y, note, ha="left", va="center", fontsize=8, color="#555555")
+    place = {package: number for number, package in enumerate(ORDER)}
+    figure, axes = plt.subplots(figsize=(9.0, 7.0))
     for (own, other), count in arrows().items():
-        span = height[other] - height[own]
-        bend = 0.45 if span > 0 else -0.45
+        row, column = place[own], place[other]
+        shade = 0.12 + 0.68 * min(count / 25, 1.0)
+        colour = "#2c6aa0" if column < row else "#c0392b"
         axes.add_patch(
-            FancyArrowPatch(
-                (-0.62, height[own]),
-                (-0.62, height[other]),
-                connectionstyle=f"arc3,rad={-abs(bend) if span > 0 else abs(bend)}",
-                arrowstyle="-|>",
-                mutation_scale=7,
-                linewidth=0.4 + 0.12 * min(count, 20),
-                color="#4a6a8a" if span > 0 else "#c0392b",
-                alpha=0.55,
-            )
+            plt.Rectangle((column - 0.5, row - 0.5), 1, 1, color=colour, alpha=shade, linewidth=0)
         )
-    axes.set_xlim(-6.5, 3.2)
-    axes.set_ylim(-len(ORDER) + 0.3, 0.7)
-    axes.axis("off")
-    axes.set_title("Packages: each imports only from those above it", fontsize=11)
+        axes.text(column, row, str(count), ha="center", va="center", fontsize=8)
+    for package, number in place.items():
+        square = (number - 0.5, number - 0.5)
+        axes.add_patch(plt.Rectangle(square, 1, 1, color="#d8dde2", linewidth=0))
+        note = f"{sizes[package]} files, {lines[package]} lines"
+        axes.text(len(ORDER) - 0.3, number, note, va="center", fontsize=8, color="#555555")
+    axes.set_xticks(range(len(ORDER)), ORDER, rotation=60, ha="left", fontsize=9)
+    axes.set_yticks(range(len(ORDER)), ORDER, fontsize=9)
+    axes.xaxis.tick_top()
+    axes.tick_params(length=0)
+    axes.set_xlim(-0.5, len(ORDER) - 0.5)
+    axes.set_ylim(len(ORDER) - 0.5, -0.5)
+    axes.set_aspect("equal")
+    axes.set_xlabel("imported package: the row's package imports it so many times", fontsize=9)
+    for side in axes.spines.values():
+        side.set_visible(False)
     figure.savefig(file, dpi=130, bbox_inches="tight")
     plt.close(figure)
 
