@@ -53,7 +53,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if words[cut + 1 :] and options.command != "run":
         parser.error("options after -- are for `rockslip run`")
     options.petsc_options = tuple(words[cut + 1 :])
-    options.has_the_process = arguments is None
     try:
         return int(options.action(options))
     except KeyboardInterrupt:  # before or after the run itself, which handles signals on its own
@@ -103,11 +102,10 @@ def build_parser() -> Parser:
 
 
 def run_scene(options: argparse.Namespace) -> int:
-    """`rockslip run`: every rank reads the same scene and takes part."""
-    from solver.excitation.motion import ground_motion
-    from solver.law.switch import interpret_if_short
+    """`rockslip run`: rank 0 reads scene and motion, every rank takes part."""
+    from solver.excitation.motion import read_ground
     from solver.parallel import abort_on_exceptions, on_first_rank, world
-    from solver.scene import parse_scene, read_text
+    from solver.scene import load_scene
     from solver.stepping.petsc_options import parse_options
 
     try:
@@ -117,13 +115,10 @@ def run_scene(options: argparse.Namespace) -> int:
     abort_on_exceptions(comm)
     parse_options(options.petsc_options)  # refused before anything is written
     path = options.scene
-    text = on_first_rank(comm, lambda: read_text(path))
-    scene = parse_scene(text, folder=path.parent, overrides=options.overrides, source=path.name)
-    # A motion that cannot be read is refused before anything is written, and so is a scene that
-    # needs what is not installed.
-    on_first_rank(comm, lambda: ground_motion(scene) and None)
-    if options.has_the_process:
-        interpret_if_short(scene)
+    # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
+    # so is a scene that needs what is not installed.
+    scene = on_first_rank(comm, lambda: load_scene(path, options.overrides))
+    ground = read_ground(scene, comm)
     try:
         comm = world(meshed=not scene.is_rigid)
         from solver.run.simulate import simulate
@@ -144,6 +139,7 @@ def run_scene(options: argparse.Namespace) -> int:
         progress=Progress(scene.time.end, quiet=options.quiet, rank=comm.rank),
         log=_tell if options.verbose and comm.rank == 0 else None,
         comm=comm,
+        ground=ground,
     )
     if comm.rank == 0 and not options.quiet:
         sys.stdout.write(report(result.summary))
@@ -166,17 +162,19 @@ def run_reference(options: argparse.Namespace) -> int:
     """`rockslip reference`: one rank does it, in the time that the others need to leave."""
     if launched_rank() != 0:
         return 0
+    from solver.excitation.motion import read_ground
     from solver.reference.answer import reference_history, reference_name
     from solver.results.report import report
     from solver.results.summary import summarise, write_json
     from solver.scene import load_scene, scene_to_toml
 
     scene = load_scene(options.scene, options.overrides)
-    model = reference_name(scene)  # refused before anything is written
+    ground = read_ground(scene)
+    model = reference_name(scene, ground)  # refused before anything is written
     folder = options.output or Path(options.scene.stem + ".rigid")
     claim_folder(folder, options.scene, options.force)
     began = time.monotonic()
-    history = reference_history(scene, folder / "history.csv")
+    history = reference_history(scene, folder / "history.csv", ground)
     summary = summarise(
         scene,
         history,

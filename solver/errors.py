@@ -49,6 +49,38 @@ class UnknownKey(SceneError):
         return f"{self.where}: unknown key{hint} allowed {self.allowed}"
 
 
+class Statement(SceneError):
+    """Bad input that is best said in a sentence of its own: a key, and what is wrong with it."""
+
+    def __init__(self, where: str, predicate: str) -> None:
+        """Say what is wrong.
+
+        Args:
+            where: Path of the key: the subject of the sentence.
+            predicate: The rest of the sentence.
+        """
+        super().__init__(where, "", predicate)
+        self.args = (where, predicate)
+
+    def under(self, prefix: str) -> Statement:
+        """The same error for a table that stands at `prefix`."""
+        return Statement(f"{prefix}.{self.where}" if prefix else self.where, self.allowed)
+
+    def __str__(self) -> str:
+        """One line."""
+        return " ".join(f"{self.where} {self.allowed}".split())
+
+
+def missing_key(where: str, what: str) -> Statement:
+    """The error of a key that is required and not there; `what` follows "is required"."""
+    return Statement(where, f"is required {what}")
+
+
+def not_applicable(where: str, what: str) -> Statement:
+    """The error of a key that means nothing in this scene; `what` follows "applies to"."""
+    return Statement(where, f"applies to {what}; remove it")
+
+
 class NotConverged(RockslipError):
     """The equations of a step have no solution that was found; what was computed before is kept."""
 

@@ -27,10 +27,11 @@ from solver.contact.facet_target import Face
 from solver.contact.interface import Interface
 from solver.contact.outline import Outline
 from solver.contact.plane_target import Carrier
-from solver.excitation.motion import ground_motion
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.law.friction import FrictionLaw
 from solver.scene import BlockSpec, Scene
 from solver.scene.limits import young_of_rigid
+from solver.scene.material import Material
 from solver.scene.places import stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.state import State
@@ -77,9 +78,21 @@ class Assembly:
 
 
 def build(
-    scene: Scene, *, petsc_options: Sequence[str] = (), comm: MPI.Intracomm = MPI.COMM_WORLD
+    scene: Scene,
+    ground: GroundMotion | None = None,
+    *,
+    petsc_options: Sequence[str] = (),
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Assembly:
-    """Mesh what has to be meshed and set the solver up."""
+    """Mesh what has to be meshed and set the solver up.
+
+    Args:
+        scene: What to build.
+        ground: Its motion of the ground, as it was read; None: it is read here.
+        petsc_options: Options for SNES.
+        comm: Communicator.
+    """
+    ground = ground or read_ground(scene, comm)
     placed = stands(scene)
     members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
     support = foundation(scene, len(members), comm)
@@ -95,7 +108,7 @@ def build(
         contacts,
         GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps),
         gravity=np.array(scene.gravity_vector),
-        ground=ground_motion(scene),
+        ground=ground if ground.moves else None,
         velocity_solve=scene.contact.velocity_solve,
         petsc_options=petsc_options,
     )
@@ -127,14 +140,21 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     )
     move(made.mesh, upright)
     body = meshed_body(
-        *(scene, spec.name, made),
-        elasticity=(young_of_rigid(scene, spec), 0.0) if rigid else spec.elasticity,
-        density=spec.shape.density,
+        scene,
+        spec.name,
+        made,
+        material=_stand_in(scene, spec) if rigid else spec.material(scene.material_plane),
         thickness=spec.thickness,
         degree=1 if rigid else spec.degree,
         damped=not rigid,
     )
     return BlockBody(spec, body, number, stand, made.facet_tags)
+
+
+def _stand_in(scene: Scene, spec: BlockSpec) -> Material:
+    """The material of the stiff hexahedron that stands for a rigid block in space."""
+    young, density = young_of_rigid(scene, spec), spec.shape.density
+    return Material(young=young, poisson=0.0, density=density, plane=scene.material_plane)
 
 
 def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:

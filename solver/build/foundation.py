@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import singledispatch
 
 from mpi4py import MPI
 
@@ -21,7 +22,8 @@ from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face
 from solver.contact.plane_target import Carrier, Plane
-from solver.scene import FrameSpec, OscillatorSpec, PlateSpec, Scene
+from solver.scene import Scene
+from solver.scene.foundation import Foundation, FrameSpec, OscillatorSpec, PlateSpec
 from solver.types import Array, Indices
 
 
@@ -78,29 +80,37 @@ def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody
         number: Of its body, if it is one.
         comm: Communicator.
     """
-    spec, dimension = scene.foundation, scene.dimension
-    if isinstance(spec, OscillatorSpec):
-        platform = scene.platform()
-        body = Oscillator(
-            mass=platform.mass,
-            stiffness=platform.stiffness,
-            dashpot=platform.damping,
-            dimension=dimension,
-            comm=comm,
-        )
-        return FoundationBody(dimension, number, body)
-    if isinstance(spec, PlateSpec):
-        if spec.support == "fixed":
-            return FoundationBody(dimension, width=spec.width, thickness=spec.thickness)
-        return _plate(scene, spec, number, comm)
-    if isinstance(spec, FrameSpec):
-        return _frame(scene, spec, number, comm)
-    return FoundationBody(dimension)
+    return _built(scene.foundation, scene, number, comm)
 
 
-def _plate(scene: Scene, spec: PlateSpec, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """A meshed plate on its bottom, or on rollers and a spring."""
-    dimension, shape = scene.dimension, spec.shape(scene.carried_mass)
+@singledispatch
+def _built(spec: Foundation, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
+    """The foundation of a kind: rigid ground, unless a builder is registered below."""
+    return FoundationBody(scene.dimension)
+
+
+@_built.register
+def _oscillator(
+    spec: OscillatorSpec, scene: Scene, number: int, comm: MPI.Intracomm
+) -> FoundationBody:
+    """A rigid platform on a spring."""
+    platform = scene.platform()
+    body = Oscillator(
+        mass=platform.mass,
+        stiffness=platform.stiffness,
+        dashpot=platform.damping,
+        dimension=scene.dimension,
+        comm=comm,
+    )
+    return FoundationBody(scene.dimension, number, body)
+
+
+@_built.register
+def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
+    """A meshed plate on its bottom, or on rollers and a spring; not meshed where all is held."""
+    dimension = scene.dimension
+    if spec.support == "fixed":
+        return FoundationBody(dimension, width=spec.width, thickness=spec.thickness)
     made = plate_mesh(
         Plate(width=spec.width, height=spec.height, thickness=spec.thickness),
         dimension=dimension,
@@ -109,16 +119,16 @@ def _plate(scene: Scene, spec: PlateSpec, number: int, comm: MPI.Intracomm) -> F
         comm=comm,
     )
     bottom = made.facet_tags.find(FacetTag.BOTTOM)
-    rollers = spec.support == "rollers"
-    spring = None
-    if rollers:
+    spring, directions = None, tuple(range(dimension))
+    if spec.on_spring:
         platform = scene.platform()
         spring = GroundSpring(facets=bottom, stiffness=platform.stiffness, dashpot=platform.damping)
-    directions = (dimension - 1,) if rollers else tuple(range(dimension))
+        directions = (dimension - 1,)
     body = meshed_body(
-        *(scene, "plate", made),
-        elasticity=(spec.young, spec.poisson),
-        density=shape.density,
+        scene,
+        "plate",
+        made,
+        material=spec.material(scene.material_plane, scene.carried_mass),
         thickness=spec.thickness,
         degree=spec.degree,
         supports=[Support(facets=bottom, directions=directions)],
@@ -128,7 +138,8 @@ def _plate(scene: Scene, spec: PlateSpec, number: int, comm: MPI.Intracomm) -> F
     return FoundationBody(dimension, number, body, surface=surface)
 
 
-def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> FoundationBody:
+@_built.register
+def _frame(spec: FrameSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
     """A meshed deck on columns."""
     dimension = scene.dimension
     deck = Plate(width=spec.deck.width, height=spec.deck.height, thickness=spec.deck.thickness)
@@ -148,9 +159,10 @@ def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> F
     made = frame_mesh(frame, dimension=dimension, cells=cells, comm=comm)
     feet = made.facet_tags.find(FacetTag.FEET)
     body = meshed_body(
-        *(scene, "frame", made),
-        elasticity=(spec.young, spec.poisson),
-        density=spec.density,
+        scene,
+        "frame",
+        made,
+        material=spec.material(scene.material_plane),
         thickness=spec.deck.thickness,
         degree=spec.degree,
         supports=[Support(facets=feet, directions=tuple(range(dimension)))],

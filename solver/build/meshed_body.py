@@ -16,8 +16,7 @@ def meshed_body(
     name: str,
     made: MeshedBody,
     *,
-    elasticity: tuple[float, float],
-    density: float,
+    material: Material,
     thickness: float,
     degree: int,
     damped: bool = True,
@@ -27,31 +26,23 @@ def meshed_body(
     """The elastic body on a mesh.
 
     Args:
-        scene: Says plane strain, plane stress or space, and Rayleigh's damping.
+        scene: Says whether it is in the plane or in space, and Rayleigh's damping.
         name: Of the body.
         made: Its mesh.
-        elasticity: E, Pa, and nu.
-        density: kg/m3.
+        material: What it is made of.
         thickness: t, m; in space it is in the mesh.
         degree: Polynomial degree of the displacement.
         damped: Whether Rayleigh's damping acts on it.
         supports: Held facets.
         spring: To the ground.
     """
-    plane = scene.dimension == 2
-    young, poisson = elasticity
     return ElasticBody(
         made.mesh,
-        Material(
-            young=young,
-            poisson=poisson,
-            density=density,
-            plane=scene.plane if plane else "solid",
-        ),
+        material,
         degree=degree,
         damping=scene.damping if damped else None,
         name=name,
-        thickness=thickness if plane else 1.0,
+        thickness=thickness if scene.dimension == 2 else 1.0,
         supports=supports,
         spring=spring,
     )

@@ -13,7 +13,7 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
-from solver.scene.units import STANDARD_GRAVITY
+from solver.scene.units import G_UNIT
 from solver.types import Array
 
 Lines = list[tuple[str, str]]
@@ -37,7 +37,7 @@ def describe_motion(motion: BaseMotion | None, step: float | None) -> Lines:
     """
     if motion is None:
         return [("", "none")]
-    peak = f"{motion.peak / STANDARD_GRAVITY:.4g} g = {motion.peak:.4g} m/s2"
+    peak = f"{motion.peak / G_UNIT:.4g} g = {motion.peak:.4g} m/s2"
     if isinstance(motion, SampledMotion):
         measures = _measures(motion)
         return [("", f"PGA {peak}"), ("samples", _samples(motion)), *measures, _met(motion, step)]
@@ -67,7 +67,7 @@ def _measures(motion: SampledMotion) -> Lines:
     """Peaks, duration, intensity and spectrum; g is 9.81 m/s^2."""
     values, step = _even(motion)
     _, speed, moved = peak_ground(values, step)
-    spectrum = response_spectrum(values, step, PERIODS) / STANDARD_GRAVITY
+    spectrum = response_spectrum(values, step, PERIODS) / G_UNIT
     pairs = [f"{period:g} s {value:.4f}" for period, value in zip(PERIODS, spectrum, strict=True)]
     return [
         ("PGV", f"{speed:.4f} m/s"),

@@ -3,29 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from importlib import import_module
+from typing import Protocol, cast
 
 import numpy as np
 
-from solver.excitation.pulses import Rectangular, Ricker, Sine
-from solver.scene import (
-    HalfSineSpec,
-    MotionSpec,
-    OneSineSpec,
-    RecordSpec,
-    RectangularSpec,
-    RickerSpec,
-    Scene,
-    SineSpec,
-    StillSpec,
-    SyntheticSpec,
-    TableSpec,
-)
-from solver.scene.units import STANDARD_GRAVITY, UNITS
+from solver.parallel import Comm, on_first_rank
+from solver.scene import MotionSpec, Scene
+from solver.scene.limits import refuse_beyond
 from solver.types import Array
-
-RICKER_PERIODS = 3.0
-"""Duration of a Ricker wavelet in periods 1/f: at its ends it is 1e-8 of what it is at its peak."""
 
 
 class BaseMotion(Protocol):
@@ -57,30 +43,26 @@ class BaseMotion(Protocol):
 
 
 def base_motion(spec: MotionSpec | None, end: float, where: str = "motion") -> BaseMotion | None:
-    """The horizontal motion of the ground in a run up to time `end` (s); None: it does not move.
+    """The motion of the ground along one direction in a run up to time `end` (s).
 
-    A motion in another direction, `spec.vertical` or `spec.second`, is read by the same function.
+    It is made by the module of its kind in `solver.excitation.kinds`, imported when it is asked
+    for.
 
     Args:
-        spec: What the scene says.
+        spec: What the scene says: `scene.motion`, or its `vertical` or `second`.
         end: s.
         where: Path of the table in the scene, for errors.
+
+    Returns:
+        The motion; None: no motion in this direction.
+
+    Raises:
+        SceneError: A file cannot be read; names file and line.
     """
-    if spec is None or isinstance(spec, StillSpec):
+    if spec is None:
         return None
-    if isinstance(spec, TableSpec):
-        from solver.excitation.table import read_table
-
-        return read_table(spec.file, UNITS[spec.units] * spec.scale, where)
-    if isinstance(spec, RecordSpec):
-        from solver.excitation.records import read_record
-
-        return read_record(spec, where)
-    if isinstance(spec, SyntheticSpec):
-        from solver.excitation.synthetic.suite_motion import synthetic_motion
-
-        return synthetic_motion(spec)
-    return _pulse(spec, end)
+    made = import_module(f"solver.excitation.kinds.{spec.kind}").signal(spec, end, where)
+    return cast("BaseMotion | None", made)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,15 +72,37 @@ class GroundMotion:
     parts: tuple[BaseMotion | None, ...]
     """Along x and y (3-D: x, y and z); None: no motion in this direction."""
 
+    @property
+    def moves(self) -> bool:
+        """Whether there is motion in some direction."""
+        return any(self.parts)
+
+    @property
+    def along(self) -> BaseMotion | None:
+        """The motion along x."""
+        return self.parts[0]
+
+    @property
+    def up(self) -> BaseMotion | None:
+        """The vertical motion."""
+        return self.parts[-1]
+
     def acceleration(self, time: float) -> Array:
         """Acceleration of the ground, m/s^2, (d,)."""
         return np.array([part.acceleration(time) if part else 0.0 for part in self.parts])
 
     def mean(self, time: float, dt: float) -> Array:
-        """Mean acceleration from a time on, m/s^2, (d,): what the velocity gains, over dt."""
-        ends = (time, time + dt)
-        speeds = [[p.velocity(t) if p else 0.0 for t in ends] for p in self.parts]
-        return np.array([(after - before) / dt for before, after in speeds])
+        """Mean acceleration from a time on, for a time dt, m/s^2, (d,)."""
+        return np.asarray(self.means(np.array([time, time + dt]))[0])
+
+    def means(self, times: Array) -> Array:
+        """Mean accelerations from each of n times to the next, m/s^2, (n - 1, d).
+
+        What the velocity gains over the time that passes, so that steps of any length take up the
+        whole impulse.
+        """
+        gained = np.diff(self.velocities(times), axis=0)
+        return np.asarray(gained / np.diff(times)[:, None])
 
     def accelerations(self, times: Array) -> Array:
         """Accelerations of the ground at many times, m/s^2, (n, d)."""
@@ -111,32 +115,35 @@ class GroundMotion:
         return np.stack([p.velocities(times) if p else still for p in self.parts], axis=-1)
 
 
+def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:
+    """The motion of the ground, read and computed on rank 0, which tells the others.
+
+    Peaks that only a motion that was read tells are held against the limits of the scene here.
+
+    Args:
+        scene: What asks for it.
+        comm: Collective on all its ranks; None: this process reads for itself alone.
+
+    Raises:
+        SceneError: A file cannot be read, or the scene is beyond its limits; on every rank alike.
+    """
+    if comm is None:
+        return _read(scene)
+    return cast("GroundMotion", on_first_rank(comm, lambda: _read(scene)))
+
+
 def ground_motion(scene: Scene) -> GroundMotion | None:
     """The motion of the ground in all directions together; None when it does not move."""
-    spec, end = scene.motion, scene.time.end
-    if spec is None:
-        return None
-    second = [base_motion(spec.second, end, "motion.second")] if scene.dimension == 3 else []
-    along, up = base_motion(spec, end), base_motion(spec.vertical, end, "motion.vertical")
-    motion = GroundMotion((along, *second, up))
-    return motion if any(motion.parts) else None
+    motion = read_ground(scene)
+    return motion if motion.moves else None
 
 
-def _pulse(
-    spec: SineSpec | HalfSineSpec | OneSineSpec | RectangularSpec | RickerSpec, end: float
-) -> Sine | Rectangular | Ricker:
-    """The motion that a formula gives."""
-    start, amplitude = spec.start, spec.amplitude_g * STANDARD_GRAVITY
-    if isinstance(spec, SineSpec):
-        # A hair beyond the end, lest the rounding of the last step's time switch the motion off.
-        stop = end * (1 + 1e-9) if spec.cycles is None else start + spec.cycles * spec.period
-        return Sine(amplitude=amplitude, start=start, stop=stop, period=spec.period)
-    if isinstance(spec, RickerSpec):
-        frequency = spec.frequency or RICKER_PERIODS / (spec.duration or np.nan)
-        stop = start + RICKER_PERIODS / frequency
-        return Ricker(amplitude=amplitude, start=start, stop=stop, frequency=frequency)
-    stop = start + spec.duration
-    if isinstance(spec, RectangularSpec):
-        return Rectangular(amplitude=amplitude, start=start, stop=stop)
-    period = spec.duration * (2 if isinstance(spec, HalfSineSpec) else 1)
-    return Sine(amplitude=amplitude, start=start, stop=stop, period=period)
+def _read(scene: Scene) -> GroundMotion:
+    """The motions of all directions, each read once."""
+    found, shaking = dict[str, BaseMotion | None](), 0.0
+    for where, spec in scene.motions:
+        found[where] = motion = base_motion(spec, scene.time.end, where)
+        read = motion.peak if motion else 0.0
+        shaking += read if spec.known_peak is None else spec.known_peak
+    refuse_beyond(scene, shaking)
+    return GroundMotion(tuple(found.get(direction) for direction in scene.directions))

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solver.scene.units import STANDARD_GRAVITY
+from solver.scene.units import G_UNIT
 
 Samples = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def peak_ground(acceleration: Samples, step: float) -> tuple[float, float, float
 
 def arias_intensity(acceleration: Samples, step: float) -> float:
     """I_A = pi/(2 g) times the integral of a^2, m/s, with g = 9.81 m/s^2 (Arias 1970)."""
-    return math.pi / (2 * STANDARD_GRAVITY) * float(_squares(acceleration, step)[-1])
+    return math.pi / (2 * G_UNIT) * float(_squares(acceleration, step)[-1])
 
 
 def significant_duration(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.scene import FrameSpec, OscillatorSpec, PlateSpec, Scene
+from solver.scene import Scene
 from solver.types import Array
 
 
@@ -25,14 +25,8 @@ def platform_corners(scene: Scene) -> Array:
 
 def floor_level(scene: Scene) -> float:
     """Height of the floor, m: of the ground below whatever carries the blocks."""
-    foundation = scene.foundation
-    if isinstance(foundation, OscillatorSpec):
-        return float(platform_corners(scene)[:, -1].min())
-    if isinstance(foundation, PlateSpec):
-        return -foundation.height
-    if isinstance(foundation, FrameSpec):
-        return -foundation.deck.height - foundation.storey
-    return 0.0
+    depth = scene.foundation.depth
+    return float(platform_corners(scene)[:, -1].min()) if depth is None else -depth
 
 
 def half_floor(scene: Scene) -> float:

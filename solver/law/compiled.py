@@ -1,7 +1,8 @@
 """`@compiled`: functions of plain numbers and arrays, as machine code where numba is installed.
 
 Without numba, or with ROCKSLIP_NO_NUMBA=1 in the environment, they stay what they are and the same
-code is interpreted. Machine code is kept between runs, in a folder per version of the sources:
+code is interpreted, as it is in runs that are over before numba is imported (`solver.law.switch`).
+Machine code is kept between runs, in a folder per version of the sources:
 numba itself looks at the file of a function only, not at those of the functions that it calls, and
 would run old code after an update. Nothing is ever written into the checkout.
 
@@ -14,22 +15,31 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, cached_property, update_wrapper
 from importlib import import_module
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
-from solver.law.switch import is_interpreted
+from solver.law.switch import CHOICE, is_interpreted
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
-def _numba() -> ModuleType | None:
-    """The compiler, if it is there and wanted."""
-    if is_interpreted():
-        return None
+def _numba() -> ModuleSpec | None:
+    """Where the compiler is, if it is installed and wanted; it is not imported yet."""
+    return None if is_interpreted() else find_spec("numba")
+
+
+NUMBA = _numba()
+
+
+@cache
+def _compiler() -> ModuleType | None:
+    """The compiler, imported; None where that fails."""
     try:
         import numba
 
@@ -39,7 +49,10 @@ def _numba() -> ModuleType | None:
     return numba
 
 
-NUMBA = _numba()
+def runs_machine_code() -> bool:
+    """Whether compiled functions run as machine code now: see `solver.law.switch`."""
+    return NUMBA is not None and not CHOICE.interprets
+
 
 #: Folders, beside this one's, whose sources make compiled functions that call one another.
 _FOLDERS = ("law", "rigid")
@@ -80,27 +93,71 @@ def is_kept(module: str) -> bool:
     return any((folder / _sources()).glob(f"{parent}_*/{name}.*.nbi"))
 
 
+class _Compiled:
+    """A function that is compiled at its first call, or interpreted where a run chose so.
+
+    Compiled functions that call it see the machine code: numba asks what an object is by
+    `_numba_type_`.
+    """
+
+    def __init__(self, function: FunctionType):
+        """Remember the function; numba is not imported yet."""
+        self.py_func = function
+        update_wrapper(self, function)
+
+    @cached_property
+    def _machine(self) -> Any:
+        """The machine code; the function itself where numba cannot be imported."""
+        numba, folder = _compiler(), _cache_folder()
+        if numba is None:
+            return self.py_func
+        if folder is None:
+            return numba.njit(error_model="numpy")(self.py_func)
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(folder / _sources())
+        try:
+            return numba.njit(cache=True, error_model="numpy")(self.py_func)
+        finally:
+            numba.config.CACHE_DIR = before
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What the machine code is to numba."""
+        return self._machine._numba_type_
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call it."""
+        return (self.py_func if CHOICE.interprets else self._machine)(*arguments)
+
+
 def compiled(function: Function) -> Function:
-    """The function, compiled at its first call where numba is installed."""
+    """The function, compiled at its first call where numba is installed and wanted."""
     if NUMBA is None or not isinstance(function, FunctionType):
         return function
-    folder = _cache_folder()
-    if folder is None:
-        machine: Function = NUMBA.njit(error_model="numpy")(function)
-        return machine
-    before = NUMBA.config.CACHE_DIR
-    NUMBA.config.CACHE_DIR = str(folder / _sources())
-    try:
-        kept: Function = NUMBA.njit(cache=True, error_model="numpy")(function)
-    finally:
-        NUMBA.config.CACHE_DIR = before
-    return kept
+    lazy: Any = _Compiled(function)
+    return cast("Function", lazy)
 
 
-def _borrowing() -> Callable[[Any], Any]:
-    """`borrowed` as an intrinsic of numba, or as the identity."""
-    if NUMBA is None:
-        return lambda arrays: arrays
+class _Borrowed:
+    """The identity; in machine code an intrinsic that switches off the counting of uses."""
+
+    def __call__(self, arrays: Any) -> Any:
+        """The arrays."""
+        return arrays
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What the intrinsic is to numba."""
+        from numba.core.registry import cpu_target
+
+        found, context = _intrinsic(), cpu_target.typing_context
+        context.refresh()  # the context learns of intrinsics then
+        return context.resolve_value_type(found)
+
+
+@cache
+def _intrinsic() -> Any:
+    """`borrowed` as an intrinsic of numba."""
     from numba.core import cgutils, types
     from numba.extending import intrinsic
 
@@ -120,7 +177,7 @@ def _borrowing() -> Callable[[Any], Any]:
     return intrinsic(borrow)
 
 
-_borrowed = _borrowing()
+_borrowed = _Borrowed()
 
 
 @compiled

@@ -1,30 +1,56 @@
-"""Whether steps of rigid blocks run as machine code: numba, where it is installed, or not."""
+"""Whether compiled functions run as machine code or are interpreted: decided for each run.
+
+Importing numba takes longer than a short run that is interpreted, and four times the memory. So
+the runs of a process are interpreted until they have taken as long as the import would have.
+"""
 
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 
-if TYPE_CHECKING:
-    from solver.scene import Scene
-
-#: Set to anything but "" or "0": interpret.
+#: Environment variable; set to anything but "" or "0": interpret.
 SWITCH = "ROCKSLIP_NO_NUMBA"
 
-#: Steps of one block that take as long interpreted as numba takes to be imported.
-SHORT = 1000
+#: Steps of one block in the plane that take as long interpreted as numba takes to be imported.
+SHORT = 1000.0
+
+
+@dataclass(slots=True)
+class _Choice:
+    """What this process does.
+
+    Attributes:
+        interprets: Whether compiled functions are interpreted now.
+        spent: Steps of one block that were interpreted so far.
+    """
+
+    interprets: bool = False
+    spent: float = 0.0
+
+
+CHOICE = _Choice()
 
 
 def is_interpreted() -> bool:
-    """What the environment says."""
+    """Whether the environment asks to interpret, always."""
     return os.environ.get(SWITCH, "0") not in ("", "0")
 
 
-def interpret_if_short(scene: Scene) -> None:
-    """Let this process interpret, if all it does is one short run and nobody asked otherwise.
+@contextmanager
+def chosen_for(block_steps: float) -> Iterator[None]:
+    """Interpret while a run lasts, if it is short enough for that to be faster.
 
-    Importing numba takes longer than that, and four times the memory.
+    Args:
+        block_steps: Number of its steps times that of its blocks; infinite: never interpret.
     """
-    steps = scene.time.end / scene.time.step * len(scene.blocks)
-    if scene.is_rigid and scene.dimension == 2 and steps <= SHORT:
-        os.environ.setdefault(SWITCH, "1")
+    before = CHOICE.interprets
+    CHOICE.interprets = CHOICE.spent + block_steps <= SHORT
+    if CHOICE.interprets:
+        CHOICE.spent += block_steps
+    try:
+        yield
+    finally:
+        CHOICE.interprets = before

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from solver.errors import SceneError
-from solver.excitation.motion import base_motion
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.history.history import History, scene_columns
-from solver.reference.expected import expected_mode, vertical_motion
+from solver.reference.expected import expected_mode
 from solver.reference.rows import ONLY, rock, slide, slide_on_platform
 from solver.scene import Scene
 from solver.scene.checking import shown
@@ -20,37 +20,48 @@ ROCKING, SLIDING = "rigid block, Housner 1963", "rigid block, sliding"
 ON_PLATFORM = "rigid block on a platform, sliding"
 
 
-def reference_name(scene: Scene) -> str:
-    """Which answer a scene has; SceneError where there is none.
+def reference_name(scene: Scene, ground: GroundMotion | None = None) -> str:
+    """Which answer a scene has.
 
     On a platform the block slides; on firm ground it rocks, unless it slides from rest and stays
     flat, or the ground also moves vertically.
+
+    Args:
+        scene: What is asked.
+        ground: Its motion of the ground, as it was read; None: it is read here.
+
+    Raises:
+        SceneError: There is none.
     """
-    _refuse(scene)
+    ground = ground or read_ground(scene)
+    _refuse(scene, ground)
     if scene.has_platform:
         return ON_PLATFORM
-    mode, block = expected_mode(scene), scene.blocks[0]
+    mode, block = expected_mode(scene, ground), scene.blocks[0]
     if block.velocity[0] and mode != "slide":
         got = f"{shown(block.velocity)} of a block that may {mode}"
         raise SceneError(f"{block.name}.velocity", got, f"[0, 0] {ONLY}")
-    if vertical_motion(scene) is not None:
+    if ground.up is not None:
         if mode not in ("rest", "slide"):
             raise SceneError("motion.vertical", f"a block that may {mode}", f"nothing {ONLY}")
         return SLIDING
     return SLIDING if mode == "slide" else ROCKING
 
 
-def reference_history(scene: Scene, file: Path | None = None) -> History:
+def reference_history(
+    scene: Scene, file: Path | None = None, ground: GroundMotion | None = None
+) -> History:
     """The rigid-body answer: Housner's rocking without sliding, or sliding without rocking.
 
     Args:
         scene: What is asked; SceneError where there is no answer.
         file: CSV file to write, too.
+        ground: Motion of the ground, as it was read; None: it is read here.
     """
-    name = reference_name(scene)
-    motion = base_motion(scene.motion, scene.time.end)
+    ground = ground or read_ground(scene)
+    name = reference_name(scene, ground)
     answers = {ROCKING: rock, SLIDING: slide, ON_PLATFORM: slide_on_platform}
-    known = answers[name](scene, motion)
+    known = answers[name](scene, ground)
     history = History(scene_columns(scene), file)
     unknown = np.full(len(known["time_s"]), math.nan)
     table = np.stack([known.get(name, unknown) for name in history.columns], axis=1)
@@ -60,17 +71,17 @@ def reference_history(scene: Scene, file: Path | None = None) -> History:
     return history
 
 
-def _refuse(scene: Scene) -> None:
-    """One line for a scene that no reference answers."""
-    block, ground = scene.blocks[0], scene.foundation
+def _refuse(scene: Scene, ground: GroundMotion) -> None:
+    """Refuse a scene that no reference answers, in one line."""
+    block, foundation = scene.blocks[0], scene.foundation
     if scene.dimension != 2:
         raise SceneError("dimension", "3", f"2 {ONLY}")
     if len(scene.blocks) != 1:
         raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
     if scene.gravity == 0:
         raise SceneError("gravity", "0", f"gravity > 0 {ONLY}")
-    if ground.kind == "frame":
-        raise SceneError("foundation.kind", '"frame"', f"any other kind {ONLY}")
+    if not (foundation.is_firm or foundation.on_spring):
+        raise SceneError("foundation.kind", shown(foundation.kind), f"any other kind {ONLY}")
     if block.angular_velocity:
         raise SceneError(
             f"{block.name}.angular_velocity", shown(block.angular_velocity), f"0 {ONLY}"
@@ -80,6 +91,6 @@ def _refuse(scene: Scene) -> None:
         raise SceneError(f"{block.name}.velocity", shown(block.velocity), allowed)
     if scene.has_platform and block.tilt:
         raise SceneError(f"{block.name}.tilt_deg", shown(block.tilt_deg), f"0 on a platform {ONLY}")
-    vertical = vertical_motion(scene)
+    vertical = ground.up
     if vertical is not None and vertical.peak >= -scene.gravity_vector[1]:
         raise SceneError("motion.vertical", f"{vertical.peak:g} m/s2", f"less than gravity {ONLY}")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from solver.excitation.motion import BaseMotion, base_motion
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.reference.friction import Resistance
 from solver.reference.shenton import initial_mode, release_friction
-from solver.scene import PlateSpec, RigidSpec, Scene
+from solver.scene import Scene
 
 
 def resistance(scene: Scene) -> Resistance:
@@ -18,40 +18,36 @@ def resistance(scene: Scene) -> Resistance:
     return Resistance(law=law, cohesion=law.cohesion * area / block.shape.mass)
 
 
-def vertical_motion(scene: Scene) -> BaseMotion | None:
-    """The vertical motion of the ground."""
-    return base_motion(scene.motion.vertical, scene.time.end) if scene.motion else None
-
-
-def demand(scene: Scene, motion: BaseMotion | None) -> float:
+def demand(scene: Scene, ground: GroundMotion) -> float:
     """Largest horizontal acceleration of the base over gravity, an incline counted in: A.
 
     Where the ground also moves vertically, over the least gravity that remains; then it is more
     than what happens at any one time. Infinite where nothing remains.
     """
     along, down = scene.gravity_vector[0], -scene.gravity_vector[-1]
-    vertical = vertical_motion(scene)
-    left = down - (vertical.peak if vertical else 0.0)
-    wanted = abs(along) + (motion.peak if motion else 0.0)
+    left = down - (ground.up.peak if ground.up else 0.0)
+    wanted = abs(along) + (ground.along.peak if ground.along else 0.0)
     return wanted / left if left > 0 else math.inf
 
 
 def has_expected_mode(scene: Scene) -> bool:
     """Whether there is a criterion: one block on ground that does not give way, and gravity."""
-    block, ground = scene.blocks[0], scene.foundation
-    firm = isinstance(ground, RigidSpec) or (
-        isinstance(ground, PlateSpec) and ground.support != "rollers"
-    )
+    block, firm = scene.blocks[0], scene.foundation.is_firm
     moves = [*block.velocity[1:], *_numbers(block.angular_velocity)]
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
     return len(scene.blocks) == 1 and scene.gravity > 0 and firm and in_plane and not any(moves)
 
 
-def expected_mode(scene: Scene) -> str:
+def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
     """Mode in which the only block of a scene on firm ground begins to move.
 
-    "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release.
+    Args:
+        scene: With one block.
+        ground: Its motion of the ground, as it was read; None: it is read here.
+
+    Returns:
+        "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release.
     """
     block, law = scene.blocks[0], resistance(scene)
     gravity, slender = -scene.gravity_vector[-1], block.height / block.width
@@ -65,8 +61,7 @@ def expected_mode(scene: Scene) -> str:
     if speed:
         # Friction at work, not what it could hold, decides whether the block trips over it.
         return "slide" if law.slides(gravity, speed) <= gravity / slender else "slide-rock"
-    motion = base_motion(scene.motion, scene.time.end)
-    return initial_mode(demand(scene, motion), friction, slender)
+    return initial_mode(demand(scene, ground or read_ground(scene)), friction, slender)
 
 
 def _numbers(value: float | tuple[float, ...]) -> tuple[float, ...]:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from solver.errors import SceneError
-from solver.excitation.motion import BaseMotion
+from solver.excitation.motion import BaseMotion, GroundMotion
 from solver.excitation.sampled import SampledMotion
-from solver.reference.expected import resistance, vertical_motion
+from solver.reference.expected import resistance
 from solver.reference.friction import Resistance
 from solver.reference.housner import housner
 from solver.reference.phases import Acceleration, still
@@ -24,17 +24,17 @@ from solver.types import Array
 ONLY = "where a rigid-body reference is asked for"
 
 
-def _vertical(scene: Scene) -> Acceleration:
-    motion = vertical_motion(scene)
+def _acceleration(motion: BaseMotion | None) -> Acceleration:
+    """The acceleration of the ground along one direction, m/s2, as a function of time."""
     return motion.acceleration if motion else still
 
 
-def _ground(scene: Scene, motion: BaseMotion | None, time: float) -> float:
+def _base(scene: Scene, ground: GroundMotion, time: float) -> float:
     """Acceleration of the base that has the effect of the motion and the incline together, m/s2."""
-    return (motion.acceleration(time) if motion else 0.0) - scene.gravity_vector[0]
+    return _acceleration(ground.along)(time) - scene.gravity_vector[0]
 
 
-def rock(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
+def rock(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     """Housner's block: pivots on the corner on the side it leans to."""
     block, gravity = scene.blocks[0], -scene.gravity_vector[1]
     shape = block.shape
@@ -44,16 +44,16 @@ def rock(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
         tilt=block.tilt,
         end=scene.time.end,
         step=scene.time.step,
-        acceleration=lambda time: _ground(scene, motion, time),
+        acceleration=lambda time: _base(scene, ground, time),
     )
     angle, velocity = found.angle, found.angular_velocity
-    ground = np.array([_ground(scene, motion, float(t)) for t in found.time])
+    base = np.array([_base(scene, ground, float(t)) for t in found.time])
     # At rest: upright, or lying on its side.
     moves = (velocity != 0) | ((angle != 0) & (np.abs(angle) < math.pi / 2))
     side = np.where(angle < 0, -1.0, 1.0)
     lean, radius = shape.slenderness - np.abs(angle), shape.half_diagonal
     turning = -(shape.frequency(gravity) ** 2) * (
-        side * np.sin(lean) + ground / gravity * np.cos(lean)
+        side * np.sin(lean) + base / gravity * np.cos(lean)
     )
     # The centre on its circle about the pivot; lean' = -side theta'.
     across = radius * (np.cos(lean) * turning + side * np.sin(lean) * velocity**2)
@@ -68,21 +68,21 @@ def rock(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
         "centre_x_m": centre_x,
         "centre_y_m": radius * np.cos(lean),
         "normal_force_N": shape.mass * (gravity + np.where(moves, up, 0.0)),
-        "friction_force_N": shape.mass * (ground + np.where(moves, across, 0.0)),
+        "friction_force_N": shape.mass * (base + np.where(moves, across, 0.0)),
     }
     kinetic = shape.rotary_inertia_about_corner * velocity**2 / 2
     speed = radius * np.cos(lean) * velocity
-    return _table(scene, motion, found.time, values, kinetic, speed) | {
+    return _table(scene, ground, found.time, values, kinetic, speed) | {
         "energy.friction_J": np.zeros_like(angle)
     }
 
 
-def slide(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
+def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     """The block that stays flat, on firm ground."""
     block, gravity = scene.blocks[0], -scene.gravity_vector[1]
-    law, vertical = resistance(scene), _vertical(scene)
+    law, vertical = resistance(scene), _acceleration(ground.up)
     found = sliding(
-        acceleration=lambda time: _ground(scene, motion, time),
+        acceleration=lambda time: _base(scene, ground, time),
         friction=law,
         gravity=gravity,
         end=scene.time.end,
@@ -92,20 +92,20 @@ def slide(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
     )
     normal = gravity + sampled(vertical, found.time)
     force = _friction(law, normal, found.velocity)
-    ground = np.array([_ground(scene, motion, float(t)) for t in found.time])
-    held = np.where(found.velocity != 0, -force * np.sign(found.velocity), ground)
+    base = np.array([_base(scene, ground, float(t)) for t in found.time])
+    held = np.where(found.velocity != 0, -force * np.sign(found.velocity), base)
     kinetic = block.shape.mass * found.velocity**2 / 2
     values = _flat(scene, found.slip, found.slip, normal, held)
-    return _table(scene, motion, found.time, values, kinetic, found.velocity) | {
+    return _table(scene, ground, found.time, values, kinetic, found.velocity) | {
         "energy.friction_J": block.shape.mass * _along(force, found.slip)
     }
 
 
-def slide_on_platform(scene: Scene, motion: BaseMotion | None) -> dict[str, Array]:
+def slide_on_platform(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     """The block that stays flat, on a platform; SceneError if it does not stay flat."""
     block, platform = scene.blocks[0], scene.platform()
     along, down = scene.gravity_vector[0], -scene.gravity_vector[1]
-    law, vertical = resistance(scene), _vertical(scene)
+    law, vertical = resistance(scene), _acceleration(ground.up)
     given: dict[str, Any] = {
         "platform": platform,
         "mass": block.shape.mass,
@@ -116,10 +116,10 @@ def slide_on_platform(scene: Scene, motion: BaseMotion | None) -> dict[str, Arra
         "along": along,
         "velocity": block.velocity[0],
     }
-    if isinstance(motion, SampledMotion) and vertical is still and not law.law.decay:
-        found = sampled_sliding_on_platform(motion=motion, **given)
+    if isinstance(ground.along, SampledMotion) and vertical is still and not law.law.decay:
+        found = sampled_sliding_on_platform(motion=ground.along, **given)
     else:
-        acceleration = motion.acceleration if motion else still
+        acceleration = _acceleration(ground.along)
         found = sliding_on_platform(acceleration=acceleration, vertical=vertical, **given)
     normal = down + sampled(vertical, found.time)
     uplift = np.abs(found.friction) * block.height > normal * block.width
@@ -133,7 +133,7 @@ def slide_on_platform(scene: Scene, motion: BaseMotion | None) -> dict[str, Arra
     spring = platform.stiffness * drift**2 / 2
     # The mass whose acceleration takes part in the work of the ground moves like this.
     mean = speed + platform.mass / block.shape.mass * velocity
-    known = _table(scene, motion, found.time, values, kinetic, mean)
+    known = _table(scene, ground, found.time, values, kinetic, mean)
     known["energy.gravity_J"] = known["energy.gravity_J"] - platform.mass * along * drift
     known["energy.total_J"] = kinetic + known["energy.gravity_J"] + spring
     force = _friction(law, normal, found.slip_velocity)
@@ -188,7 +188,7 @@ def _flat(
 
 def _table(
     scene: Scene,
-    motion: BaseMotion | None,
+    ground: GroundMotion,
     time: Array,
     values: Mapping[str, Array],
     kinetic: Array,
@@ -198,13 +198,13 @@ def _table(
     name, mass = scene.blocks[0].name, scene.blocks[0].shape.mass
     along, down = scene.gravity_vector
     none = np.zeros_like(time)
-    base = motion.accelerations(time) if motion else none
+    base = ground.along.accelerations(time) if ground.along else none
     gravity = -mass * (along * values["centre_x_m"] + down * values["centre_y_m"])
     return {
         "time_s": time,
         "step_s": none + scene.time.step,
         "base.acceleration_m_s2": base,
-        "base.vertical_acceleration_m_s2": sampled(_vertical(scene), time),
+        "base.vertical_acceleration_m_s2": sampled(_acceleration(ground.up), time),
         **{f"{name}.{column}": value for column, value in values.items()},
         f"{name}.penetration_m": none,
         "energy.kinetic_J": kinetic,

@@ -6,15 +6,12 @@ import math
 
 from solver.errors import EnvironmentTrouble
 from solver.excitation.description import describe_motion
-from solver.excitation.motion import base_motion
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
-from solver.scene import BlockSpec, FrameSpec, FrictionSpec, PlateSpec, Scene
+from solver.scene import BlockSpec, FrictionSpec, Scene
 
 Lines = list[tuple[str, str]]
-
-#: Cells of one box of a structured mesh.
-PARTS = {"quadrilateral": 1, "triangle": 2, "hexahedron": 1, "tetrahedron": 5}
 
 
 def describe(scene: Scene) -> str:
@@ -24,12 +21,15 @@ def describe(scene: Scene) -> str:
         lines += _block_numbers(block, scene)
     lines += _foundation(scene)
     lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
-    lines += _motions(scene)
+    ground = read_ground(scene)
+    lines += _motions(scene, ground)
     if has_expected_mode(scene):
-        lines.append(("expected mode", f"{expected_mode(scene)} (rigid block; Shenton 1996)"))
+        lines.append(
+            ("expected mode", f"{expected_mode(scene, ground)} (rigid block; Shenton 1996)")
+        )
     for block in scene.blocks:
         of = f" of {block.name}" if len(scene.blocks) > 1 else ""
-        lines.append((f"mesh{of}", _mesh(block, scene.dimension)))
+        lines.append((f"mesh{of}", block.mesh_size(scene.dimension)))
     steps = math.ceil(scene.time.end / scene.time.step * (1 - 1e-12))
     lines.append(("time", f"{steps} steps of {scene.time.step:g} s to {scene.time.end:g} s"))
     return table(lines)
@@ -84,24 +84,7 @@ def _uplift(block: BlockSpec, scene: Scene) -> float:
 
 def _foundation(scene: Scene) -> Lines:
     """What carries the blocks, with its natural period where it has one."""
-    spec = scene.foundation
-    names = {"rigid": "rigid ground", "oscillator": "rigid platform on a spring"}
-    lines: Lines = [("foundation", names.get(spec.kind, ""))]
-    if isinstance(spec, PlateSpec):
-        size = f"{spec.width:g} x {spec.height:g} x {spec.thickness:g} m"
-        held = {"fixed": "held everywhere", "bottom": "held at its bottom", "rollers": "on rollers"}
-        lines = [("foundation", f"meshed plate, {size}, {held[spec.support]}")]
-        lines.append(("  density", f"{spec.shape(scene.carried_mass).density:.6g} kg/m3"))
-        lines.append(("  mesh", _grid(spec, scene.dimension)))
-    if isinstance(spec, FrameSpec):
-        deck, count = spec.deck, 4 if scene.dimension == 3 else spec.bays + 1
-        size = f"{deck.width:g} x {deck.height:g} x {deck.thickness:g} m"
-        column = f"{spec.column.width:g} x {spec.column.thickness:g} m, {spec.storey:g} m high"
-        lines = [
-            ("foundation", f"meshed frame, deck {size}"),
-            ("  columns", f"{count}, {column}"),
-            ("  mesh", _frame_grid(spec, scene.dimension)),
-        ]
+    lines = scene.foundation.describe(scene.dimension, scene.carried_mass)
     if scene.has_platform:
         mass, stiffness, damping = platform = scene.platform()
         lines += [
@@ -110,7 +93,7 @@ def _foundation(scene: Scene) -> Lines:
             ("  damping", f"{damping:.6g} N s/m, {100 * platform.damping_ratio:.3g} % of critical"),
             ("  natural period", f"{platform.period:.4g} s (empty, rigid)"),
         ]
-    if isinstance(spec, FrameSpec) or (isinstance(spec, PlateSpec) and scene.has_platform):
+    if scene.foundation.has_period_of_mesh:
         lines.append(("  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"))
     return lines
 
@@ -142,54 +125,18 @@ def _friction(law: FrictionSpec) -> str:
     return ", ".join(words)
 
 
-def _motions(scene: Scene) -> Lines:
+def _motions(scene: Scene, ground: GroundMotion) -> Lines:
     """What the ground does in each direction."""
-    motion = scene.motion
-    parts = [("base motion", motion)]
-    if motion is not None:
-        parts += [(f"  {name}", part) for name, part in motion.beside()]
+    directions = dict(zip(scene.directions, ground.parts, strict=True))
+    step = None if scene.time.adaptive else scene.time.step
     lines = []
-    for name, spec in parts:
-        where = "motion" if spec is motion else f"motion.{name.strip()}"
-        found = base_motion(spec, scene.time.end, where)
-        step = None if scene.time.adaptive else scene.time.step
-        first, *others = describe_motion(found, step)
+    for where, _ in scene.motions or (("motion", None),):
+        first, *others = describe_motion(directions[where], step)
+        name = f"  {where.partition('.')[2]}" if "." in where else "base motion"
         indent = " " * (len(name) - len(name.lstrip()) + 2)
         lines.append((name, first[1]))
         lines += [(f"{indent}{part}", text) for part, text in others]
     return lines
-
-
-def _mesh(block: BlockSpec, dimension: int) -> str:
-    if block.model == "rigid":
-        return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
-    return _grid(block, dimension)
-
-
-def _grid(body: BlockSpec | PlateSpec, dimension: int) -> str:
-    """Size of a structured mesh; a box makes two triangles or five tetrahedra."""
-    nodes = math.prod(body.degree * count + 1 for count in body.cells)
-    count = math.prod(body.cells) * PARTS[body.cell]
-    if body.cell == "tetrahedron" and body.degree == 2:
-        nodes -= math.prod(body.cells)  # no edge passes through the middle of a box
-    return _size(count, body.cell, body.degree, nodes, dimension)
-
-
-def _frame_grid(frame: FrameSpec, dimension: int) -> str:
-    """Size of the mesh of a frame; columns share their uppermost nodes with the deck."""
-    cells, degree, flat = frame.cells, frame.degree, dimension - 1
-    along = frame.bays * cells.bay + (frame.bays + 1) * cells.column
-    columns = (frame.bays + 1) ** flat
-    count = along**flat * cells.deck + columns * cells.column**flat * cells.storey
-    nodes = (degree * along + 1) ** flat * (degree * cells.deck + 1)
-    nodes += columns * (degree * cells.column + 1) ** flat * degree * cells.storey
-    cell = "quadrilateral" if dimension == 2 else "hexahedron"
-    return _size(count, cell, degree, nodes, dimension)
-
-
-def _size(cells: int, cell: str, degree: int, nodes: int, dimension: int) -> str:
-    plural = {"hexahedron": "hexahedra", "tetrahedron": "tetrahedra"}.get(cell, f"{cell}s")
-    return f"{cells} {plural} of degree {degree}, {nodes} nodes, {dimension * nodes} unknowns"
 
 
 def table(lines: Lines) -> str:

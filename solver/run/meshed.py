@@ -12,6 +12,7 @@ from mpi4py import MPI
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import Assembly, build, initial_state
+from solver.excitation.motion import GroundMotion
 from solver.law.compiled import NUMBA, is_kept
 from solver.run.files import Fields
 from solver.run.observer import Observer
@@ -33,6 +34,7 @@ class MeshedRun:
         self,
         scene: Scene,
         log: Callable[[str], None],
+        ground: GroundMotion | None = None,
         *,
         petsc_options: Sequence[str] = (),
         comm: MPI.Intracomm = MPI.COMM_WORLD,
@@ -42,6 +44,7 @@ class MeshedRun:
         Args:
             scene: What to run.
             log: Is told what happens.
+            ground: Motion of the ground, as it was read; None: it is read here.
             petsc_options: Options for SNES.
             comm: Communicator.
         """
@@ -49,19 +52,19 @@ class MeshedRun:
         machine_code = import_module(MACHINE_CODE[scene.dimension]).__name__
         if NUMBA is not None and not is_kept(machine_code):
             log("compiling the local problem of contact: some seconds, kept for later runs")
-        self.assembly: Assembly = build(scene, petsc_options=petsc_options, comm=comm)
+        self.assembly: Assembly = build(scene, ground, petsc_options=petsc_options, comm=comm)
         self._stepper = self.assembly.stepper
         self.state, remark = initial_state(scene, self.assembly)
         if remark:
             log(remark)
         motion = scene.motion
-        ground = [0]
+        axes = [0]
         if motion is not None and motion.vertical is not None:
-            ground.append(scene.dimension - 1)
+            axes.append(scene.dimension - 1)
         if motion is not None and motion.second is not None:
-            ground.append(1)
+            axes.append(1)
         self._observer = Observer(
-            self.assembly, self.state, platform=scene.carrier_moves, ground=ground
+            self.assembly, self.state, platform=scene.carrier_moves, ground=axes
         )
         self._steps = self._rejected = self._damped = self._iterations = 0
         self._judge = None

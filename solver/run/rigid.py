@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.excitation.motion import ground_motion
+from solver.excitation.motion import GroundMotion, read_ground
+from solver.excitation.stepped import SteppedGround
 from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.history import scene_columns
-from solver.law.compiled import NUMBA, is_kept
-from solver.rigid.ground import SteppedGround, motion_at
+from solver.law.compiled import NUMBA, is_kept, runs_machine_code
 from solver.rigid.outcome import Advance
 from solver.rigid.plane.system import PlaneSystem
 from solver.scene import Scene
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from solver.run.simulate import RunContext
 
 
-#: Steps after which someone may interrupt the run, compiled and interpreted.
-STEPS_AT_ONCE = 5000 if NUMBA is not None else 200
+#: Steps after which someone may interrupt the run, as machine code or interpreted.
+STEPS_AT_ONCE = {True: 5000, False: 200}
 
 
 class RigidRun:
@@ -39,6 +39,7 @@ class RigidRun:
         self,
         scene: Scene,
         log: Callable[[str], None],
+        ground: GroundMotion | None = None,
         *,
         writes: bool = True,
         ranks: int = 1,
@@ -48,22 +49,26 @@ class RigidRun:
         Args:
             scene: What to run.
             log: Is told what happens.
+            ground: Motion of the ground, as it was read; None: it is read here.
             writes: False on all ranks but one: all compute the same.
             ranks: Number of ranks.
         """
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
-        self._motion = ground_motion(scene)
-        self._ground = None
-        if self._motion is not None:
-            self._ground = SteppedGround(self._motion, scene.time.step, STEPS_AT_ONCE)
+        self._motion, self._ground = ground or read_ground(scene), None
+        machine_code = runs_machine_code()
+        self._at_once = STEPS_AT_ONCE[machine_code]
+        if self._motion.moves:
+            self._ground = SteppedGround(self._motion, scene.time.step, self._at_once)
         rows = "solver.rigid.plane.rows" if scene.dimension == 2 else "solver.rigid.space.rows"
         self._system = self._start()
-        if NUMBA is not None and not is_kept(rows):
+        if machine_code and not is_kept(rows):
             log("compiling the steps of rigid blocks: less than a minute, kept for later runs")
         # What the scene does not have gets no columns in its history.
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
         self._steps = self._rejected = self._iterations = 0
-        how = "compiled" if NUMBA is not None else "interpreted: numba is not installed"
+        how = "compiled" if machine_code else "interpreted"
+        if NUMBA is None:
+            how += ": numba is not installed, or not wanted"
         self.description = (
             f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks, {how}"
         )
@@ -78,8 +83,6 @@ class RigidRun:
 
     def _first_acceleration(self) -> tuple[float, ...]:
         """Of the ground at t = 0, m/s2."""
-        if self._motion is None:
-            return (0.0,) * self._scene.dimension
         return tuple(self._motion.acceleration(0.0))
 
     def first_row(self) -> Array:
@@ -117,7 +120,7 @@ class RigidRun:
         """Number of steps at which the next snapshot is due, or someone may interrupt."""
         step, first = self._scene.time.step, self._steps
         due = desk.files.next_snapshot(first * step) / step * (1 - 1e-12)
-        return math.ceil(min(max(due, first + 1), first + STEPS_AT_ONCE, total))
+        return math.ceil(min(max(due, first + 1), first + self._at_once, total))
 
     def _piece(self, desk: RunContext, stop: int) -> str:
         """Run up to step number `stop`; returns why not, if it failed."""
@@ -147,7 +150,9 @@ class RigidRun:
         if rest <= span.smallest * (1 - 1e-9):
             return ""
         ends = np.array([reached, span.end])
-        ground = None if self._motion is None else motion_at(self._motion, ends)
+        ground = None
+        if self._motion.moves:
+            ground = self._motion.accelerations(ends), self._motion.means(ends)
         outcome = self._advance(1, rest, ground)
         outcome.rows[:, 0] = span.end
         self._steps += len(outcome.rows)

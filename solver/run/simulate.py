@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -12,8 +13,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.history.history import History, scene_columns
 from solver.info import versions
+from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, world
 from solver.results.summary import summarise
 from solver.run.files import Fields, RunFiles
@@ -98,16 +101,29 @@ class Engine(Protocol):
         """What the run took, seconds apart."""
 
 
-def engine_for(scene: Scene, files: RunFiles, petsc_options: Sequence[str], comm: Comm) -> Engine:
+def engine_for(
+    scene: Scene,
+    ground: GroundMotion,
+    files: RunFiles,
+    petsc_options: Sequence[str],
+    comm: Comm,
+) -> Engine:
     """The engine that a scene needs, set up and at its start."""
     if scene.is_rigid:  # then dolfinx, PETSc and Gmsh stay out of it
         from solver.run.rigid import RigidRun
 
-        return RigidRun(scene, files.log, writes=comm.rank == 0, ranks=comm.size)
+        return RigidRun(scene, files.log, ground, writes=comm.rank == 0, ranks=comm.size)
     from solver.run.meshed import MeshedRun
 
     assert not isinstance(comm, Single)
-    return MeshedRun(scene, files.log, petsc_options=petsc_options, comm=comm)
+    return MeshedRun(scene, files.log, ground, petsc_options=petsc_options, comm=comm)
+
+
+def _interpretable_steps(scene: Scene) -> float:
+    """Steps times blocks of a run that could as well be interpreted; infinite for others."""
+    if not scene.is_rigid or scene.dimension == 3:
+        return math.inf
+    return scene.time.end / scene.time.step * len(scene.blocks)
 
 
 def simulate(
@@ -119,6 +135,8 @@ def simulate(
     log: Log | None = None,
     seconds: float | None = None,
     comm: Comm | None = None,
+    ground: GroundMotion | None = None,
+    many: bool = False,
 ) -> Result:
     """Run a scene; collective on all ranks of `comm`.
 
@@ -131,6 +149,9 @@ def simulate(
         log: Is told what happens, line by line, besides run.log.
         seconds: Wall time after which the run is stopped between two steps; None: never.
         comm: Communicator; None: all ranks of the command.
+        ground: Motion of the ground, as it was read; None: it is read here, by rank 0, before
+            anything is written.
+        many: Whether this process runs many scenes, so that machine code is worth its import.
 
     Returns:
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
@@ -138,14 +159,17 @@ def simulate(
     began = time.perf_counter()
     if comm is None:
         comm = world(meshed=not scene.is_rigid)
+    if ground is None:
+        ground = read_ground(scene, comm)
     with (
         ExitStack() as stack,
+        chosen_for(math.inf if many else _interpretable_steps(scene)),
         RunFiles(scene, folder, comm, log) as files,
         Interruption(comm, seconds) as interruption,
     ):
         if progress is not None:
             stack.callback(progress.close)
-        engine = engine_for(scene, files, petsc_options, comm)
+        engine = engine_for(scene, ground, files, petsc_options, comm)
         history = History(scene_columns(scene), files.history_file)
         history.append(engine.first_row())
         files.start(history, engine.open_fields, engine.description)

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from geometry.block import Block
-from solver.errors import SceneError
-from solver.scene.cells import cell_of, cells_of
+from solver.errors import SceneError, missing_key
+from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
 from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
+from solver.scene.material import Material, Plane
 from solver.scene.ranges import (
     Cell,
     Cells,
@@ -31,6 +32,9 @@ RESERVED = (
     *("foundation", "contact", "damping", "motion", "time", "output"),
     *("base", "platform", "plate", "frame", "energy"),
 )
+
+#: What a block without elasticity has to say.
+RIGID_MODEL = 'model = "rigid"'
 
 #: Numbers of cells where a scene says nothing.
 DEFAULT_CELLS: dict[Dimension, Cells] = {2: (6, 16), 3: (6, 6, 16)}
@@ -97,7 +101,7 @@ class BlockSpec(Checked):
         if self.model == "elastic":
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:
-                    raise SceneError(key, "nothing", f'{range_}, or model = "rigid"')
+                    raise missing_key(key, f"for an elastic block ({range_}), or set {RIGID_MODEL}")
         try:
             representable = 0 < self.shape.mass < math.inf
         except (ValueError, ZeroDivisionError):
@@ -137,6 +141,22 @@ class BlockSpec(Checked):
         if self.model != "elastic" or self.young is None or self.poisson is None:
             raise ValueError(f"block {self.name} is rigid")
         return self.young, self.poisson
+
+    def material(self, plane: Plane) -> Material:
+        """The material of an elastic block; ValueError for a rigid one."""
+        young, poisson = self.elasticity
+        return Material(young=young, poisson=poisson, density=self.shape.density, plane=plane)
+
+    @property
+    def mesh_label(self) -> str:
+        """The size of its mesh in a few words; empty for a rigid block."""
+        return cells_in_words(self.cells) if self.model == "elastic" else ""
+
+    def mesh_size(self, dimension: Dimension) -> str:
+        """The size of its mesh, or that there is none."""
+        if self.model == "rigid":
+            return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
+        return box_mesh_size(self, dimension)
 
     @property
     def tilt(self) -> float:

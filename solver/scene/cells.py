@@ -1,7 +1,9 @@
-"""Meshes in the plane and in space: which cells there are, and how many numbers count them."""
+"""Meshes in the plane and in space: which cells there are, how many, and the size they make."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from solver.errors import SceneError
@@ -15,6 +17,10 @@ SHAPES: dict[Dimension, tuple[Cell, ...]] = {
 """Shapes of cells, the default first."""
 
 
+CELLS_OF_A_BOX = {"quadrilateral": 1, "triangle": 2, "hexahedron": 1, "tetrahedron": 5}
+"""Number of cells into which one box of a structured mesh is divided."""
+
+
 class HasCells(Protocol):
     """What has cells; None stands for the default of the dimension."""
 
@@ -25,6 +31,14 @@ class HasCells(Protocol):
     @property
     def cell(self) -> Cell:
         """Their shape."""
+
+
+class HasMesh(HasCells, Protocol):
+    """A body with a structured mesh, nothing left open."""
+
+    @property
+    def degree(self) -> int:
+        """Polynomial degree of the displacement."""
 
 
 def cells_of(spec: HasCells, dimension: Dimension, default: Cells) -> Cells:
@@ -48,3 +62,35 @@ def cell_of(spec: HasCells, dimension: Dimension) -> Cell:
         allowed = f"{' or '.join(map(shown, shapes))} where dimension = {dimension}"
         raise SceneError("cell", shown(spec.cell), allowed)
     return spec.cell
+
+
+def refined(cells: Cells, times: Callable[[int], int]) -> Cells:
+    """Other numbers of cells; `times` maps each old number to a new one."""
+    if len(cells) == 2:
+        return times(cells[0]), times(cells[1])
+    return times(cells[0]), times(cells[1]), times(cells[2])
+
+
+def equal_parts(sides: Sequence[float], cells: Sequence[int]) -> list[float]:
+    """Edges of cells that are all alike, m."""
+    return [side / count for side, count in zip(sides, cells, strict=True)]
+
+
+def cells_in_words(cells: Cells) -> str:
+    """Numbers of cells, such as `cells 6 x 16`."""
+    return f"cells {' x '.join(map(str, cells))}"
+
+
+def box_mesh_size(body: HasMesh, dimension: Dimension) -> str:
+    """Size of the structured mesh of a box, in words."""
+    nodes = math.prod(body.degree * count + 1 for count in body.cells)
+    count = math.prod(body.cells) * CELLS_OF_A_BOX[body.cell]
+    if body.cell == "tetrahedron" and body.degree == 2:
+        nodes -= math.prod(body.cells)  # no edge passes through the middle of a box
+    return mesh_size_in_words(count, body.cell, body.degree, nodes, dimension)
+
+
+def mesh_size_in_words(cells: int, cell: Cell, degree: int, nodes: int, dimension: int) -> str:
+    """Size of a mesh: cells of which kind and degree, nodes, unknowns."""
+    plural = {"hexahedron": "hexahedra", "tetrahedron": "tetrahedra"}.get(cell, f"{cell}s")
+    return f"{cells} {plural} of degree {degree}, {nodes} nodes, {dimension * nodes} unknowns"

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from solver.errors import SceneError, UnknownKey
+from solver.errors import SceneError, UnknownKey, missing_key
 
 #: Default of a field that is filled in later, by who knows more; its type need not admit None.
 OPEN: Any = None
@@ -104,9 +104,11 @@ class Checked:
 def exactly_one(spec: Any, *names: str) -> None:
     """Refuse a specification of which not exactly one of these fields has a value."""
     given = [name for name in names if getattr(spec, name) is not None]
-    if len(given) != 1:
-        got = "nothing" if not given else f"{'both ' * (len(given) == 2)}{' and '.join(given)}"
-        raise SceneError(names[0], got, f"exactly one of {' and '.join(names)}")
+    wanted = f"exactly one of {' and '.join(names)}"
+    if not given:
+        raise missing_key(names[0], f"({wanted})")
+    if len(given) > 1:
+        raise SceneError(names[0], f"{'both ' * (len(given) == 2)}{' and '.join(given)}", wanted)
 
 
 def from_table(cls: Any, table: Any, where: str = "") -> Any:
@@ -123,7 +125,7 @@ def from_table(cls: Any, table: Any, where: str = "") -> Any:
         if key in table:
             values[field.name] = _nested(hint, table[key], _join(where, key))
         elif field.default is field.default_factory is dataclasses.MISSING:
-            raise SceneError(_join(where, key), "nothing", _words(hint, key))
+            raise missing_key(_join(where, key), f"({_words(hint, key)})")
     try:
         return cls(**values)
     except SceneError as error:
@@ -199,7 +201,10 @@ def _table(classes: list[Any], value: Any, where: str) -> Any:
     if not others or set(value) <= {key_of(field) for field in _fields(first)} - {"kind"}:
         return from_table(first, value, where)
     kinds = {get_args(_hints(table)["kind"])[0]: table for table in classes}
-    kind = _checked(Literal[tuple(kinds)], value.get("kind"), _join(where, "kind"))
+    choice, place = Literal[tuple(kinds)], _join(where, "kind")
+    if "kind" not in value:
+        raise missing_key(place, f"({_words(choice, 'kind')})")
+    kind = _checked(choice, value["kind"], place)
     return from_table(kinds[kind], value, where)
 
 

@@ -40,10 +40,10 @@ class FrictionSpec(Checked):
         if self.cohesion_lost and self.cohesion == 0:
             raise SceneError("cohesion_lost", "true", "false where cohesion = 0")
 
-
-def friction_law(friction: float | FrictionSpec) -> FrictionSpec:
-    """A number as the table that means the same; a table as it is."""
-    return friction if isinstance(friction, FrictionSpec) else FrictionSpec(static=friction)
+    @classmethod
+    def of(cls, friction: float | FrictionSpec) -> FrictionSpec:
+        """A number as the table that means the same; a table as it is."""
+        return friction if isinstance(friction, FrictionSpec) else cls(static=friction)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

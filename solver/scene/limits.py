@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from solver.errors import SceneError
 from solver.scene.block import BlockSpec
-from solver.scene.foundation import PlateSpec
-from solver.scene.units import STANDARD_GRAVITY
+from solver.scene.cells import equal_parts
 
 if TYPE_CHECKING:
     from solver.scene.material import Material
@@ -47,52 +46,53 @@ MOST_CROSSINGS = 3e3
 times iterations failed where it turned on a plate that is itself stiffer than any rock."""
 
 
-def refuse_beyond(scene: Scene) -> None:
+def refuse_beyond(scene: Scene, shaking: float) -> None:
     """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
+
+    Args:
+        scene: What is judged.
+        shaking: Peak accelerations of the ground in all directions, added up, m/s2. When a scene is
+            made, of the motions whose keys tell it; again when the others have been read.
 
     Raises:
         SceneError: Names the key, what it was given, and what is allowed.
     """
     _refuse_loose_cohesion(scene)
+    carried, plane = scene.carried_mass, scene.material_plane
     meshed = [block for block in scene.blocks if block.model == "elastic"]
     corners = {block.name: _corner_cell(block, scene.dimension) for block in meshed}
-    or_rigid = ', or model = "rigid"'
     for block in meshed:
-        cell, density = corners[block.name], block.shape.density
+        cell, otherwise = corners[block.name], ', or model = "rigid"'
         _refuse_long(block, cell)
         edge = min(cell) / block.degree
-        _refuse_stiff(f"{block.name}.young", block.elasticity[0], density, edge, scene, or_rigid)
-    plate = scene.foundation if isinstance(scene.foundation, PlateSpec) else None
-    if plate is not None and scene.dimension == 3 and plate.support == "rollers":
-        # It may turn about the vertical.
-        sides = (plate.width, plate.thickness, plate.height)
-        edge = min(_equal_parts(sides, plate.cells)) / plate.degree
-        density = plate.shape(scene.carried_mass).density
-        _refuse_stiff("foundation.young", plate.young, density, edge, scene)
+        _refuse_stiff(f"{block.name}.young", block.material(plane), edge, scene, otherwise)
+    turning = scene.foundation.turning_cells(plane, carried)
+    if turning is not None:
+        _refuse_stiff("foundation.young", *turning, scene)
+    acceleration = scene.gravity + shaking
+    pressed = scene.foundation.pressed_material(plane, carried)
     for block in scene.blocks:
-        pressure, carrier = _pressure(scene, block), scene.carrier_of(block)
+        pressure, carrier = _pressure(scene, block, acceleration), scene.carrier_of(block)
         for body in (block, carrier):
             if body is not None and body.model == "elastic":
-                _refuse_soft(f"{body.name}.young", body.elasticity[0], pressure)
+                _refuse_soft(f"{body.name}.young", body.material(plane), pressure)
         if block.name in corners:
-            _refuse_soft_corner(block, corners[block.name], pressure)
+            _refuse_soft_corner(scene, block, corners[block.name], pressure)
             _refuse_without_energy(scene, block, corners[block.name], pressure)
-        if carrier is None and plate is not None and plate.support != "fixed":
-            _refuse_soft("foundation.young", plate.young, pressure)
+        if carrier is None and pressed is not None:
+            _refuse_soft("foundation.young", pressed, pressure)
 
 
-def _pressure(scene: Scene, block: BlockSpec) -> float:
-    """Weight and inertia of a block and of all that it carries, over its bottom, Pa."""
+def _pressure(scene: Scene, block: BlockSpec, acceleration: float) -> float:
+    """Weight and inertia of a block and of all that it carries, over its bottom, Pa.
+
+    Args:
+        scene: What the block is part of.
+        block: Which one.
+        acceleration: Gravity and the peaks of the ground's acceleration, added up, m/s2.
+    """
     carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
-    return carried * _acceleration(scene) / _bottom(block)
-
-
-def _acceleration(scene: Scene) -> float:
-    """Of gravity and of pulses of the ground, all added up, m/s2."""
-    motions = [] if scene.motion is None else [scene.motion]
-    motions += [motion for first in motions for _, motion in first.beside()]
-    pulses = sum(abs(getattr(motion, "amplitude_g", 0.0)) for motion in motions)
-    return scene.gravity + STANDARD_GRAVITY * pulses
+    return carried * acceleration / _bottom(block)
 
 
 def _stands_on(scene: Scene, block: BlockSpec, below: BlockSpec) -> bool:
@@ -103,24 +103,29 @@ def _stands_on(scene: Scene, block: BlockSpec, below: BlockSpec) -> bool:
     return at is not None
 
 
-def _refuse_soft(where: str, young: float, pressure: float) -> None:
-    """Refuse a modulus (Pa) below what a pressure (Pa) asks for."""
+def _refuse_soft(where: str, material: Material, pressure: float) -> None:
+    """Refuse a modulus below what a pressure (Pa) asks for."""
     least = pressure / LARGEST_STRAIN
-    if young < least:
-        got = f"{young:g}, strained by {pressure / young:.2g} under what it carries"
+    if material.young < least:
+        got = (
+            f"{material.young:g}, strained by {pressure / material.young:.2g} under what it carries"
+        )
         raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
 
 
-def _refuse_soft_corner(block: BlockSpec, cell: Sequence[float], pressure: float) -> None:
+def _refuse_soft_corner(
+    scene: Scene, block: BlockSpec, cell: Sequence[float], pressure: float
+) -> None:
     """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
-    load = pressure * _bottom(block) / block.elasticity[0]  # over E, m2
+    material = block.material(scene.material_plane)
+    load = pressure * _bottom(block) / material.young  # over E, m2
     strain = load / _facet_below(cell, block)
     if strain > LARGEST_CORNER_STRAIN:
-        got = f"{block.elasticity[0]:g}, strained by {strain:.2g} on a corner cell alone"
-        least = block.elasticity[0] * strain / LARGEST_CORNER_STRAIN
+        got = f"{material.young:g}, strained by {strain:.2g} on a corner cell alone"
+        least = material.young * strain / LARGEST_CORNER_STRAIN
         allowed = f"young >= {least:.3g} (a strain of {LARGEST_CORNER_STRAIN:g}), or larger cells"
         raise SceneError(f"{block.name}.young", got, allowed)
-    material, strain = _material(block), load / _bottom_of(cell, block)
+    strain = load / _bottom_of(cell, block)
     squeezed = strain * material.longitudinal / material.shear
     if squeezed > SQUEEZED_CORNER:
         got = f"{material.young:g}, strained by {strain:.2g} on a corner cell alone"
@@ -137,7 +142,8 @@ def _refuse_without_energy(
     contact = scene.contact
     if contact.theta == 1:
         return
-    gamma_h = contact.gamma * _material(block).longitudinal * block.degree**2 / cell[-1]
+    material = block.material(scene.material_plane)
+    gamma_h = contact.gamma * material.longitudinal * block.degree**2 / cell[-1]
     weight = _bottom_of(cell, block) / 2 ** (scene.dimension - 1)
     load = pressure * _bottom(block)
     share = load / (2 * gamma_h * weight) / (1e-3 * block.height)
@@ -145,14 +151,6 @@ def _refuse_without_energy(
         got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
         least = contact.gamma * share / PRESSED_WITHOUT_ENERGY
         raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
-
-
-def _material(block: BlockSpec) -> Material:
-    """That of a meshed block."""
-    from solver.scene.material import Material
-
-    young, poisson = block.elasticity
-    return Material(young=young, poisson=poisson, density=block.shape.density)
 
 
 def young_of_rigid(scene: Scene, block: BlockSpec) -> float:
@@ -197,16 +195,11 @@ def _facet_below(cell: Sequence[float], block: BlockSpec) -> float:
     return cell[-1] * (block.thickness if len(cell) == 2 else min(cell[:-1]))
 
 
-def _equal_parts(sides: Sequence[float], cells: Sequence[int]) -> list[float]:
-    """Edges of cells that are all alike, m."""
-    return [side / count for side, count in zip(sides, cells, strict=True)]
-
-
 def _corner_cell(block: BlockSpec, dimension: int) -> list[float]:
     """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m."""
     sides = _sides(block, dimension)
     if block.refinement == 1:
-        return _equal_parts(sides, block.cells)
+        return equal_parts(sides, block.cells)
     from geometry.grading import graded, graded_to_both_ends
 
     along, upwards = block.cells[:-1], block.cells[-1]
@@ -225,20 +218,19 @@ def _refuse_long(block: BlockSpec, cell: Sequence[float]) -> None:
 
 
 def _refuse_stiff(
-    where: str, young: float, density: float, edge: float, scene: Scene, otherwise: str = ""
+    where: str, material: Material, edge: float, scene: Scene, otherwise: str = ""
 ) -> None:
     """Refuse a body that may turn, whose smallest cells (m) sound crosses too often in a step.
 
     Args:
         where: Path of its modulus.
-        young: E, Pa.
-        density: rho, kg/m3.
+        material: Its material.
         edge: Of its smallest cells, over the degree, m.
         scene: What it is part of.
         otherwise: What else is allowed, in words.
     """
-    step = _longest_step(scene)
-    crossed = math.sqrt(young / density) * step / edge
+    young, step = material.young, _longest_step(scene)
+    crossed = math.sqrt(young / material.density) * step / edge
     if crossed > MOST_CELLS_A_STEP:
         most = young * (MOST_CELLS_A_STEP / crossed) ** 2
         got = f"{young:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"

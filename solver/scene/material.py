@@ -7,9 +7,13 @@ rotate by any angle.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    from solver.types import Array
+
+Plane: TypeAlias = Literal["strain", "stress", "solid"]
+"""Plane strain, plane stress, or a body in space."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,7 +30,7 @@ class Material:
     young: float
     poisson: float
     density: float
-    plane: str = "strain"
+    plane: Plane = "strain"
 
     @property
     def shear(self) -> float:
@@ -51,11 +55,13 @@ class Material:
         """The material of a plate of this thickness: forces per metre become whole forces."""
         return replace(self, young=self.young * thickness, density=self.density * thickness)
 
-    def normal_stress_map(self, normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    def normal_stress_map(self, normal: Array) -> Array:
         """Rows D with S N = D (2 E) for normals N (n, d), the strain's entries in one: (n, d, d d).
 
         D is symmetric in the strain's indices, so that D^T gives symmetric matrices.
         """
+        import numpy as np  # here, so that reading a scene does not wait for it
+
         count, d = normal.shape
         identity = np.eye(d)
         shared = np.einsum("ik,nl->nikl", identity, normal)

@@ -1,4 +1,8 @@
-"""Motions of the ground."""
+"""Motions of the ground, as a scene describes them.
+
+A new kind is a class here, its name in `MotionSpec`, and a module of that name in
+`solver.excitation.kinds`.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +11,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
-from solver.errors import SceneError
+from solver.errors import SceneError, not_applicable
 from solver.scene.checking import Checked, Number, exactly_one, shown
 from solver.scene.ranges import Count, Finite, NotNegative, Positive
+from solver.scene.units import G_UNIT
 
 Units: TypeAlias = Literal["g", "m/s2", "cm/s2"]
 """Of accelerations in files."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Directions(Checked):
-    """What a motion along x may have beside it; the motions beside it have nothing more."""
+class Motion(Checked):
+    """Base of the kinds: what a motion along x may have beside it.
+
+    The motions beside it have nothing more.
+    """
 
     vertical: MotionSpec | None = None
     """Along the vertical, positive upwards: `[motion.vertical]`."""
@@ -29,7 +37,15 @@ class _Directions(Checked):
         Checked.__post_init__(self)
         for direction, motion in self.beside():
             for below, _ in motion.beside():
-                raise SceneError(f"{direction}.{below}", "a table", "nothing")
+                raise not_applicable(f"{direction}.{below}", "[motion] itself only")
+
+    @property
+    def known_peak(self) -> float | None:
+        """Largest |a_g| along this direction, m/s^2, as far as the keys alone tell it.
+
+        None where it takes reading a file or computing the motion.
+        """
+        return None
 
     def beside(self) -> Iterator[tuple[str, MotionSpec]]:
         """The motions in the other directions, with their keys."""
@@ -40,14 +56,19 @@ class _Directions(Checked):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StillSpec(_Directions):
+class StillSpec(Motion):
     """No motion along x, for `[motion.vertical]` or `[motion.second]` alone: kind = "none"."""
 
     kind: Literal["none"] = "none"
 
+    @property
+    def known_peak(self) -> float | None:
+        """Zero."""
+        return 0.0
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SineSpec(_Directions):
+class SineSpec(Motion):
     """A sine of the ground's acceleration: `[motion]` with kind = "sine"."""
 
     kind: Literal["sine"] = "sine"
@@ -60,9 +81,14 @@ class SineSpec(_Directions):
     start: NotNegative = 0.0
     """s."""
 
+    @property
+    def known_peak(self) -> float | None:
+        """The amplitude, m/s^2."""
+        return abs(self.amplitude_g) * G_UNIT
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Pulse(_Directions):
+class _Pulse(Motion):
     """A motion that is over after a while."""
 
     amplitude_g: Finite
@@ -71,6 +97,11 @@ class _Pulse(_Directions):
     """s."""
     start: NotNegative = 0.0
     """s."""
+
+    @property
+    def known_peak(self) -> float | None:
+        """The amplitude, m/s^2."""
+        return abs(self.amplitude_g) * G_UNIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,7 +126,7 @@ class RectangularSpec(_Pulse):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RickerSpec(_Directions):
+class RickerSpec(Motion):
     """A Ricker wavelet, its largest acceleration in the middle: kind = "ricker"."""
 
     kind: Literal["ricker"] = "ricker"
@@ -110,12 +141,17 @@ class RickerSpec(_Directions):
 
     def __post_init__(self) -> None:
         """Check the values."""
-        _Directions.__post_init__(self)
+        Motion.__post_init__(self)
         exactly_one(self, "duration", "frequency")
+
+    @property
+    def known_peak(self) -> float | None:
+        """The amplitude, m/s^2."""
+        return abs(self.amplitude_g) * G_UNIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TableSpec(_Directions):
+class TableSpec(Motion):
     """The ground's acceleration from a file of two columns: `[motion]` with kind = "table"."""
 
     kind: Literal["table"] = "table"
@@ -128,7 +164,7 @@ class TableSpec(_Directions):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RecordSpec(_Directions):
+class RecordSpec(Motion):
     """A recorded accelerogram, samples at equal distances: `[motion]` with kind = "record"."""
 
     kind: Literal["record"] = "record"
@@ -149,13 +185,13 @@ class RecordSpec(_Directions):
 
     def __post_init__(self) -> None:
         """Check the values."""
-        _Directions.__post_init__(self)
+        Motion.__post_init__(self)
         if self.window is not None and self.window[0] >= self.window[1]:
             raise SceneError("window", shown(self.window), "a first time before the last one")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SyntheticSpec(_Directions):
+class SyntheticSpec(Motion):
     """A motion simulated for an earthquake and a site: `[motion]` with kind = "synthetic"."""
 
     kind: Literal["synthetic"] = "synthetic"

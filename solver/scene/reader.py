@@ -6,11 +6,13 @@ import os
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from solver.errors import SceneError
 from solver.scene.checking import from_table, key_of
+from solver.scene.motion import MotionSpec
 from solver.scene.overrides import override, read_toml
 from solver.scene.scene import Scene
 
@@ -71,11 +73,20 @@ def set_values(tables: dict[str, Any], overrides: Sequence[str]) -> None:
         override(tables, text, known=known)
 
 
+@cache
+def _kinds_with_files() -> set[Any]:
+    """The kinds of motion that have a key `file`."""
+    tables = (
+        {field.name: field.default for field in fields(kind)} for kind in get_args(MotionSpec)
+    )
+    return {keys["kind"] for keys in tables if "file" in keys}
+
+
 def _find_files(motion: Any, where: str, folder: str | Path) -> None:
     """Make the names of the files of a motion absolute, and refuse those that are not there."""
     if not isinstance(motion, dict):
         return
-    if motion.get("kind") in ("record", "table") and isinstance(motion.get("file"), str):
+    if motion.get("kind") in _kinds_with_files() and isinstance(motion.get("file"), str):
         motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
         # os.path, unlike pathlib, says False to names that no file can have.
         if not os.path.isfile(motion["file"]):

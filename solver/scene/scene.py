@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement, not_applicable
 from solver.scene.block import BlockSpec
 from solver.scene.checking import (
     OPEN,
@@ -16,17 +16,11 @@ from solver.scene.checking import (
     shown,
     to_table,
 )
-from solver.scene.contact import ContactSpec, FrictionSpec, friction_law
+from solver.scene.contact import ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
-from solver.scene.foundation import (
-    FoundationSpec,
-    FrameSpec,
-    OscillatorSpec,
-    PlateSpec,
-    Platform,
-    RigidSpec,
-)
+from solver.scene.foundation import FoundationSpec, Platform, RigidSpec
 from solver.scene.limits import refuse_beyond
+from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
 from solver.scene.ranges import Dimension, NotNegative, Tilt
@@ -63,7 +57,7 @@ class Scene(Checked):
         if self.dimension == 2 and is_open(self.plane):
             object.__setattr__(self, "plane", "strain")
         if self.dimension == 3 and not is_open(self.plane):
-            raise SceneError("plane", shown(self.plane), "nothing where dimension = 3")
+            raise not_applicable("plane", "2-D scenes only")
         object.__setattr__(self, "blocks", tuple(self._filled(block) for block in self.blocks))
         self._check_thickness(order[0])
         try:
@@ -72,8 +66,8 @@ class Scene(Checked):
             raise error.under("foundation") from None
         object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
-            raise SceneError("motion.second", "a table", "nothing where dimension = 2")
-        refuse_beyond(self)
+            raise not_applicable("motion.second", "3-D scenes only")
+        refuse_beyond(self, self.known_shaking)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             allowed = "false where nothing is meshed"
@@ -84,7 +78,7 @@ class Scene(Checked):
         names = [block.name for block in self.blocks]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
-            raise SceneError(f"{twice}.name", "one name twice", "a name of its own for each block")
+            raise Statement("two blocks", f'are named "{twice}"; give each block a name of its own')
         for block in self.blocks:
             carriers = ["foundation", *(name for name in names if name != block.name)]
             if block.on not in carriers:
@@ -135,6 +129,28 @@ class Scene(Checked):
         return tuple(placed)
 
     @property
+    def motions(self) -> tuple[tuple[str, MotionSpec], ...]:
+        """The motions of the ground that the scene asks for, each with the path of its table."""
+        if self.motion is None:
+            return ()
+        beside = ((f"motion.{key}", motion) for key, motion in self.motion.beside())
+        return (("motion", self.motion), *beside)
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Paths of the tables of motions along x, in space y, and upwards."""
+        second = ("motion.second",) if self.dimension == 3 else ()
+        return ("motion", *second, "motion.vertical")
+
+    @property
+    def known_shaking(self) -> float:
+        """Peaks of the ground's acceleration in all directions, added up, m/s2.
+
+        Of those motions whose keys tell it.
+        """
+        return sum(motion.known_peak or 0.0 for _, motion in self.motions)
+
+    @property
     def carried_mass(self) -> float:
         """Mass of all blocks, kg."""
         return sum(block.shape.mass for block in self.blocks)
@@ -143,24 +159,29 @@ class Scene(Checked):
     def is_rigid(self) -> bool:
         """Whether nothing in the scene is meshed."""
         rigid = all(block.model == "rigid" for block in self.blocks)
-        return rigid and isinstance(self.foundation, RigidSpec | OscillatorSpec)
+        return rigid and not self.foundation.needs_mesh_engine
 
     @property
     def has_platform(self) -> bool:
         """Whether the blocks stand on a spring: an oscillator, or a plate on rollers."""
-        on_rollers = isinstance(self.foundation, PlateSpec) and self.foundation.support == "rollers"
-        return on_rollers or isinstance(self.foundation, OscillatorSpec)
+        return self.foundation.on_spring
 
     @property
     def carrier_moves(self) -> bool:
         """Whether what carries the blocks moves as a whole: on a spring, or on columns."""
-        return self.has_platform or isinstance(self.foundation, FrameSpec)
+        return self.foundation.moves_as_a_whole
+
+    @property
+    def material_plane(self) -> Plane:
+        """The state of stress in elastic bodies: plane strain, plane stress, or that of space."""
+        return "solid" if self.dimension == 3 else self.plane
 
     def platform(self) -> Platform:
         """Mass, stiffness and damping of the empty platform; ValueError if there is none."""
-        if self.has_platform and isinstance(self.foundation, OscillatorSpec | PlateSpec):
-            return self.foundation.platform(self.carried_mass)
-        raise ValueError(f"a foundation of kind {self.foundation.kind} has no spring")
+        found = self.foundation.platform(self.carried_mass)
+        if found is None:
+            raise ValueError(f"a foundation of kind {self.foundation.kind} has no spring")
+        return found
 
     def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
         """The block that carries a block; None: the foundation does."""
@@ -168,7 +189,7 @@ class Scene(Checked):
 
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
         """Friction between a block and what carries it."""
-        return friction_law(self.contact.friction if block.friction is None else block.friction)
+        return FrictionSpec.of(self.contact.friction if block.friction is None else block.friction)
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain tables, every default written out."""

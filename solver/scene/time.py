@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from solver.errors import SceneError
+from solver.errors import SceneError, not_applicable
 from solver.scene.checking import Checked, Number, shown
 from solver.scene.ranges import NotNegative, Positive
 
@@ -38,8 +38,7 @@ class TimeSpec(Checked):
         Checked.__post_init__(self)
         for key in ("tolerance", "largest"):
             if getattr(self, key) is not None and not self.adaptive:
-                got = shown(getattr(self, key))
-                raise SceneError(key, got, "nothing without adaptive = true")
+                raise not_applicable(key, "adaptive steps only (adaptive = true)")
         if self.adaptive and self.tolerance is None:
             object.__setattr__(self, "tolerance", 1e-7)
         if self.adaptive and self.largest is None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
-STANDARD_GRAVITY = 9.81
+G_UNIT = 9.81
 """What "g" means in amplitudes, records and tables, m/s^2, whatever the gravity of the scene is."""
 
-UNITS = {"g": STANDARD_GRAVITY, "m/s2": 1.0, "cm/s2": 0.01}
+UNITS = {"g": G_UNIT, "m/s2": 1.0, "cm/s2": 0.01}
 """In m/s^2."""
 
 MOVED = ("cm/s", "m/s", "mm/s", "in/s", "cm", "m", "mm", "in")

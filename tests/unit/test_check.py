@@ -98,8 +98,8 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
     from geometry.foundation import Frame, Plate
     from geometry.frame_mesh import FrameCells, frame_mesh
     from geometry.mesh import block_mesh
-    from solver.run.describe import _frame_grid, _grid
-    from solver.scene import BlockSpec, ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
+    from solver.scene import BlockSpec
+    from solver.scene.foundation import ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
 
     def text(mesh: Any, kind: str) -> str:
         count = mesh.topology.index_map(dimension).size_global
@@ -122,9 +122,7 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
         deck=Plate(width=2.0, height=0.1, thickness=1.0), column_width=0.1, storey=1.0, bays=bays
     )
     made = frame_mesh(frame, dimension=dimension, cells=FrameCells(**cells)).mesh
-    assert _frame_grid(spec, dimension) == text(
-        made, ("quadrilaterals", "hexahedra")[dimension - 2]
-    )
+    assert spec.mesh_size(dimension) == text(made, ("quadrilaterals", "hexahedra")[dimension - 2])
     counts: Any = (2, 3, 4)[:dimension]
     cell: Any = ("triangle", "tetrahedron")[dimension - 2]
     block = BlockSpec(
@@ -132,7 +130,7 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
     )
     shape = Block(width=1.0, height=1.0, thickness=1.0, density=1.0)
     made = block_mesh(shape, dimension=dimension, cells=counts, cell=cell, refinement=1.0).mesh
-    assert _grid(block, dimension) == text(made, ("triangles", "tetrahedra")[dimension - 2])
+    assert block.mesh_size(dimension) == text(made, ("triangles", "tetrahedra")[dimension - 2])
 
 
 def test_check_without_dolfinx_says_what_is_missing(
@@ -234,7 +232,7 @@ def test_check_of_a_bad_record(granite: Path, capsys: Captured) -> None:
     )
     vertical = "motion={vertical={kind='record', file='bad.AT2', dt=0.1}}"
     assert main(["check", "granite.toml", "--set", vertical]) == 2
-    assert "motion.vertical.dt: got 0.1, allowed nothing" in capsys.readouterr().err
+    assert "motion.vertical.dt applies to files that do not say the time" in capsys.readouterr().err
     assert main(["check", "granite.toml", "--set", "motion={kind='record', file='.'}"]) == 2
     message = capsys.readouterr().err
     assert "motion.file: got " in message and "(a folder), allowed a file that exists" in message

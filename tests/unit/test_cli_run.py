@@ -113,12 +113,12 @@ REFUSED: dict[str, tuple[str, list[str]]] = {
     ),
     "neither mass nor density": (
         SCENE.replace("mass = 503.0\n", ""),
-        ["block.mass", "nothing", "exactly one"],
+        ["block.mass", "required", "exactly one"],
     ),
     "unreadable TOML": (f"{SCENE}[[block\n", ["bad.toml", "unreadable TOML", "line 18"]),
     "no text": ("\x00\x01", ["bad.toml", "unreadable TOML"]),
     "empty scene": ("", ["bad.toml", "an empty scene", "[[block]]"]),
-    "no block": (SCENE.replace(BLOCK, ""), ["block", "nothing", "[[block]]"]),
+    "no block": (SCENE.replace(BLOCK, ""), ["block", "required", "[[block]]"]),
     "NaN": (SCENE.replace("5.0e10", "nan"), ["block.young", "nan", "young > 0"]),
     "infinity": (
         f"gravity = inf\n{SCENE}",

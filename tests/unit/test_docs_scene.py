@@ -14,31 +14,35 @@ import pytest
 from solver.run.describe import describe
 from solver.scene import (
     BlockSpec,
-    ColumnSpec,
     ContactSpec,
     DampingSpec,
-    DeckSpec,
-    FrameCellsSpec,
-    FrameSpec,
     FrictionSpec,
-    HalfSineSpec,
-    OneSineSpec,
-    OscillatorSpec,
     OutputSpec,
-    PlateSpec,
-    RecordSpec,
-    RectangularSpec,
-    RickerSpec,
-    RigidSpec,
     Scene,
-    SineSpec,
-    StillSpec,
-    SyntheticSpec,
-    TableSpec,
     TimeSpec,
     parse_scene,
 )
 from solver.scene.checking import key_of, shown
+from solver.scene.foundation import (
+    ColumnSpec,
+    DeckSpec,
+    FrameCellsSpec,
+    FrameSpec,
+    OscillatorSpec,
+    PlateSpec,
+    RigidSpec,
+)
+from solver.scene.motion import (
+    HalfSineSpec,
+    OneSineSpec,
+    RecordSpec,
+    RectangularSpec,
+    RickerSpec,
+    SineSpec,
+    StillSpec,
+    SyntheticSpec,
+    TableSpec,
+)
 
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "scene.md", ROOT / "README.md"

@@ -7,7 +7,7 @@ import pytest
 
 from solver.errors import SceneError
 from solver.excitation.motion import base_motion
-from solver.scene import SineSpec, TableSpec
+from solver.scene.motion import SineSpec, TableSpec
 
 
 def table(folder, text, **options):

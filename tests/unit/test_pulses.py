@@ -11,13 +11,13 @@ from scipy.integrate import cumulative_simpson
 
 from solver.excitation.motion import base_motion, ground_motion
 from solver.excitation.pulses import Pulse
-from solver.scene import (
+from solver.scene import parse_scene
+from solver.scene.motion import (
     HalfSineSpec,
     OneSineSpec,
     RectangularSpec,
     RickerSpec,
     SineSpec,
-    parse_scene,
 )
 
 PULSE = {"amplitude_g": 0.5, "duration": 0.5, "start": 0.2}

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from solver.errors import SceneError
+from solver.excitation.kinds.record import read_record
 from solver.excitation.motion import base_motion
-from solver.excitation.records import read_record
 from solver.excitation.spectrum import response_spectrum
-from solver.scene import RecordSpec
+from solver.scene.motion import RecordSpec
 
 G = 9.81
+TIMELESS = "motion.dt applies to files that do not say the time between their values"
 VALUES = [0.01, -0.02, 0.035, 0.5, -0.125, 0.0, 0.25]
 
 TITLE = "PEER STRONG MOTION DATA\nA QUAKE, 1/2/2003, A STATION, 90\n"
@@ -125,7 +126,7 @@ def test_units_of_the_header(tmp_path: Path, header: str, unit: float) -> None:
 def test_units_are_those_of_scene_and_header(tmp_path: Path) -> None:
     silent = peer("NPTS=7, DT=.005", units="")
     assert record(tmp_path, silent, units="cm/s2").peak == pytest.approx(0.005)
-    assert refusal(tmp_path, silent).startswith("motion.units: got nothing, allowed ")
+    assert refusal(tmp_path, silent).startswith("motion.units is required (")
     clear = peer("NPTS=7, DT=.005")
     assert record(tmp_path, clear, units="g").peak == pytest.approx(0.5 * G)
     assert refusal(tmp_path, clear, units="m/s2") == (
@@ -200,12 +201,12 @@ def test_bad_files_of_peer(tmp_path: Path, text: str | bytes, message: str) -> N
         ("0 1\n.1 1_0\n", {}, f'motion.txt: line 2: got ".1 1_0", {EXPECTED}'),
         ("time, a\n", {}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
         ("3.0\n", {"dt": 0.1}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
-        ("1\n2\n3\n", {}, "motion.dt: got nothing, allowed dt > 0, s: motion.txt does not say"),
+        ("1\n2\n3\n", {}, "motion.dt is required (dt > 0, s): motion.txt does not say"),
         ("1\n2 3\n3\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 2, allowed 1 as in line 1"),
         ("1 2 3\n4\n5 6 7\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 1, allowed 3 as in"),
-        ("0 1\n.1 2\n", {"dt": 0.1}, "motion.dt: got 0.1, allowed nothing: motion.txt has times"),
+        ("0 1\n.1 2\n", {"dt": 0.1}, f"{TIMELESS} (motion.txt has times"),
         (peer("NPTS=7, DT=.005"), {"dt": 0.1},
-         "motion.dt: got 0.1, allowed nothing: motion.txt has"),
+         f"{TIMELESS} (motion.txt has"),
     ],
 )  # fmt: skip
 def test_bad_columns(tmp_path: Path, text: str, options: dict[str, Any], message: str) -> None:

@@ -10,13 +10,12 @@ from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 from solver.scene import (
     BlockSpec,
     Scene,
-    SineSpec,
-    TableSpec,
     TimeSpec,
     load_scene,
     parse_scene,
     scene_to_toml,
 )
+from solver.scene.motion import SineSpec, TableSpec
 
 TEXT = """
 title = "Free rocking"
@@ -156,10 +155,10 @@ def test_resolved_scene_names_every_default():
         ),
         ("title=3", "title: got 3, allowed a text"),
         ("block.density=1", "block.mass: got both mass and density, allowed exactly one of "),
-        ("motion.amplitude_g=1", 'motion.kind: got nothing, allowed "none" or "sine" or "half_'),
+        ("motion.amplitude_g=1", 'motion.kind is required ("none" or "sine" or "half_sine" or '),
         ("motion.kind=saw", 'motion.kind: got "saw", allowed "none" or "sine" or "half_sine" or '),
-        ("motion.kind=sine", "motion.amplitude_g: got nothing, allowed a finite number"),
-        ("motion.kind=table", "motion.file: got nothing, allowed the name of a file"),
+        ("motion.kind=sine", "motion.amplitude_g is required (a finite number)"),
+        ("motion.kind=table", "motion.file is required (the name of a file)"),
         ("foo", '--set: got "foo", allowed path=value'),
         ("=1", '--set: got "=1", allowed path=value'),
         ("title.x=1", "--set title.x: got title, which is no table"),
@@ -203,12 +202,13 @@ def test_keys_of_another_kind_of_motion_are_unknown(tmp_path):
 
 
 def test_missing_keys_and_tables():
-    assert refusal(text=TEXT.replace("width = 0.25", "")) == (
-        "block.width: got nothing, allowed width > 0"
+    line = refusal(text=TEXT.replace("width = 0.25", ""))
+    assert line == "block.width is required (width > 0)"
+    assert refusal(text=TEXT.replace("mass = 503.0", "")).startswith(
+        "block.mass is required (exactly one of mass and"
     )
-    assert refusal(text=TEXT.replace("mass = 503.0", "")).startswith("block.mass: got nothing")
-    assert refusal(text=TEXT.partition("[time]")[0]) == "time: got nothing, allowed a table"
-    assert refusal(text="[time]\nend = 1\nstep = 1").startswith("block: got nothing, allowed an ar")
+    assert refusal(text=TEXT.partition("[time]")[0]) == "time is required (a table)"
+    assert refusal(text="[time]\nend = 1\nstep = 1").startswith("block is required (an ar")
     assert refusal(text=TEXT.replace("[[block]]", "[block]")).startswith("block: got a table")
     assert refusal(text="block = []\n[time]\nend = 1\nstep = 1").startswith("block: got 0 blocks")
 
@@ -229,7 +229,9 @@ def test_refused_names(name):
 
 
 def test_number_of_blocks():
-    assert refusal(text=TEXT + SECOND.format("")).startswith("block.name: got one name twice")
+    assert refusal(text=TEXT + SECOND.format("")).startswith(
+        'two blocks are named "block"; give each'
+    )
     scene = parse_scene(TEXT + SECOND.format('name = "upper"\nthickness = 0.75\n'))
     assert [block.name for block in scene.blocks] == ["block", "upper"]
 

@@ -28,7 +28,8 @@ from solver.excitation.synthetic.suite_motion import (
     synthetic_motion,
 )
 from solver.excitation.synthetic.table1 import table1_suite
-from solver.scene import SyntheticSpec, parse_scene
+from solver.scene import parse_scene
+from solver.scene.motion import SyntheticSpec
 
 G = 9.81
 
@@ -164,7 +165,7 @@ def test_motions_are_what_they_were() -> None:
     code = (
         "import hashlib\n"
         "from solver.excitation.synthetic.suite_motion import acceleration\n"
-        "from solver.scene import SyntheticSpec\n"
+        "from solver.scene.motion import SyntheticSpec\n"
         "samples = acceleration(SyntheticSpec(seed=7, event_sigma=0.3, site_sigma=0.5))\n"
         "print(hashlib.sha256(samples.tobytes()).hexdigest())\n"
     )

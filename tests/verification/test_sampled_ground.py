@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from solver.excitation.motion import ground_motion
+from solver.excitation.stepped import SteppedGround
 from solver.reference.platform import sliding_on_platform
-from solver.rigid.ground import SteppedGround
 from solver.run.simulate import Result, simulate
 from solver.scene import Scene, parse_scene
 

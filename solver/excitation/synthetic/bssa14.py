@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from solver.scene.units import STANDARD_GRAVITY
+from solver.scene.units import G_UNIT
 from solver.types import Array
 
 REFERENCE_VS30 = 760.0
@@ -66,7 +66,7 @@ def median_spectrum(magnitude: float, distance_km: float, vs30: float) -> Array:
         vs30: Mean velocity of shear waves in the upper 30 m, m/s.
     """
     rock = _on_rock(magnitude, distance_km)
-    return STANDARD_GRAVITY * rock * _site(vs30, float(rock[0]))
+    return G_UNIT * rock * _site(vs30, float(rock[0]))
 
 
 def site_factors(magnitude: float, distance_km: float, vs30: float) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.synthetic.point_source import duration, fourier_amplitude
-from solver.scene import SyntheticSpec
+from solver.scene.motion import SyntheticSpec
 from solver.types import Array
 
 LONGEST = 10.0

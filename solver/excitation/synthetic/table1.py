@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from solver.scene import SyntheticSpec
+from solver.scene.motion import SyntheticSpec
 
 MAGNITUDES = (6.5, 6.9)
 DISTANCES_KM = (20.0, 30.0)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 from solver.errors import SceneError
-from solver.scene import BlockSpec, FrameCellsSpec, FrameSpec, PlateSpec, Scene
+from solver.scene import Scene
+from solver.scene.cells import refined
 from solver.scene.checking import nearest, shown
-from solver.scene.ranges import Cells
 from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome
 
 Solve = Callable[[Scene], RunOutcome]
@@ -136,10 +136,8 @@ def meshes(name: str, scene: Scene, solve: Solve) -> LadderFamily:
 
 def _cells(scene: Scene) -> str:
     """The mesh of the first meshed body, in words."""
-    for body in (*scene.blocks, scene.foundation):
-        if isinstance(body, PlateSpec) or (isinstance(body, BlockSpec) and body.model == "elastic"):
-            return f"cells {' x '.join(map(str, body.cells))}"
-    return "cells of the frame"
+    labels = [body.mesh_label for body in (*scene.blocks, scene.foundation)]
+    return next(label for label in labels if label)
 
 
 def _refined(scene: Scene, factor: float) -> Scene:
@@ -148,30 +146,16 @@ def _refined(scene: Scene, factor: float) -> Scene:
     def times(count: int) -> int:
         return max(1, round(factor * count))
 
-    def all_times(cells: Cells) -> Cells:
-        if len(cells) == 2:
-            return times(cells[0]), times(cells[1])
-        return times(cells[0]), times(cells[1]), times(cells[2])
-
-    blocks = tuple(replace(block, cells=all_times(block.cells)) for block in scene.blocks)
-    ground = scene.foundation
-    if isinstance(ground, PlateSpec):
-        ground = replace(ground, cells=all_times(ground.cells))
-    if isinstance(ground, FrameSpec):
-        counts = {key: times(count) for key, count in asdict(ground.cells).items()}
-        ground = replace(ground, cells=FrameCellsSpec(**counts))
-    return replace(scene, blocks=blocks, foundation=ground)
+    blocks = tuple(replace(block, cells=refined(block.cells, times)) for block in scene.blocks)
+    return replace(scene, blocks=blocks, foundation=scene.foundation.refined(times))
 
 
 def _other_degree(scene: Scene, solve: Solve) -> list[LadderFamily]:
     """The ladder of meshes with the other degree; none where the scene does not allow it."""
     other: Literal[1, 2] = 1 if scene.blocks[0].degree == 2 else 2
     blocks = tuple(replace(block, degree=other) for block in scene.blocks)
-    ground = scene.foundation
-    if isinstance(ground, PlateSpec):
-        ground = replace(ground, degree=other)
     try:
-        changed = replace(scene, blocks=blocks, foundation=ground)
+        changed = replace(scene, blocks=blocks, foundation=scene.foundation.with_degree(other))
     except SceneError:
         return []
     return [meshes(f"degree {other}", changed, solve)]

@@ -11,7 +11,7 @@ import numpy as np
 from solver.errors import SceneError
 from solver.history.history import History
 from solver.reference.housner import housner
-from solver.scene import BlockSpec, RigidSpec, Scene
+from solver.scene import BlockSpec, Scene
 from solver.scene.checking import nearest, shown
 from solver.types import Array
 
@@ -108,7 +108,9 @@ def before_impact(scene: Scene, block: BlockSpec) -> float:
     Nine tenths of the rigid block's way to its first impact (Housner 1963), for a block alone on
     firm ground that does not move.
     """
-    alone = len(scene.blocks) == 1 and isinstance(scene.foundation, RigidSpec)
+    ground = scene.foundation
+    firm = ground.is_firm and not ground.needs_mesh_engine
+    alone = len(scene.blocks) == 1 and firm
     still = scene.motion is None and scene.gravity_tilt_deg == 0 and scene.gravity > 0
     if not (alone and still and 0 < abs(block.tilt) < block.shape.slenderness):
         return 0.0

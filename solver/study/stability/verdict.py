@@ -77,7 +77,7 @@ def warm_up() -> None:
         block = {"width": 1.0, "height": 1.0, "density": 1.0, "model": "rigid"}
         time_ = {"end": 1e-3, "step": 1e-3}
         tables = {"dimension": dimension, "block": [block], "time": time_}
-        simulate(parse_scene(tables), comm=MPI.COMM_SELF)
+        simulate(parse_scene(tables), comm=MPI.COMM_SELF, many=True)
 
 
 def judge(case: StabilityCase, limit: float) -> Verdict:
@@ -89,7 +89,7 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
     began = time.perf_counter()
     try:
         scene = parse_scene(case.tables)
-        result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF)
+        result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF, many=True)
     except SceneError as error:
         return Verdict.of(case, "refused", str(error), seconds=time.perf_counter() - began)
     reason = trouble(result)

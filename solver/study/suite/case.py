@@ -66,7 +66,7 @@ def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:
 def scene_of(case: SuiteCase) -> tuple[Scene, float]:
     """The scene of a case, which ends with its motion, and the largest ground acceleration, g."""
     from solver.excitation.motion import base_motion
-    from solver.scene.units import STANDARD_GRAVITY
+    from solver.scene.units import G_UNIT
 
     tables = dict(case.tables) | {"motion": dict(case.motion.table)}
     sets = [f"{key}={value}" for key, value in case.varied]
@@ -81,7 +81,7 @@ def scene_of(case: SuiteCase) -> tuple[Scene, float]:
         stops += [moves.stop] if moves is not None else []
     # Whole steps: a last, shorter one would need factorizations of its own.
     end = math.ceil((max(stops) + case.tail) / time.step * (1 - 1e-9)) * time.step
-    return replace(scene, time=replace(time, end=end)), along.peak / STANDARD_GRAVITY
+    return replace(scene, time=replace(time, end=end)), along.peak / G_UNIT
 
 
 def run_case(case: SuiteCase) -> dict[str, Any]:
@@ -97,7 +97,7 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
     scene, peak = scene_of(case)
     if case.keep is not None:
         shutil.rmtree(case.keep, ignore_errors=True)  # what an interrupted suite left
-    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF)
+    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF, many=True)
     summary = result.summary
     measures = _measures(summary)
     row = {

@@ -1,4 +1,4 @@
-"""Recorded accelerograms: files of PEER, of two columns, of one."""
+"""A recorded accelerogram, a file of PEER, of two columns or of one: kind = "record"."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.errors import SceneError
+from solver.errors import SceneError, missing_key, not_applicable
 from solver.excitation.baseline import corrected
 from solver.excitation.numbers import Row, number_in, read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
-from solver.scene import RecordSpec
 from solver.scene.checking import shown
+from solver.scene.motion import RecordSpec
 from solver.scene.units import MOVED, UNITS, units_named
 from solver.types import Array
 
@@ -21,12 +21,19 @@ EXPECTED = "an accelerogram: PEER's .AT2, two columns (time, acceleration), or o
 
 COUNTED = "NPTS= number of values, DT= time between them in s"
 
+TIMELESS = "files that do not say the time between their values"
+
 HEADER = 20
 """Lines in which a header of PEER names the number of values."""
 
 _NUMBER = r"(\d*\.?\d+(?:[eEdD][-+]?\d+)?|\d+\.)"
 _NPTS = re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
 _NPTS_BEHIND = re.compile(rf"^\s*(\d+)\s*,?\s+{_NUMBER}\s*,?\s+NPTS\s*,\s*DT", re.IGNORECASE)
+
+
+def signal(spec: RecordSpec, end: float, where: str) -> SampledMotion:
+    """The samples of a recorded accelerogram; the arguments are those of all kinds."""
+    return read_record(spec, where)
 
 
 def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
@@ -61,7 +68,7 @@ def _peer(
     if not found or not np.isfinite(step) or step <= 0 or int(found[1]) < 2:
         raise SceneError(f"{spec.file}: line {line + 1}", shown(lines[line].strip()), COUNTED)
     if spec.dt is not None:
-        raise SceneError(f"{where}.dt", shown(spec.dt), f"nothing: {spec.file} has DT= {step:g}")
+        raise not_applicable(f"{where}.dt", f"{TIMELESS} ({spec.file} has DT= {step:g})")
     count, values = int(found[1]), list[float]()
     expected = f"{count} values, NPTS of line {line + 1}"
     for row in rows_of(spec.file, lines[line + 1 :], "finite numbers", first=line + 2):
@@ -89,12 +96,12 @@ def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str],
             raise SceneError(f"{spec.file}: line {row.line}", got, wanted)
     if width == 2:
         if spec.dt is not None:
-            allowed = f"nothing: {spec.file} has times in its first column"
-            raise SceneError(f"{where}.dt", shown(spec.dt), allowed)
+            reason = f"{TIMELESS} ({spec.file} has times in its first column)"
+            raise not_applicable(f"{where}.dt", reason)
         return header, _even(spec.file, rows), np.array([row.values[1] for row in rows])
     if spec.dt is None:
-        allowed = f"dt > 0, s: {spec.file} does not say the time between its values"
-        raise SceneError(f"{where}.dt", "nothing", allowed)
+        reason = f"(dt > 0, s): {spec.file} does not say the time between its values"
+        raise missing_key(f"{where}.dt", reason)
     return header, spec.dt, np.array([value for row in rows for value in row.values])
 
 
@@ -147,8 +154,8 @@ def _units(spec: RecordSpec, where: str, header: list[str]) -> str:
         allowed = f"accelerations in {', '.join(UNITS)}"
         raise SceneError(f"{spec.file}: line {line}", f"units of {named}", allowed)
     if spec.units is None and named is None:
-        allowed = f'"g", "m/s2" or "cm/s2": {spec.file} does not say it'
-        raise SceneError(f"{where}.units", "nothing", allowed)
+        reason = f'("g", "m/s2" or "cm/s2"): {spec.file} does not say it'
+        raise missing_key(f"{where}.units", reason)
     if spec.units is not None and named in UNITS and spec.units != named:
         allowed = f"{shown(named)}, as line {line} of {spec.file} says"
         raise SceneError(f"{where}.units", shown(spec.units), allowed)

@@ -1,8 +1,6 @@
-"""Ground motions given by a file of two columns."""
+"""A motion from a file of two columns: kind = "table"."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 
@@ -10,16 +8,27 @@ from solver.errors import SceneError
 from solver.excitation.numbers import read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
 from solver.scene.checking import shown
+from solver.scene.motion import TableSpec
+from solver.scene.units import UNITS
 
 ROW = "two numbers, time and acceleration"
 
 
-def read_table(file: Path, unit: float, where: str = "motion") -> SampledMotion:
-    """Read times (s) and accelerations (multiples of `unit`, m/s^2).
+def signal(spec: TableSpec, end: float, where: str) -> SampledMotion:
+    """Read times (s) and accelerations.
 
     The columns are separated by commas, semicolons or blanks; lines before the first row that do
     not begin with a number are a header; blank lines and lines that begin with # are skipped.
+
+    Args:
+        spec: The file, its units, and a factor.
+        end: Of the run, s; of no meaning here.
+        where: Path of the table in the scene, for errors.
+
+    Raises:
+        SceneError: The file cannot be read, or is no such table; names file and line.
     """
+    file, unit = spec.file, UNITS[spec.units] * spec.scale
     lines = read_lines(file, f"{where}.file", ROW)
     header, rest = split_header(lines)
     rows = rows_of(file, rest, ROW, first=len(header) + 1)

@@ -1,0 +1,17 @@
+"""Half a period of a sine: kind = "half_sine"."""
+
+from __future__ import annotations
+
+from solver.excitation.pulses import Sine
+from solver.scene.motion import HalfSineSpec
+from solver.scene.units import G_UNIT
+
+
+def signal(spec: HalfSineSpec, end: float, where: str) -> Sine:
+    """Half a period that lasts as long as the spec says."""
+    return Sine(
+        amplitude=spec.amplitude_g * G_UNIT,
+        start=spec.start,
+        stop=spec.start + spec.duration,
+        period=2 * spec.duration,
+    )

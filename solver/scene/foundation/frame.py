@@ -1,0 +1,153 @@
+"""A meshed deck on columns: kind = "frame"."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from typing import Literal
+
+from solver.errors import SceneError
+from solver.scene.cells import SHAPES, mesh_size_in_words
+from solver.scene.checking import OPEN, Checked, shown
+from solver.scene.foundation.base import Foundation, Lines, thickness_of
+from solver.scene.material import Material, Plane
+from solver.scene.ranges import Count, Dimension, Positive, Ratio
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeckSpec(Checked):
+    """The deck of a frame: `foundation.deck`."""
+
+    width: Positive
+    """m; from outside to outside of the outer columns."""
+    height: Positive
+    """m."""
+    thickness: Positive = OPEN
+    """m; in 2-D that of the blocks."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ColumnSpec(Checked):
+    """The columns of a frame: `foundation.column`."""
+
+    width: Positive
+    """m, along x."""
+    thickness: Positive = OPEN
+    """m; in 2-D that of the blocks, in 3-D the width if left out."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameCellsSpec(Checked):
+    """Numbers of quadrilaterals or hexahedra of a frame: `foundation.cells`."""
+
+    bay: Count = 8
+    """Along the deck from column to column, in 3-D in both directions."""
+    column: Count = 2
+    """Across a column, in 3-D in both directions."""
+    deck: Count = 2
+    """Over the height of the deck."""
+    storey: Count = 12
+    """Along a column."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameSpec(Foundation):
+    """A meshed deck, its top at level 0, on columns fixed at their feet: kind = "frame"."""
+
+    kind: Literal["frame"] = "frame"
+    deck: DeckSpec
+    column: ColumnSpec
+    bays: Count = 1
+    """Between columns; there is one column more. In 3-D one bay, four columns."""
+    storey: Positive
+    """Height of the columns, from their feet to the underside of the deck, m."""
+    young: Positive
+    """Young's modulus E, Pa."""
+    poisson: Ratio
+    """Poisson's ratio nu."""
+    density: Positive
+    """rho, kg/m^3."""
+    cells: FrameCellsSpec = field(default_factory=FrameCellsSpec)
+    degree: Literal[1, 2] = 2
+    """Polynomial degree of the displacement; thin columns are too stiff with 1."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        Checked.__post_init__(self)
+        columns = (self.bays + 1) * self.column.width
+        if columns >= self.deck.width:
+            allowed = f"less than deck.width / (bays + 1) = {self.deck.width / (self.bays + 1):g}"
+            raise SceneError("column.width", shown(self.column.width), allowed)
+
+    @property
+    def needs_mesh_engine(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def moves_as_a_whole(self) -> bool:
+        """Always: the deck sways on its columns."""
+        return True
+
+    @property
+    def has_period_of_mesh(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def depth(self) -> float | None:
+        """From the feet of the columns to the top of the deck, m."""
+        return self.deck.height + self.storey
+
+    @property
+    def mesh_label(self) -> str:
+        """The cells of a frame are four numbers, which say little to a reader."""
+        return "cells of the frame"
+
+    def in_dimension(self, dimension: Dimension, thickness: float) -> FrameSpec:
+        """The frame in a scene of this dimension; `thickness`: of the blocks, m."""
+        if dimension == 3 and self.bays != 1:
+            raise SceneError("bays", shown(self.bays), "1 where dimension = 3")
+        deep = thickness_of(self.deck.thickness, dimension, thickness, "deck.")
+        column = self.column.thickness or (deep if dimension == 2 else self.column.width)
+        if dimension == 2:
+            column = thickness_of(column, dimension, thickness, "column.")
+        elif 2 * column >= deep:
+            allowed = f"less than deck.thickness / 2 = {deep / 2:g}"
+            raise SceneError("column.thickness", shown(column), allowed)
+        return replace(
+            self,
+            deck=replace(self.deck, thickness=deep),
+            column=replace(self.column, thickness=column),
+        )
+
+    def material(self, plane: Plane) -> Material:
+        """The material of deck and columns."""
+        return Material(young=self.young, poisson=self.poisson, density=self.density, plane=plane)
+
+    def describe(self, dimension: Dimension, carried: float) -> Lines:
+        """What `rockslip check` says of it."""
+        deck, count = self.deck, 4 if dimension == 3 else self.bays + 1
+        size = f"{deck.width:g} x {deck.height:g} x {deck.thickness:g} m"
+        column = f"{self.column.width:g} x {self.column.thickness:g} m, {self.storey:g} m high"
+        return [
+            ("foundation", f"meshed frame, deck {size}"),
+            ("  columns", f"{count}, {column}"),
+            ("  mesh", self.mesh_size(dimension)),
+        ]
+
+    def mesh_size(self, dimension: Dimension) -> str:
+        """Size of the mesh, in words; columns share their uppermost nodes with the deck."""
+        cells, degree, flat = self.cells, self.degree, dimension - 1
+        along = self.bays * cells.bay + (self.bays + 1) * cells.column
+        columns = (self.bays + 1) ** flat
+        count = along**flat * cells.deck + columns * cells.column**flat * cells.storey
+        nodes = (degree * along + 1) ** flat * (degree * cells.deck + 1)
+        nodes += columns * (degree * cells.column + 1) ** flat * degree * cells.storey
+        cell = SHAPES[dimension][0]
+        return mesh_size_in_words(count, cell, degree, nodes, dimension)
+
+    def refined(self, times: Callable[[int], int]) -> FrameSpec:
+        """The frame with other numbers of cells."""
+        counts = {key: times(count) for key, count in asdict(self.cells).items()}
+        return replace(self, cells=FrameCellsSpec(**counts))

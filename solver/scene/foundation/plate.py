@@ -1,0 +1,166 @@
+"""A meshed plate: kind = "elastic"."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from geometry.block import Block
+from solver.errors import not_applicable
+from solver.scene.cells import (
+    box_mesh_size,
+    cell_of,
+    cells_in_words,
+    cells_of,
+    equal_parts,
+    refined,
+)
+from solver.scene.checking import OPEN, Checked, exactly_one
+from solver.scene.foundation.base import Foundation, Lines, Platform, thickness_of
+from solver.scene.material import Material, Plane
+from solver.scene.ranges import Cell, Cells, Dimension, NotNegative, Positive, Ratio
+
+#: Numbers of cells of a plate where a scene says nothing.
+PLATE_CELLS: dict[Dimension, Cells] = {2: (24, 4), 3: (12, 12, 2)}
+
+SUPPORTS = {"fixed": "held everywhere", "bottom": "held at its bottom", "rollers": "on rollers"}
+"""The supports of a plate, in the words of `rockslip check`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlateSpec(Foundation):
+    """A meshed plate, its top at level 0: kind = "elastic"."""
+
+    kind: Literal["elastic"] = "elastic"
+    width: Positive
+    """m."""
+    height: Positive
+    """m."""
+    thickness: Positive = OPEN
+    """m; in 2-D that of the blocks."""
+    mass: Positive | None = None
+    """kg; or `mass_ratio` or `density`."""
+    mass_ratio: Positive | None = None
+    """Mass of all blocks over that of the plate."""
+    density: Positive | None = None
+    """rho, kg/m^3."""
+    young: Positive
+    """Young's modulus E, Pa."""
+    poisson: Ratio
+    """Poisson's ratio nu."""
+    cells: Cells = OPEN
+    """Along width and height, 24 and 4; 3-D: width, thickness, height, 12, 12, 2."""
+    cell: Cell = OPEN
+    """quadrilateral or triangle; in 3-D hexahedron or tetrahedron."""
+    degree: Literal[1, 2] = 1
+    """Polynomial degree of the displacement."""
+    support: Literal["fixed", "bottom", "rollers"] = "fixed"
+    """All of it held (the paper's), its bottom held, or its bottom held vertically on a spring."""
+    period: Positive | None = None
+    """With rollers: of the empty plate, taken as rigid, s; or `stiffness`."""
+    stiffness: Positive | None = None
+    """With rollers: of the spring, N/m."""
+    damping_ratio: NotNegative = 0.0
+    """With rollers: xi of the empty plate."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        Checked.__post_init__(self)
+        exactly_one(self, "mass", "mass_ratio", "density")
+        if self.on_spring:
+            exactly_one(self, "period", "stiffness")
+            return
+        for key in ("period", "stiffness", "damping_ratio"):
+            if getattr(self, key):
+                raise not_applicable(key, 'a plate with support = "rollers" only')
+
+    @property
+    def needs_mesh_engine(self) -> bool:
+        """Always, also for a plate that is held everywhere: blocks may fall over its edge."""
+        return True
+
+    @property
+    def on_spring(self) -> bool:
+        """Whether it is on rollers."""
+        return self.support == "rollers"
+
+    @property
+    def has_period_of_mesh(self) -> bool:
+        """Whether it is on rollers."""
+        return self.on_spring
+
+    @property
+    def depth(self) -> float | None:
+        """Its height, m."""
+        return self.height
+
+    @property
+    def mesh_label(self) -> str:
+        """Numbers of its cells."""
+        return cells_in_words(self.cells)
+
+    def in_dimension(self, dimension: Dimension, thickness: float) -> PlateSpec:
+        """The plate in a scene of this dimension; `thickness`: of the blocks, m."""
+        return replace(
+            self,
+            thickness=thickness_of(self.thickness, dimension, thickness),
+            cells=cells_of(self, dimension, PLATE_CELLS[dimension]),
+            cell=cell_of(self, dimension),
+        )
+
+    def shape(self, carried: float) -> Block:
+        """The plate as a body of uniform density; `carried`: mass of all blocks, kg."""
+        mass = self.mass if self.mass_ratio is None else carried / self.mass_ratio
+        density = self.density or (mass or math.nan) / (self.width * self.height * self.thickness)
+        return Block(
+            width=self.width, height=self.height, thickness=self.thickness, density=density
+        )
+
+    def material(self, plane: Plane, carried: float) -> Material:
+        """Its material; `carried`: mass of all blocks, kg."""
+        density = self.shape(carried).density
+        return Material(young=self.young, poisson=self.poisson, density=density, plane=plane)
+
+    def platform(self, carried: float) -> Platform | None:
+        """The plate on rollers as one mass; `carried`: mass of all blocks, kg."""
+        if not self.on_spring:
+            return None
+        return Platform.on_spring(
+            self.shape(carried).mass,
+            period=self.period,
+            stiffness=self.stiffness,
+            damping_ratio=self.damping_ratio,
+        )
+
+    def pressed_material(self, plane: Plane, carried: float) -> Material | None:
+        """Its material, unless all of it is held."""
+        return None if self.support == "fixed" else self.material(plane, carried)
+
+    def turning_cells(self, plane: Plane, carried: float) -> tuple[Material, float] | None:
+        """Material and smallest cell edge over the degree, m, where it may turn about the vertical.
+
+        In space on rollers.
+        """
+        if plane != "solid" or not self.on_spring:
+            return None
+        edges = equal_parts((self.width, self.thickness, self.height), self.cells)
+        return self.material(plane, carried), min(edges) / self.degree
+
+    def describe(self, dimension: Dimension, carried: float) -> Lines:
+        """What `rockslip check` says of it."""
+        size = f"{self.width:g} x {self.height:g} x {self.thickness:g} m"
+        return [
+            ("foundation", f"meshed plate, {size}, {SUPPORTS[self.support]}"),
+            ("  density", f"{self.shape(carried).density:.6g} kg/m3"),
+            ("  mesh", box_mesh_size(self, dimension)),
+        ]
+
+    def refined(self, times: Callable[[int], int]) -> PlateSpec:
+        """The plate with other numbers of cells."""
+        return replace(self, cells=refined(self.cells, times))
+
+    def with_degree(self, degree: Literal[1, 2]) -> PlateSpec:
+        """The plate with another polynomial degree."""
+        return replace(self, degree=degree)
