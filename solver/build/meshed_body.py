@@ -20,7 +20,6 @@ def meshed_body(
     density: float,
     thickness: float,
     degree: int,
-    damped: bool = True,
     supports: Sequence[Support] = (),
     spring: GroundSpring | None = None,
 ) -> ElasticBody:
@@ -34,13 +33,12 @@ def meshed_body(
         density: kg/m3.
         thickness: t, m; in space it is in the mesh.
         degree: Polynomial degree of the displacement.
-        damped: Whether Rayleigh's damping acts on it.
         supports: Held facets.
         spring: To the ground.
     """
     plane = scene.dimension == 2
     young, poisson = elasticity
-    given = scene.damping if damped else None
+    given = scene.damping
     return ElasticBody(
         made.mesh,
         Material(

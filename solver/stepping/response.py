@@ -275,12 +275,11 @@ class DenseResponse:
     ) -> Array:
         """Rows of the points of a side's interface in what this body does to them."""
         side, rows = self.sides[number], self._rows[number]
-        if not side.carries:
-            return rows[own]
-        if seat.foot is None:
-            return self._level[number][own]
-        weights, nodes = seat.foot.weights[own], seat.foot.nodes[own]
-        return -np.einsum("mk,mkdu->mdu", weights, rows[nodes])
+        spots = seat.foot if side.carries else seat.tip
+        if spots is None:
+            return self._level[number][own] if side.carries else rows[own]
+        weights, nodes = side.sign * spots.weights[own], spots.nodes[own]
+        return np.einsum("mk,mkdu->mdu", weights, rows[nodes])
 
     def read(
         self, moved: Array, frames: Sequence[Array], seats: Sequence[ContactKinematics]

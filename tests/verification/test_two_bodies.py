@@ -15,8 +15,8 @@ from geometry.block import Block
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.bodies.dense_body import RigidBlock
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.rigid_box import RigidBox, rigid_box
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
@@ -85,7 +85,7 @@ class Pair:
 
     def _body(self, name: str, shape: Block, model: str, cell: str, degree: int):
         if model == "rigid":
-            return RigidBlock(name, shape, np.array([0.0, shape.height / 2])), None
+            return rigid_box(name, shape, np.array([0.0, shape.height / 2])), None
         count = {"upper": (4, 3, 2), "lower": (7, 5, 2)}[name]
         cells = (count[0], count[2]) if self.dimension == 2 else count
         made = block_mesh(shape, dimension=self.dimension, cells=cells, cell=cell)
@@ -94,7 +94,7 @@ class Pair:
         return ElasticBody(made.mesh, material, degree=degree, name=name), made.facet_tags
 
     def _points(self, body, tags):
-        if isinstance(body, RigidBlock):
+        if isinstance(body, RigidBox):
             along = np.linspace(-0.5, 0.5, 5) * UPPER.width
             return RigidPoints(body, np.column_stack([along, np.zeros(5)]))
         bottom = tags.indices[tags.values == FacetTag.BOTTOM]
@@ -112,7 +112,7 @@ class Pair:
 
     def _face(self, body, tags):
         frame = RigidFoundation.level(self.dimension).frame
-        if isinstance(body, RigidBlock):
+        if isinstance(body, RigidBox):
             half = LOWER.width / 2
             ends = np.array([[-half, LOWER.height], [half, LOWER.height]])
             return Face(RigidPoints(body, ends), np.array([[0, 1]]), frame, "interval")
@@ -127,7 +127,7 @@ class Pair:
             zip(self.system.bodies, ("upper", "lower"), strict=True)
         ):
             pose = poses[name]
-            if isinstance(body, RigidBlock):
+            if isinstance(body, RigidBox):
                 moved = body.centre + np.array([pose.along, pose.up])
                 parts.append(np.append(moved @ pose.rotation(2).T - body.centre, pose.angle))
             else:
@@ -140,7 +140,7 @@ class Pair:
     def total(self, forces: Array, body: int) -> Array:
         """Force on a body in all."""
         part = forces[self.system.slices[body]]
-        if isinstance(self.system.bodies[body], RigidBlock):
+        if isinstance(self.system.bodies[body], RigidBox):
             return part[:2]
         return part.reshape(-1, self.dimension).sum(axis=0)
 
