@@ -288,7 +288,7 @@ class DenseResponse:
         for number, side in enumerate(self.sides):
             k = side.interface
             own = slice(side.first, side.first + side.count)
-            moved[own] += (self._at(number, seats[k]) @ self._free) @ frames[k].T
+            moved[own] += in_frames(self._at(number, seats[k]) @ self._free, frames[k])
 
     def couple(self, near: CandidateSet, weight: float, W: Array) -> None:
         """Add the compliance among near points."""
