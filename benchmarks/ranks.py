@@ -80,6 +80,23 @@ SCENES: dict[str, dict[str, Any]] = {
         "block": [BLOCK | IN_SPACE, TOP | IN_SPACE | {"friction": 0.05, "thickness": 0.6}],
         "motion": BOTH_WAYS,
     },
+    "rigid on elastic in space": {
+        "dimension": 3,
+        "block": [
+            BLOCK | IN_SPACE,
+            TOP | IN_SPACE | {"friction": 0.05, "thickness": 0.6, "model": "rigid"},
+        ],
+        "motion": BOTH_WAYS,
+    },
+    "elastic on rigid in space": {
+        "dimension": 3,
+        "block": [
+            BLOCK | IN_SPACE | {"model": "rigid"},
+            TOP | IN_SPACE | {"friction": 0.05, "thickness": 0.6},
+        ],
+        "foundation": PLATE | ON_ROLLERS | {"thickness": 2.0, "cells": [4, 3, 1]},
+        "motion": BOTH_WAYS,
+    },
 }
 
 #: The one whose fields are written, too: three meshed bodies.

@@ -1,4 +1,4 @@
-"""Bodies of a few unknowns beside meshed ones: the rigid block and the platform on a spring.
+"""Bodies of a few unknowns beside meshed ones: rigid boxes and the platform on a spring.
 
 Rank 0 owns their unknowns; `replicate` tells the others. Scenes in which nothing is meshed have an
 engine of their own, `solver.rigid`.
@@ -6,15 +6,13 @@ engine of their own, `solver.rigid`.
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 
 from mpi4py import MPI
 
 import numpy as np
 
-from geometry.block import Block
-from solver.bodies.kinematics import RigidMotion, turn
+from solver.bodies.kinematics import RigidMotion
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.types import Array
 
@@ -80,9 +78,12 @@ class DenseBody(ABC):
         """None: nothing deforms."""
         return None
 
-    def viscous_force(self, dt: float) -> Array | None:
+    def impulsive_force(self, dt: float) -> Array | None:
         """None: nothing deforms."""
         return None
+
+    def settle(self, u: Array) -> None:
+        """Nothing to do: a step starts from the unknowns at the end of the last one."""
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
@@ -133,119 +134,3 @@ class DenseBody(ABC):
     def rotation(self, u: Array) -> Array:
         """The rotation of the body, (d, d), on every rank."""
         return np.eye(self.dimension)
-
-
-class Oscillator(DenseBody):
-    """A rigid platform on a horizontal spring and dashpot: one unknown, in space two."""
-
-    turns = False
-
-    def __init__(
-        self,
-        *,
-        mass: float,
-        stiffness: float,
-        dashpot: float,
-        dimension: int = 2,
-        comm: MPI.Intracomm = MPI.COMM_WORLD,
-    ):
-        """Set up.
-
-        Args:
-            mass: m_P, kg.
-            stiffness: k, N/m.
-            dashpot: c, N s/m.
-            dimension: Of space.
-            comm: Communicator of the run.
-        """
-        translations = np.eye(dimension, dimension - 1)
-        diagonal = np.full(dimension - 1, mass)
-        super().__init__(
-            "platform", diagonal, translations, stiffness=stiffness, dashpot=dashpot, comm=comm
-        )
-        self._rows: dict[int, Array] = {}
-        self._unturned = np.empty(0), np.eye(dimension)
-
-    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
-        """It does not move vertically, and does not turn."""
-        motion = np.zeros((2, self.dimension))
-        motion[0, :-1], motion[1, :-1] = self.replicate(u), self.replicate(v)
-        return RigidMotion(motion[0], motion[1], *self._unturned)
-
-    def material_positions(self, points: Array, values: Array) -> Array:
-        """Points of the platform, moved."""
-        places = points.copy()
-        places[:, :-1] += values
-        return places
-
-    def rows(self, points: Array, values: Array) -> Array:
-        """Every point moves with the platform; one array for all calls, not to be written to."""
-        count = len(points)
-        if count not in self._rows:
-            each = np.eye(self.dimension, self.dimension - 1)
-            self._rows[count] = np.tile(each, (count, 1, 1))
-            self._rows[count].flags.writeable = False
-        return self._rows[count]
-
-    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
-        """The same at any time."""
-        return self.rows(points, new)
-
-
-class RigidBlock(DenseBody):
-    """A rigid block in the plane: displacement of its centre and angle, clockwise."""
-
-    turns = True
-
-    def __init__(
-        self, name: str, shape: Block, centre: Array, *, comm: MPI.Intracomm = MPI.COMM_WORLD
-    ):
-        """Set up; points are given in the block's own frame, moved to its initial place.
-
-        Args:
-            name: Of the block.
-            shape: Its size and density.
-            centre: Of the unrotated block, in its own frame, m.
-            comm: Communicator of the run.
-        """
-        diagonal = np.array([shape.mass, shape.mass, shape.rotary_inertia])
-        super().__init__(name, diagonal, np.eye(2, 3), comm=comm)
-        self.shape, self.centre = shape, centre
-        self.corners = np.array(shape.corners()) + centre - (0.0, shape.height / 2)
-        """In its reference configuration, counterclockwise from the bottom left one, (4, 2), m."""
-
-    def round_off(self, u: Array, weights: TangentWeights) -> float:
-        """That of its points' places, too, which are as long as it is."""
-        size = self.shape.half_diagonal
-        return super().round_off(np.abs(u) + np.array([size, size, 1.0])[self.own], weights)
-
-    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
-        """The unknowns themselves."""
-        pose, speed = self.replicate(u), self.replicate(v)
-        return RigidMotion(pose[:2], speed[:2], speed[2:], turn(pose[2:]))
-
-    def rotation(self, u: Array) -> Array:
-        """Clockwise by the third unknown."""
-        return turn(self.replicate(u)[2:])
-
-    def material_positions(self, points: Array, values: Array) -> Array:
-        """Points of the block where it stands."""
-        return self.centre + values[:2] + (points - self.centre) @ turn(values[2:]).T
-
-    def rows(self, points: Array, values: Array) -> Array:
-        """Translation, and the derivative of the rotation."""
-        return self._rows((points - self.centre) @ turn(values[2:]).T)
-
-    @staticmethod
-    def _rows(arms: Array, factor: float = 1.0) -> Array:
-        """Rows for arms in space; a clockwise turn moves (x, y) along (y, -x)."""
-        rows = np.zeros((len(arms), 2, 3))
-        rows[:, 0, 0] = rows[:, 1, 1] = 1.0
-        rows[:, 0, 2], rows[:, 1, 2] = factor * arms[:, 1], -factor * arms[:, 0]
-        return rows
-
-    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
-        """Rows at the mean angle; the chord of the turn is sin(d/2)/(d/2) of its arc."""
-        mean, half = 0.5 * (old + new), 0.5 * (new[2] - old[2])
-        chord = math.sin(half) / half if half else 1.0
-        return self._rows((points - self.centre) @ turn(mean[2:]).T, chord)

@@ -241,11 +241,17 @@ class ElasticBody:
             self._buffer.scatter_reverse(la.InsertMode.add)
         return self._forces[: self.size].copy()
 
-    def viscous_force(self, dt: float) -> Array | None:
-        """C du/dt of a step, by strain rates, at the displacement last assigned; None without."""
+    def impulsive_force(self, dt: float) -> Array | None:
+        """Internal force outside the averages of a step, at the displacement last assigned.
+
+        C du/dt by strain rates; None without damping.
+        """
         if self._forms.viscous is None:
             return None
         return self.damping.stiffness / dt * self._assembled(self._forms.viscous)
+
+    def settle(self, u: Array) -> None:
+        """Nothing to do: a step starts from the unknowns at the end of the last one."""
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""

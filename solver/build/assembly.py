@@ -14,8 +14,8 @@ from geometry.arrangement import Pose
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
-from solver.bodies.dense_body import RigidBlock
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.rigid_box import RigidBox, rigid_box
 from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import meshed_body
 from solver.contact.body_points import FacePoints, NodePoints, RigidPoints
@@ -30,14 +30,20 @@ from solver.contact.plane_target import Carrier
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.law.friction import FrictionLaw
 from solver.scene import BlockSpec, Scene
-from solver.scene.limits import young_of_rigid
-from solver.scene.material import Material
 from solver.scene.places import stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.state import State
 from solver.stepping.stepper import StepFailed, Stepper
 from solver.stepping.system import Body, System
 from solver.types import Array
+
+FACE_CORNERS = {
+    (2, FacetTag.TOP): ((3, 2), "interval"),
+    (2, FacetTag.BOTTOM): ((1, 0), "interval"),
+    (3, FacetTag.TOP): ((4, 5, 7, 6), "quadrilateral"),
+    (3, FacetTag.BOTTOM): ((0, 3, 1, 2), "quadrilateral"),
+}
+"""Corners of a box on a level face, in the order of a facet of `carrier_surface`, and its shape."""
 
 
 @dataclass(slots=True)
@@ -55,7 +61,7 @@ class BlockBody:
     """
 
     spec: BlockSpec
-    body: ElasticBody | RigidBlock
+    body: ElasticBody | RigidBox
     number: int
     stand: Pose
     tags: MeshTags | None = None
@@ -116,26 +122,20 @@ def build(
 
 
 def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intracomm) -> BlockBody:
-    """One block: meshed upright at its place, or rigid.
-
-    In space a rigid block among meshed bodies is one very stiff hexahedron: its mass and rotary
-    inertia are those of the block, and finite rotations are those of every meshed body.
-    """
+    """One block: meshed upright at its place, or rigid."""
     spec = scene.blocks[number]
     upright, stand = placed
-    dimension = scene.dimension
-    centre = np.zeros(dimension)
-    centre[-1] = spec.height / 2
-    if spec.model == "rigid" and dimension == 2:
-        block = RigidBlock(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
+    if spec.model == "rigid":
+        centre = np.zeros(scene.dimension)
+        centre[-1] = spec.height / 2
+        block = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
         return BlockBody(spec, block, number, stand)
-    rigid = spec.model == "rigid"
     made = block_mesh(
         spec.shape,
-        dimension=dimension,
-        cells=(1, 1, 1) if rigid else spec.cells,
-        cell="hexahedron" if rigid else spec.cell,
-        refinement=1.0 if rigid else spec.refinement,
+        dimension=scene.dimension,
+        cells=spec.cells,
+        cell=spec.cell,
+        refinement=spec.refinement,
         comm=comm,
     )
     move(made.mesh, upright)
@@ -143,18 +143,11 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         scene,
         spec.name,
         made,
-        material=_stand_in(scene, spec) if rigid else spec.material(scene.material_plane),
+        material=spec.material(scene.material_plane),
         thickness=spec.thickness,
-        degree=1 if rigid else spec.degree,
-        damped=not rigid,
+        degree=spec.degree,
     )
     return BlockBody(spec, body, number, stand, made.facet_tags)
-
-
-def _stand_in(scene: Scene, spec: BlockSpec) -> Material:
-    """The material of the stiff hexahedron that stands for a rigid block in space."""
-    young, density = young_of_rigid(scene, spec), spec.shape.density
-    return Material(young=young, poisson=0.0, density=density, plane=scene.material_plane)
 
 
 def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:
@@ -193,10 +186,12 @@ def _contacts(
             on=on,
         )
     else:
-        # Cohesion acts on the bottom and on as much of the other sides, which may touch as well.
-        area = 2 * member.spec.width * member.spec.thickness
-        points = RigidPoints(member.body, _outline(member.body, carrier), area)
-        own = FixedContactPair(Interface(points, carrier, law), body=member.number, on=on)
+        points = _outline(member.body, carrier)
+        # Cohesion acts on the bottom; points elsewhere, which may touch as well, have as much each.
+        low = np.count_nonzero(points[:, -1] == points[:, -1].min())
+        area = member.spec.width * member.spec.thickness * len(points) / low
+        interface = Interface(RigidPoints(member.body, points, area), carrier, law)
+        own = FixedContactPair(interface, body=member.number, on=on)
     contacts = [own]
     if isinstance(carrier, Face):
         bottom = _bottom(member)
@@ -209,17 +204,20 @@ def _contacts(
     return contacts
 
 
-def _outline(body: RigidBlock, carrier: Carrier) -> Array:
-    """Points of a rigid block that may touch: its corners, on facets also points between them.
+def _outline(body: RigidBox, carrier: Carrier) -> Array:
+    """Points of a rigid block that may touch: its corners, on facets also a grid on its bottom.
 
     No closer than the facets: forces of more points than there are nodes below are not unique.
     """
     if not isinstance(carrier, Face):
         return body.corners
-    count = max(1, int(body.shape.width / carrier.facet + 1e-9))
-    between = np.linspace(0, 1, count + 1)[1:-1, None]
-    left, right = body.corners[:2]
-    return np.vstack([body.corners, left + between * (right - left)])
+    sides = np.ptp(body.bottom, axis=0)
+    counts = (max(1, int(side / carrier.facet + 1e-9)) for side in sides[:-1])
+    lines = [np.linspace(0, 1, count + 1) for count in counts]
+    grid = np.stack([*np.meshgrid(*lines, indexing="ij"), np.zeros([len(x) for x in lines])], -1)
+    fractions = grid.reshape(-1, body.dimension)
+    between = ((fractions > 0) & (fractions < 1)).any(axis=1)
+    return np.vstack([body.corners, body.corners[0] + fractions[between] * sides])
 
 
 def _face(member: BlockBody, tag: FacetTag, up: float, margin: float) -> Face:
@@ -228,10 +226,12 @@ def _face(member: BlockBody, tag: FacetTag, up: float, margin: float) -> Face:
     if isinstance(member.body, ElasticBody):
         assert member.tags is not None
         surface = carrier_surface(member.body.space, member.tags, int(tag))
-        points = NodePoints(member.body, surface.layer, surface.positions)
-        return Face(points, surface.nodes, frame, surface.cell, surface.degree, margin)
-    ends = member.body.corners[[3, 2] if tag == FacetTag.TOP else [1, 0]]
-    return Face(RigidPoints(member.body, ends), np.array([[0, 1]]), frame, "interval", 1, margin)
+        nodes = NodePoints(member.body, surface.layer, surface.positions)
+        return Face(nodes, surface.nodes, frame, surface.cell, surface.degree, margin)
+    # The corners along the tangent of the frame, in space in the order of basix, turned outwards.
+    chosen, cell = FACE_CORNERS[member.body.dimension, tag]
+    points = RigidPoints(member.body, member.body.corners[list(chosen)])
+    return Face(points, np.arange(len(chosen))[None], frame, cell, 1, margin)
 
 
 def _top(member: BlockBody) -> tuple[Face, int]:
@@ -293,13 +293,12 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
 def _placed(member: BlockBody) -> tuple[Array, Array]:
     """Initial displacement and velocity of the owned unknowns of a block."""
     body, spec = member.body, member.spec
-    if isinstance(body, RigidBlock):
-        moved = member.stand(body.centre[None])[0] - body.centre
-        turn = np.arctan2(member.stand.rotation[0, 1], member.stand.rotation[0, 0])
-        velocity = np.array([*spec.velocity, spec.angular_velocity], dtype=float)
-        return np.append(moved, turn)[body.own], velocity[body.own]
+    centre, rotation = member.stand(body.centre[None])[0], member.stand.rotation
+    if isinstance(body, RigidBox):
+        linear, spin = np.asarray(spec.velocity), np.atleast_1d(spec.angular_velocity)
+        speed = body.initial_velocity(linear, spin, rotation)
+        return body.initial(centre - body.centre, rotation), speed
     place = member.stand(body.nodes)
-    centre = member.stand(body.centre[None])[0]
     arm = place - centre
     velocity = np.tile(np.asarray(spec.velocity, dtype=float), (len(arm), 1))
     if body.dimension == 2:

@@ -14,8 +14,8 @@ from geometry.foundation import Frame, Plate, RigidFoundation
 from geometry.frame_mesh import FrameCells, frame_mesh
 from geometry.mesh import plate_mesh
 from geometry.tags import FacetTag
-from solver.bodies.dense_body import Oscillator
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.oscillator import Oscillator
 from solver.bodies.supports import GroundSpring, Support
 from solver.build.meshed_body import meshed_body
 from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints

@@ -19,7 +19,6 @@ def meshed_body(
     material: Material,
     thickness: float,
     degree: int,
-    damped: bool = True,
     supports: Sequence[Support] = (),
     spring: GroundSpring | None = None,
 ) -> ElasticBody:
@@ -32,7 +31,6 @@ def meshed_body(
         material: What it is made of.
         thickness: t, m; in space it is in the mesh.
         degree: Polynomial degree of the displacement.
-        damped: Whether Rayleigh's damping acts on it.
         supports: Held facets.
         spring: To the ground.
     """
@@ -40,7 +38,7 @@ def meshed_body(
         made.mesh,
         material,
         degree=degree,
-        damping=scene.damping if damped else None,
+        damping=scene.damping,
         name=name,
         thickness=thickness if scene.dimension == 2 else 1.0,
         supports=supports,

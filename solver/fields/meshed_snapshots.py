@@ -8,8 +8,9 @@ from typing import Protocol
 import numpy as np
 from dolfinx import fem
 
-from solver.bodies.dense_body import DenseBody, RigidBlock
+from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.fields.ground import floor_level, half_floor, platform_corners
@@ -44,7 +45,7 @@ class Snapshots:
             if isinstance(body, ElasticBody):
                 self._bodies.append(MeshedFields(run, number, body, file, index))
             else:
-                corners = body.corners if isinstance(body, RigidBlock) else platform_corners(scene)
+                corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
                 writer = RigidFieldWriter(file, corners, index=index, part=number, writes=writes)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         if writes:

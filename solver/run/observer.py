@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solver.bodies.dense_body import Oscillator, RigidBlock
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import lean, rotation_vector, unwrap
+from solver.bodies.oscillator import Oscillator
+from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly, BlockBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.facet_target import Face
@@ -116,8 +117,8 @@ class BlockObserver:
 
     def _bottom(self) -> Array | tuple[Indices, Array]:
         """The bottom corners: of a rigid block where they are in it, of a mesh which nodes."""
-        if isinstance(self._member.body, RigidBlock):
-            return np.asarray(self._link.interface.points.reference[:2])
+        if isinstance(self._member.body, RigidBox):
+            return self._member.body.bottom
         points = self._link.interface.points
         assert isinstance(points, NitschePoints)
         places = points.points.node_positions
@@ -136,7 +137,7 @@ class BlockObserver:
         """Where the bottom corners are."""
         u = state.u[self._own]
         body = self._member.body
-        if isinstance(body, RigidBlock):
+        if isinstance(body, RigidBox):
             assert isinstance(self._corners, np.ndarray)
             return body.material_positions(self._corners, body.replicate(u))
         points = self._link.interface.points
@@ -170,12 +171,8 @@ class BlockObserver:
     def _motion(self, state: State) -> tuple[Sequence[float], Sequence[float], Array]:
         """Angles, angular velocities and centre."""
         body = self._member.body
-        u = state.u[self._own]
         moved, _, spin, rotation = state.rigid_motion(self._stepper.system, self._member.number)
-        if isinstance(body, RigidBlock):
-            self._angle = float(body.replicate(u)[2])
-            turned = [self._angle]
-        elif body.dimension == 2:
+        if body.dimension == 2:
             self._angle = unwrap(lean(rotation), self._angle)
             turned = [self._angle]
         else:

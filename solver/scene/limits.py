@@ -38,13 +38,6 @@ PRESSED_WITHOUT_ENERGY = 2e-5
 """For theta 0 and -1: energy that a corner stores when all stands on it, over the least scale that
 gains are measured by, 1e-3 m g H. A block that rocks gained up to .28 of that energy."""
 
-RIGID = 1e3
-"""How much stiffer than any meshed body a rigid block in space is made, at most."""
-
-MOST_CROSSINGS = 3e3
-"""How often sound crosses such a block in a step, at most: none of its vibration shows then. At 1e5
-times iterations failed where it turned on a plate that is itself stiffer than any rock."""
-
 
 def refuse_beyond(scene: Scene, shaking: float) -> None:
     """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
@@ -151,18 +144,6 @@ def _refuse_without_energy(
         got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
         least = contact.gamma * share / PRESSED_WITHOUT_ENERGY
         raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
-
-
-def young_of_rigid(scene: Scene, block: BlockSpec) -> float:
-    """Young's modulus of a block in space that is rigid beside meshed bodies, Pa.
-
-    A thousand times that of the stiffest, unless sound then crosses the block too often in a step.
-    """
-    moduli = [other.young for other in scene.blocks if other.model == "elastic"]
-    moduli.append(getattr(scene.foundation, "young", None))
-    stiff = RIGID * max(young for young in moduli if young)
-    speed = MOST_CROSSINGS * min(_sides(block, 3)) / _longest_step(scene)
-    return min(stiff, block.shape.density * speed**2)
 
 
 def _longest_step(scene: Scene) -> float:

@@ -275,12 +275,11 @@ class DenseResponse:
     ) -> Array:
         """Rows of the points of a side's interface in what this body does to them."""
         side, rows = self.sides[number], self._rows[number]
-        if not side.carries:
-            return rows[own]
-        if seat.foot is None:
-            return self._level[number][own]
-        weights, nodes = seat.foot.weights[own], seat.foot.nodes[own]
-        return -np.einsum("mk,mkdu->mdu", weights, rows[nodes])
+        spots = seat.foot if side.carries else seat.tip
+        if spots is None:
+            return self._level[number][own] if side.carries else rows[own]
+        weights, nodes = side.sign * spots.weights[own], spots.nodes[own]
+        return np.einsum("mk,mkdu->mdu", weights, rows[nodes])
 
     def read(
         self, moved: Array, frames: Sequence[Array], seats: Sequence[ContactKinematics]
@@ -289,7 +288,7 @@ class DenseResponse:
         for number, side in enumerate(self.sides):
             k = side.interface
             own = slice(side.first, side.first + side.count)
-            moved[own] += (self._at(number, seats[k]) @ self._free) @ frames[k].T
+            moved[own] += in_frames(self._at(number, seats[k]) @ self._free, frames[k])
 
     def couple(self, near: CandidateSet, weight: float, W: Array) -> None:
         """Add the compliance among near points."""

@@ -195,6 +195,7 @@ class Stepper:
             link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)[0]
             for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
         ]
+        self.system.settle(solution.u)
         return self._consistent(State(time, solution.u, np.zeros_like(u), state.p, contacts))
 
     def _static_weights(self, steady: float) -> list[TangentWeights]:
@@ -296,6 +297,7 @@ class Stepper:
         )
         solution = self._solved(balance, joined(extrapolated))
         new, exchange = self._update(start, dt, solution, load, scheme)
+        system.settle(new.u)
         new.p, new.turning = self._turned(new.p, half), turning
         new.unsettled = max(state.unsettled - 1, 0)
         changed = contact_changed(state.contacts, new.contacts, self._rigid)
@@ -326,7 +328,7 @@ class Stepper:
         p /= scheme.beta * dt**2
         p -= (0.5 / scheme.beta - 1) * state.p
         for body, own in zip(system.bodies, system.slices, strict=True):
-            for force in (body.viscous_force(dt), body.drag(mean[own])):
+            for force in (body.impulsive_force(dt), body.drag(mean[own])):
                 if force is not None:
                     p[own] += 0.5 / scheme.beta * force
         p -= 0.5 / scheme.beta * load

@@ -70,6 +70,11 @@ class System:
         parts = zip(self.bodies, self.slices, strict=True)
         return np.concatenate([body.inertia(vector[own]) for body, own in parts])
 
+    def settle(self, u: Array) -> None:
+        """Make unknowns at the end of a step those that the next one starts from, in place."""
+        for body, own in zip(self.bodies, self.slices, strict=True):
+            body.settle(u[own])
+
     def rigid(self, link: Link) -> bool:
         """Whether neither of the two bodies is meshed: their point forces are not unique then."""
         members = [self.bodies[body] for body in (link.body, link.carrier) if body is not None]

@@ -146,7 +146,7 @@ def test_work_of_the_viscous_force(thing):
     old, new = thing.displacement(4, 0.3), thing.displacement(5, 0.9)
     body.begin(old, StrainWeights(0.5, 0.5))
     body.internal_force(new)
-    viscous, loss = body.viscous_force(dt), body.damping.stiffness * body.increment_energy() / dt
+    viscous, loss = body.impulsive_force(dt), body.damping.stiffness * body.increment_energy() / dt
     assert viscous @ (new - old) == pytest.approx(loss, rel=1e-11)
     body.begin(old, StrainWeights(1.0, -1.0))
     expected = body.damping.stiffness / dt * body.internal_force(new)
@@ -159,7 +159,7 @@ def test_viscous_force_of_small_strains(thing):
     v = thing.direction(5)
     body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
     body.internal_force(dt * v)
-    viscous = body.viscous_force(dt)
+    viscous = body.impulsive_force(dt)
     x, y = body.stiffness_matrix.createVecs()
     x.array[:] = body.damping.stiffness * v
     body.stiffness_matrix.mult(x, y)

@@ -15,8 +15,9 @@ from geometry.block import Block
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.bodies.dense_body import RigidBlock
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.rigid_box import CARRIED, RigidBox, SpaceBox, rigid_box
+from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
@@ -85,7 +86,9 @@ class Pair:
 
     def _body(self, name: str, shape: Block, model: str, cell: str, degree: int):
         if model == "rigid":
-            return RigidBlock(name, shape, np.array([0.0, shape.height / 2])), None
+            centre = np.zeros(self.dimension)
+            centre[-1] = shape.height / 2
+            return rigid_box(name, shape, centre), None
         count = {"upper": (4, 3, 2), "lower": (7, 5, 2)}[name]
         cells = (count[0], count[2]) if self.dimension == 2 else count
         made = block_mesh(shape, dimension=self.dimension, cells=cells, cell=cell)
@@ -94,9 +97,11 @@ class Pair:
         return ElasticBody(made.mesh, material, degree=degree, name=name), made.facet_tags
 
     def _points(self, body, tags):
-        if isinstance(body, RigidBlock):
-            along = np.linspace(-0.5, 0.5, 5) * UPPER.width
-            return RigidPoints(body, np.column_stack([along, np.zeros(5)]))
+        if isinstance(body, RigidBox):
+            places = np.zeros((5, self.dimension))
+            places[:, 0] = np.linspace(-0.5, 0.5, 5) * UPPER.width
+            places[:, 1:-1] = 0.3 * places[::-1, :1] ** 2
+            return RigidPoints(body, places)
         bottom = tags.indices[tags.values == FacetTag.BOTTOM]
         from dolfinx.mesh import meshtags
 
@@ -112,10 +117,10 @@ class Pair:
 
     def _face(self, body, tags):
         frame = RigidFoundation.level(self.dimension).frame
-        if isinstance(body, RigidBlock):
-            half = LOWER.width / 2
-            ends = np.array([[-half, LOWER.height], [half, LOWER.height]])
-            return Face(RigidPoints(body, ends), np.array([[0, 1]]), frame, "interval")
+        if isinstance(body, RigidBox):
+            order, cell = FACE_CORNERS[self.dimension, FacetTag.TOP]
+            ends = RigidPoints(body, body.corners[list(order)])
+            return Face(ends, np.arange(len(order))[None], frame, cell)
         top = carrier_surface(body.space, tags, int(FacetTag.TOP))
         nodes = NodePoints(body, top.layer, top.positions)
         return Face(nodes, top.nodes, frame, top.cell, top.degree)
@@ -127,9 +132,13 @@ class Pair:
             zip(self.system.bodies, ("upper", "lower"), strict=True)
         ):
             pose = poses[name]
-            if isinstance(body, RigidBlock):
-                moved = body.centre + np.array([pose.along, pose.up])
-                parts.append(np.append(moved @ pose.rotation(2).T - body.centre, pose.angle))
+            if isinstance(body, RigidBox):
+                shift = np.zeros(self.dimension)
+                shift[0], shift[-1] = pose.along, pose.up
+                if self.dimension == 3:
+                    shift[1] = 0.4 * pose.along
+                turn = pose.rotation(self.dimension)
+                parts.append(body.initial((body.centre + shift) @ turn.T - body.centre, turn))
             else:
                 parts.append(pose.of(body.nodes, seed))
         return np.concatenate(parts)
@@ -140,8 +149,8 @@ class Pair:
     def total(self, forces: Array, body: int) -> Array:
         """Force on a body in all."""
         part = forces[self.system.slices[body]]
-        if isinstance(self.system.bodies[body], RigidBlock):
-            return part[:2]
+        if isinstance(self.system.bodies[body], RigidBox):
+            return part[: self.dimension]
         return part.reshape(-1, self.dimension).sum(axis=0)
 
 
@@ -155,7 +164,19 @@ CASES = [
     ("elastic", "elastic", 3, "hexahedron", 1),
     ("elastic", "elastic", 3, "hexahedron", 2),
     ("elastic", "elastic", 3, "tetrahedron", 1),
+    ("rigid", "elastic", 3, "hexahedron", 1),
+    ("elastic", "rigid", 3, "hexahedron", 1),
+    ("rigid", "rigid", 3, "hexahedron", 1),
 ]
+
+
+def on_from(body: ElasticBody | RigidBox, start: Array, end: Array, travel: float) -> Array:
+    """Unknowns of a body a part of the way from one place to another, as a step would have them."""
+    if isinstance(body, SpaceBox):
+        turn = body.rotation_at(start).T @ body.rotation_at(end)
+        skew = 2 * (turn - turn.T) / (1 + np.trace(turn))
+        end = np.concatenate([end[:3], [skew[2, 1], skew[0, 2], skew[1, 0]], start[CARRIED]])
+    return start + travel * (end - start)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case)))
@@ -167,7 +188,12 @@ def test_work_is_exact_and_forces_are_opposite(
     pair = Pair(*case)
     system, interface, d = pair.system, pair.interface, pair.dimension
     u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
-    u1 = u0 + travel * (far - u0)
+    u1 = np.concatenate(
+        [
+            on_from(body, u0[own], far[own], travel)
+            for body, own in zip(system.bodies, system.slices, strict=True)
+        ]
+    )
     middle = 0.5 * (BEFORE["lower"].angle + AFTER["lower"].angle)
     interface.carrier.rotate_frame(Pose(middle, 0.0).rotation(d))
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))

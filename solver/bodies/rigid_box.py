@@ -1,0 +1,283 @@
+"""Rigid blocks among meshed bodies: boxes of three unknowns in the plane and of six in space.
+
+In space a step turns a box by the Cayley vector Psi in the frame of its start,
+
+    R_{n+1} = R_n cay(Psi),    cay(Psi) = (I - S/2)^-1 (I + S/2),    S = skew(Psi),
+
+and the angular velocity W in the box obeys W_{n+1} = 2 Psi/dt - W_n like every other velocity. With
+the moment M about the centre, whose arms are those of the mean rotation (R_n + R_{n+1})/2, the
+energy-momentum rule (Simo and Wong 1991) reads
+
+    2 J (Psi - dt W_n) + Psi x J Psi = dt^2 (I - S/2) R_n^T M.                                   (1)
+
+The second term is the gyroscopic moment W_m x J W_m of the mean velocity W_m = Psi/dt. It does no
+work on Psi, and like contact forces it acts as an impulse: the inertia force p has no part of it.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+
+from mpi4py import MPI
+
+import numpy as np
+
+from geometry.block import Block
+from solver.bodies.dense_body import DenseBody
+from solver.bodies.kinematics import RigidMotion, rotation_vector, turn
+from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.types import Array
+
+TURNED = slice(3, 6)
+"""Unknowns of a box in space that turn it within a step: the Cayley vector, rad."""
+
+CARRIED = slice(6, 9)
+"""Parameters of a box in space that no step solves for: the rotation vector before it, rad."""
+
+
+class RigidBox(DenseBody):
+    """A rigid block; points are given in its own frame, moved to its initial place.
+
+    Attributes:
+        shape: Its size and density.
+        centre: Of the unrotated block, (d,), m.
+        corners: Of the unrotated block, in the order of `Block.corners`, m.
+    """
+
+    turns = True
+
+    def __init__(
+        self,
+        name: str,
+        shape: Block,
+        centre: Array,
+        *,
+        mass: Array,
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+    ):
+        """Set up.
+
+        Args:
+            name: Of the block.
+            shape: Its size and density.
+            centre: Of the unrotated block, in its own frame, (d,), m.
+            mass: Diagonal of M, (unknowns,), kg and kg m2.
+            comm: Communicator of the run.
+        """
+        dimension = len(centre)
+        super().__init__(name, mass, np.eye(dimension, len(mass)), comm=comm)
+        self.shape, self.centre = shape, centre
+        corners = np.array(shape.corners(dimension))
+        self.corners: Array = corners - corners.mean(axis=0) + centre
+        self._radius = float(np.linalg.norm(corners[0] - corners.mean(axis=0)))
+
+    @property
+    def bottom(self) -> Array:
+        """The corners of the bottom, counterclockwise seen from above, (2 or 4, d), m."""
+        return self.corners[: len(self.corners) // 2]
+
+    @abstractmethod
+    def initial(self, moved: Array, rotation: Array) -> Array:
+        """The owned unknowns at a place.
+
+        Args:
+            moved: Displacement of the centre, (d,), m.
+            rotation: Rotation of the block, (d, d).
+        """
+
+    @abstractmethod
+    def initial_velocity(self, velocity: Array, spin: Array, rotation: Array) -> Array:
+        """The owned velocities.
+
+        Args:
+            velocity: Of the centre, (d,), m/s.
+            spin: Angular velocity, (1,) clockwise, or (3,) in space, rad/s.
+            rotation: Rotation of the block, (d, d).
+        """
+
+    @abstractmethod
+    def rotation_at(self, values: Array) -> Array:
+        """The rotation (d, d) for all unknowns `values`."""
+
+    @abstractmethod
+    def _spin(self, speed: Array, rotation: Array) -> Array:
+        """Angular velocity in space for all velocities `speed`, rad/s."""
+
+    def rotation(self, u: Array) -> Array:
+        """The rotation of the block, (d, d), on every rank."""
+        return self.rotation_at(self.replicate(u))
+
+    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
+        """The motion that its unknowns describe."""
+        d, pose, speed = self.dimension, self.replicate(u), self.replicate(v)
+        rotation = self.rotation_at(pose)
+        return RigidMotion(pose[:d], speed[:d], self._spin(speed, rotation), rotation)
+
+    def material_positions(self, points: Array, values: Array) -> Array:
+        """Points of the block where it stands."""
+        return self.centre + values[: self.dimension] + self._arms(points, self.rotation_at(values))
+
+    def _arms(self, points: Array, rotation: Array) -> Array:
+        """Points (n, d) of the block about its centre, turned, m."""
+        arms: Array = (points - self.centre) @ rotation.T
+        return arms
+
+
+class PlaneBox(RigidBox):
+    """A rigid block in the plane: displacement of its centre and angle, clockwise."""
+
+    def __init__(
+        self, name: str, shape: Block, centre: Array, *, comm: MPI.Intracomm = MPI.COMM_WORLD
+    ):
+        """Set up; see `RigidBox`."""
+        mass = np.array([shape.mass, shape.mass, shape.rotary_inertia])
+        super().__init__(name, shape, centre, mass=mass, comm=comm)
+
+    def initial(self, moved: Array, rotation: Array) -> Array:
+        """Displacement and angle at a place."""
+        return np.append(moved, np.arctan2(rotation[0, 1], rotation[0, 0]))[self.own]
+
+    def initial_velocity(self, velocity: Array, spin: Array, rotation: Array) -> Array:
+        """Velocity of the centre and angular velocity."""
+        return np.append(velocity, spin)[self.own]
+
+    def round_off(self, u: Array, weights: TangentWeights) -> float:
+        """Square of the residual that round-off leaves, of the places of its points as well."""
+        size = np.array([self._radius, self._radius, 1.0])
+        return super().round_off(np.abs(u) + size[self.own], weights)
+
+    def rotation_at(self, values: Array) -> Array:
+        """The rotation, clockwise by the third unknown."""
+        return turn(values[2:])
+
+    def _spin(self, speed: Array, rotation: Array) -> Array:
+        """Angular velocity, clockwise, (1,), rad/s."""
+        return speed[2:]
+
+    def rows(self, points: Array, values: Array) -> Array:
+        """Translation, and the derivative of the rotation."""
+        return self._rows(self._arms(points, self.rotation_at(values)))
+
+    @staticmethod
+    def _rows(arms: Array, factor: float = 1.0) -> Array:
+        """Rows for arms in space; a clockwise turn moves (x, y) along (y, -x)."""
+        rows = np.zeros((len(arms), 2, 3))
+        rows[:, 0, 0] = rows[:, 1, 1] = 1.0
+        rows[:, 0, 2], rows[:, 1, 2] = factor * arms[:, 1], -factor * arms[:, 0]
+        return rows
+
+    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
+        """Rows at the mean angle; the chord of the turn is sin(d/2)/(d/2) of its arc."""
+        mean, half = 0.5 * (old + new), 0.5 * (new[2] - old[2])
+        chord = math.sin(half) / half if half else 1.0
+        return self._rows(self._arms(points, self.rotation_at(mean)), chord)
+
+
+class SpaceBox(RigidBox):
+    """A rigid block in space: displacement of its centre, and the Cayley vector of a step.
+
+    Behind these six unknowns the vector carries three parameters that no step changes: the rotation
+    vector of the block where the Cayley vector is zero. So the rotation is a function of the vector
+    alone; `settle` makes the end of a step the start of the next one.
+    """
+
+    def __init__(
+        self, name: str, shape: Block, centre: Array, *, comm: MPI.Intracomm = MPI.COMM_WORLD
+    ):
+        """Set up; see `RigidBox`."""
+        # What is carried does not move: its mass only keeps the diagonal regular.
+        mass = np.array([*(shape.mass,) * 3, *shape.principal_inertias, *(shape.mass,) * 3])
+        super().__init__(name, shape, centre, mass=mass, comm=comm)
+        self.fixed = np.arange(*CARRIED.indices(self.size), dtype=np.int32)
+        self._start: Array = np.zeros(self.size)
+        self._step, self._weight = math.inf, 0.0
+        self._gyroscopic: Array = np.zeros(self.size)
+
+    def initial(self, moved: Array, rotation: Array) -> Array:
+        """Displacement and rotation vector at a place."""
+        return np.concatenate([moved, np.zeros(3), rotation_vector(rotation)])[self.own]
+
+    def initial_velocity(self, velocity: Array, spin: Array, rotation: Array) -> Array:
+        """Velocity of the centre, and angular velocity in the block."""
+        return np.concatenate([velocity, spin @ rotation, np.zeros(3)])[self.own]
+
+    def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
+        """Keep where a step starts, for the gyroscopic moment."""
+        self._start, self._step, self._weight = u_old, dt, scheme.contact_weight
+
+    def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
+        """The gyroscopic moment w_c Psi x J Psi/dt^2 of a step, N m; None in equilibrium."""
+        if static:
+            return None
+        self._gyroscopic = np.zeros(self.size)
+        if self.size:
+            psi = u[TURNED] - self._start[TURNED]
+            moment = np.cross(psi, self.diagonal[TURNED] * psi) / self._step**2
+            self._gyroscopic[TURNED] = moment
+        return self._weight * self._gyroscopic
+
+    def impulsive_force(self, dt: float) -> Array | None:
+        """The gyroscopic moment at the unknowns last given to `internal_force`, N m."""
+        return self._gyroscopic
+
+    def settle(self, u: Array) -> None:
+        """Move the turn of a step into the rotation vector that is carried, in place."""
+        if self.size and u[TURNED].any():
+            u[CARRIED] = rotation_vector(self.rotation_at(u))
+            u[TURNED] = 0.0
+
+    def round_off(self, u: Array, weights: TangentWeights) -> float:
+        """Square of the residual that round-off leaves, of the places of its points as well."""
+        size = np.array([*(self._radius,) * 3, *(1.0,) * 3, *(0.0,) * 3])[self.own]
+        scale = np.abs(u) + size
+        scale[self.fixed] = 0.0
+        return super().round_off(scale, weights)
+
+    def rotation_at(self, values: Array) -> Array:
+        """The rotation R = R_n cay(Psi)."""
+        before = turn(values[CARRIED])
+        return before @ cayley(values[TURNED]) if values[TURNED].any() else before
+
+    def _spin(self, speed: Array, rotation: Array) -> Array:
+        """Angular velocity in space, (3,), by the right-hand rule, rad/s."""
+        spin: Array = rotation @ speed[TURNED]
+        return spin
+
+    def rows(self, points: Array, values: Array) -> Array:
+        """Velocities for the velocity of the centre and the angular velocity in the block."""
+        return self._rows(points, self.rotation_at(values))
+
+    def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
+        """Rows at the mean rotation A = (R_n + R_{n+1})/2 = R_n (I - S/2)^-1.
+
+        A point r moves by psi x A r with psi = R_n Psi = A^-T Psi, since A^-T = R_n (I + S/2): the
+        product of the rows with the increment is exact, and their transpose gives a force the
+        factor (I - S/2) R_n^T that its moment has in (1), which conserves angular momentum.
+        """
+        return self._rows(points, 0.5 * (self.rotation_at(old) + self.rotation_at(new)))
+
+    def _rows(self, points: Array, mean: Array) -> Array:
+        """I and -skew(A r) A^-T for a mean rotation A, (n, 3, unknowns)."""
+        rows = np.zeros((len(points), 3, self.unknowns))
+        rows[:, :, :3] = np.eye(3)
+        turning = np.linalg.inv(mean).T
+        # Column k of -skew(a) B is B[:, k] x a.
+        arms = self._arms(points, mean)
+        rows[:, :, TURNED] = np.cross(turning.T[None], arms[:, None]).swapaxes(1, 2)
+        return rows
+
+
+def rigid_box(
+    name: str, shape: Block, centre: Array, *, comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> RigidBox:
+    """A rigid block in the plane or in space, as its centre has two or three coordinates."""
+    return (PlaneBox if len(centre) == 2 else SpaceBox)(name, shape, centre, comm=comm)
+
+
+def cayley(psi: Array) -> Array:
+    """The rotation cay(Psi) = I + (S + S^2/2)/(1 + |Psi|^2/4), (3, 3), S = skew(Psi)."""
+    a, b, c = psi
+    skew = np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+    rotation: Array = np.eye(3) + (skew + 0.5 * skew @ skew) / (1 + 0.25 * psi @ psi)
+    return rotation
