@@ -12,8 +12,8 @@ from mpi4py import MPI
 
 import numpy as np
 import pytest
-from hertz import Disc, errors, l2
 
+from benchmarks.hertz import Disc, errors, l2
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.supports import Support
