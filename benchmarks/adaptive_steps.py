@@ -14,9 +14,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rows import write_table
 from tqdm import tqdm
 
+from benchmarks.rows import write_table
 from solver.run.simulate import simulate
 from solver.scene import load_scene
 

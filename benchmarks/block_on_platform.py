@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rows import processes_wanted, side_by_side, write_table
 
+from benchmarks.rows import processes_wanted, side_by_side, write_table
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rows import processes_wanted, side_by_side, write_table
 
+from benchmarks.rows import processes_wanted, side_by_side, write_table
 from solver.reference.housner import housner
 from solver.run.simulate import Result, simulate
 from solver.scene import Scene, load_scene

@@ -15,8 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rows import processes_wanted, side_by_side, write_table
-
+from benchmarks.rows import processes_wanted, side_by_side, write_table
 from solver.run.simulate import simulate
 from solver.scene import Scene, load_scene
 

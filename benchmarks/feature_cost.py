@@ -24,9 +24,9 @@ from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from rows import write_table
 from tqdm import tqdm
 
+from benchmarks.rows import write_table
 from solver.run.simulate import simulate
 from solver.scene import parse_scene, scene_to_toml
 

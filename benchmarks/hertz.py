@@ -29,26 +29,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mpi4py import MPI
-
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.supports import Support
 from solver.contact.body_points import SurfaceState
-from solver.contact.candidates import MeshedContactPair
 from solver.contact.plane_target import Plane
 from solver.contact.projection import ContactKinematics
-from solver.law.friction import FrictionLaw
 from solver.scene.material import Material
-from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
-from solver.stepping.system import System
-from solver.verification.disc_mesh import disc_mesh
-from solver.verification.hertz import HertzLine, contact_modulus
-from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
+from solver.verification.hertz import HertzLine, centre_approach, contact_modulus
+from solver.verification.load_steps import Tractions, pressed
+from solver.verification.pressed_disc import disc_on_ground
 
 Array = NDArray[np.float64]
 
@@ -101,46 +92,35 @@ class Disc:
 
     def stepper(self) -> Stepper:
         """The body in contact."""
-        made = disc_mesh(
-            self.radius, size=self.facet, core=1.5 * self.half, growth=1.2, comm=MPI.COMM_SELF
-        )
-        top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(0, 1))
-        material = Material(young=self.young, poisson=POISSON, density=1.0)
-        body = ElasticBody(made.mesh, material, supports=[top])
-        law = FrictionLaw.coulomb(0.0)
         ground = NearGround(self.share)
-        contact = MeshedContactPair(body, made.facet_tags, ground, law, points=self.points)
-        stepper = Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
-        stepper.start(np.zeros(body.size), np.zeros(body.size))
+        stepper = disc_on_ground(
+            Material(young=self.young, poisson=POISSON, density=1.0),
+            radius=self.radius,
+            half_width=self.half,
+            facets=self.half / self.facet,
+            points=self.points,
+            ground=ground,
+        )
+        stepper.start(np.zeros(stepper.system.size), np.zeros(stepper.system.size))
         ground.places = stepper.links[0].interface.points.reference
         return stepper
 
     def pressed(
         self, loads: Sequence[float], stepper: Stepper | None = None
     ) -> Iterator[Tractions]:
-        """Contact under loads one after another, each met to 1e-6 by moving the flat side.
+        """Contact under loads one after another.
 
         Args:
             loads: Rising, N/m.
-            stepper: Of `stepper()`, unless it is to be made here.
+            stepper: Result of `stepper()`, unless it is to be made here.
         """
-        stepper, state = stepper or self.stepper(), None
-        u, reached = np.zeros(stepper.system.size), 0.0
-        for load in loads:
-            half = self.hertz(load).half_width
-            compliance = (2 * np.log(4 * self.radius / half) - 1) / (np.pi * self.modulus)
-            push = (0.0, -load * self.share)
-            expected, sinking = support_load(stepper, body=0, force=push), 0.0
-            found, missing = None, load
-            while found is None or abs(missing) > 1e-6 * load:
-                sinking = missing * compliance if found else load * compliance - reached
-                guess = shifted(stepper, u, body=0, by=(0.0, -sinking * self.share))
-                state = stepper.static_start(guess, load=expected, start=state)
-                u, reached = state.u, reached + sinking
-                found = contact_tractions(stepper.links[0], state.contacts[0])
-                found = replace(found, force=found.force / self.share)
-                missing = load - float(found.resultant[0])
-            yield found
+
+        def approach(load: float) -> float:
+            return self.share * centre_approach(self.hertz(load / self.share))
+
+        shares = [load * self.share for load in loads]
+        for found in pressed(stepper or self.stepper(), shares, approach=approach):
+            yield replace(found, force=found.force / self.share)
 
 
 def true_pressure(found: Tractions) -> Array:
@@ -164,15 +144,14 @@ def l2(x: Array, values: Array, reference: Array, at: Array) -> float:
 
 def errors(found: Tractions, hertz: HertzLine) -> dict[str, float]:
     """Relative errors of one contact."""
-    x, force = found.position[:, 0], found.force[:, 0]
+    x = found.position[:, 0]
     at = np.linspace(-1.5, 1.5, 30001) * hertz.half_width
-    half = 2 * np.sqrt(force @ x**2 / force.sum())
     pressure, exact = true_pressure(found), hertz.pressure(at)
     means = constant(x, pressure, at)
     return {
         "peak_nominal": found.pressure.max() / hertz.peak_pressure - 1,
         "peak": pressure.max() / hertz.peak_pressure - 1,
-        "half_width": half / hertz.half_width - 1,
+        "half_width": found.half_width / hertz.half_width - 1,
         "l2_nominal": l2(x, found.pressure, exact, at),
         "l2": l2(x, pressure, exact, at),
         "l2_constant": float(np.linalg.norm(means - exact) / np.linalg.norm(exact)),

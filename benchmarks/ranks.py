@@ -19,7 +19,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from rows import write_table
+
+from benchmarks.rows import write_table
 
 TABLE = Path(__file__).with_suffix(".csv")
 ROOT = Path(__file__).parents[1]

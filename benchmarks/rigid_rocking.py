@@ -18,7 +18,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from rows import write_table
+
+from benchmarks.rows import write_table
 
 TABLE = Path(__file__).with_suffix(".csv")
 

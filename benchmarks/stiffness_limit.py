@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rows import processes_wanted, side_by_side, write_table
 
+from benchmarks.rows import processes_wanted, side_by_side, write_table
 from solver.reference.housner import housner
 from solver.run.meshed import MeshedRun
 from solver.run.simulate import simulate

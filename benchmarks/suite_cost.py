@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from rows import write_table
 from tqdm import tqdm
 
+from benchmarks.rows import write_table
 from solver.excitation.synthetic.table1 import table1_suite
 from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.reference.answer import reference_history

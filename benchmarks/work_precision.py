@@ -18,8 +18,8 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from hertz import PHASES, Disc, constant, true_pressure
 
+from benchmarks.hertz import PHASES, Disc, constant, true_pressure
 from solver.scene import load_scene
 from solver.study.error_runtime.beside import read_beside
 from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb

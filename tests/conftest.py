@@ -7,9 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from scenes import SHORT_GRANITE
 
 from solver.law.switch import CHOICE
+
+# The same examples in every run, none of them judged by its time. To look for new ones:
+# pytest --hypothesis-profile=search tests/unit/test_scene.py
+settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
+settings.register_profile("search", deadline=None, database=None, max_examples=2000)
+settings.load_profile("repeatable")
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 

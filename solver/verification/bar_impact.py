@@ -1,8 +1,12 @@
 """A clamped elastic bar that hits a wall again and again: closed form.
 
-x in (0, 1), E = rho = A = 1, u(1) = 0, contact u(0) >= 0, released with u = (1 - x)/2 at rest; the
-motion has the period 3 and the energy 1/8 (Dabaghi, Petrov, Pousin and Renard 2014). In each third
-of the period, t mod 3 = k + s, it is linear between the characteristics s = x and s = 1 - x.
+The bar occupies 0 < x < 1 with E = rho = A = 1. It is clamped at x = 1, touches the wall where
+u(0) = 0 (u(0) >= 0 otherwise) and is released at rest with u = (1 - x)/2. The motion has the
+period 3 and the energy 1/8. In each third of the period, t mod 3 = k + s with k = 0, 1, 2, the
+displacement is linear between the characteristics s = x and s = 1 - x: the bar flies (k = 0), stays
+in contact (k = 1), flies back (k = 2).
+
+Source: Dabaghi, Petrov, Pousin and Renard (2014), wave equation with unilateral contact.
 """
 
 from __future__ import annotations
@@ -10,12 +14,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+#: Period of the motion.
 PERIOD = 3.0
+
+#: Energy of the bar, which is conserved.
 ENERGY = 0.125
 
 
 def _split(time: float) -> tuple[int, float]:
-    """Third of the period k and time s in [0, 1) since its beginning."""
+    """Number k of the third of the period, and time s in [0, 1) since it began."""
     phase = time % PERIOD
     k = min(int(phase), 2)
     return k, phase - k

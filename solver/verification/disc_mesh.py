@@ -1,4 +1,4 @@
-"""The mesh of a half disc that touches the level 0 with its round side: for Hertz's contact."""
+"""Mesh of a half disc that touches the level y = 0 with its round side, for Hertz's contact."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ import gmsh
 from geometry.gmsh_model import MeshedBody, make
 from geometry.tags import CellTag, FacetTag
 
-RING = 0.75
-"""Radius around the contact, over that of the disc, up to which layers grow."""
-FLAT = 0.6
-"""Where on the flat side, over its half width, the line from the corner of the core ends."""
+#: Distance from the contact up to which layers grow, over the radius of the disc.
+RING_RATIO = 0.75
+
+#: Place on the flat side at which the line from the corner of the core ends, over the radius.
+CROWN_RATIO = 0.6
 
 
 def disc_mesh(
@@ -35,18 +36,21 @@ def disc_mesh(
 
     Args:
         radius: R, m.
-        size: Of the facets in the core, m; rounded so that they divide it evenly.
+        size: Length of the facets in the core, m; rounded so that they divide it evenly.
         core: Half width of the core along the circle, and its height, m, at most R/4.
         growth: Size of a layer over that of the layer inside it, > 1.
         comm: The ranks that share the mesh.
+
+    Raises:
+        ValueError: Where size, core and radius do not fit together, or growth is not above 1.
     """
     if not (0 < size <= core <= radius / 4 and growth > 1):
         raise ValueError(f"disc_mesh: radius={radius}, size={size}, core={core}, growth={growth}")
     cells = round(core / size)
-    span = (RING * radius - core) * cells / core
+    span = (RING_RATIO * radius - core) * cells / core
     layers = max(1, round(math.log1p(span * (growth - 1)) / math.log(growth)))
-    last = (RING * radius - core) * (1 - 1 / growth) / (1 - growth**-layers)
-    outer = max(1, round(radius * (math.pi / 2 - 2 * math.asin(RING / 2)) / last))
+    last = (RING_RATIO * radius - core) * (1 - 1 / growth) / (1 - growth**-layers)
+    outer = max(1, round(radius * (math.pi / 2 - 2 * math.asin(RING_RATIO / 2)) / last))
     half = _HalfDisc(radius, core, cells, layers, outer, growth)
     return make("disc", half.build, 2, comm)
 
@@ -58,10 +62,10 @@ class _HalfDisc:
     Attributes:
         radius: R, m.
         core: Half width and height of the core, m.
-        cells: Along half of the core's width, and along its height.
-        layers: Between the core and the ring.
-        outer: Layers between the ring and the flat side.
-        growth: Of the layers inside the ring.
+        cells: Number of cells along half of the core's width, and along its height.
+        layers: Number of layers between the core and the ring.
+        outer: Number of layers between the ring and the flat side.
+        growth: Size of a layer inside the ring over that of the layer before it.
     """
 
     radius: float
@@ -75,7 +79,7 @@ class _HalfDisc:
         """Make the mesh in the current Gmsh model, tags included."""
         geo = gmsh.model.geo
         centre, origin = geo.addPoint(0, self.radius, 0), geo.addPoint(0, 0, 0)
-        heights = (self.core, RING * self.radius)
+        heights = (self.core, RING_RATIO * self.radius)
         axis = [origin, *(geo.addPoint(0, y, 0) for y in heights), centre]
         spine = [geo.addLine(a, b) for a, b in pairwise(axis)]
         self._divide(spine)
@@ -94,7 +98,7 @@ class _HalfDisc:
         gmsh.model.mesh.generate(2)
 
     def _divide(self, lines: list[int]) -> None:
-        """Nodes on three lines that follow one another: through the core, to the ring, outwards."""
+        """Place nodes on three consecutive lines: through the core, to the ring, outwards."""
         mesh = gmsh.model.geo.mesh
         mesh.setTransfiniteCurve(lines[0], self.cells + 1)
         mesh.setTransfiniteCurve(lines[1], self.layers + 1, "Progression", self.growth)
@@ -103,17 +107,17 @@ class _HalfDisc:
     def _one_side(
         self, side: int, axis: list[int], spine: list[int]
     ) -> tuple[list[int], list[int], list[int]]:
-        """Patches, arcs and flat lines on one side of the axis."""
-        geo, r, ring = gmsh.model.geo, self.radius, RING * self.radius
+        """Make one side of the axis; returns its patches, arcs and flat lines."""
+        geo, r, ring = gmsh.model.geo, self.radius, RING_RATIO * self.radius
 
         def point(x: float, y: float) -> int:
             return int(geo.addPoint(side * x, y, 0))
 
-        angles = self.core / r, 2 * math.asin(RING / 2), math.pi / 2
+        angles = self.core / r, 2 * math.asin(RING_RATIO / 2), math.pi / 2
         rim = [point(r * math.sin(angle), r * (1 - math.cos(angle))) for angle in angles]
         shoulder = point(self.core, self.core)
         elbow = point(ring * math.sqrt(0.5), ring * math.sqrt(0.5))
-        crown = point(FLAT * r, r)
+        crown = point(CROWN_RATIO * r, r)
         origin, top, above, centre = axis
         arcs = [
             geo.addCircleArc(a, centre, b) for a, b in zip([origin, *rim[:2]], rim, strict=True)
@@ -137,7 +141,7 @@ class _HalfDisc:
 
     @staticmethod
     def _patch(loop: list[int]) -> int:
-        """A four-sided patch of quadrilaterals."""
+        """Make a four-sided patch of quadrilaterals; returns its surface."""
         geo = gmsh.model.geo
         patch = int(geo.addPlaneSurface([geo.addCurveLoop(loop)]))
         geo.mesh.setTransfiniteSurface(patch)

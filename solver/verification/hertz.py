@@ -1,7 +1,10 @@
 """Contact of two round elastic bodies: Hertz, and Cattaneo and Mindlin for a tangential load.
 
-Line contact is that of two cylinders in plane strain, loads per metre of length; point contact that
-of two spheres (Johnson 1985, chapters 4 and 7). All for small strain: a/R << 1.
+Line contact is contact of two parallel cylinders in plane strain, with loads per metre of length;
+point contact is contact of two spheres. All formulas hold for small strain, a/R << 1.
+
+Sources: Johnson, Contact Mechanics (1985), chapters 4 (normal load), 5 (approach of cylinders) and
+7 (tangential load); Cattaneo (1938); Mindlin (1949).
 """
 
 from __future__ import annotations
@@ -15,12 +18,20 @@ from solver.types import Array
 
 
 def contact_modulus(*bodies: tuple[float, float]) -> float:
-    """E*, Pa: 1/E* = sum of (1 - nu^2)/E over the bodies (E, nu) that deform; one or two."""
+    """Contact modulus E*, Pa: 1/E* = sum of (1 - nu^2)/E over the bodies that deform.
+
+    Args:
+        bodies: Young's modulus E (Pa) and Poisson's ratio nu of each; a rigid body is left out.
+    """
     return 1 / sum((1 - nu**2) / young for young, nu in bodies)
 
 
 def contact_radius(*radii: float) -> float:
-    """R, m: 1/R = sum of 1/R_i; a plane (infinite radius) adds nothing."""
+    """Relative radius R, m: 1/R = sum of 1/R_i.
+
+    Args:
+        radii: Radius R_i of each body, m; a plane is left out, or has the radius infinity.
+    """
     return 1 / sum(1 / radius for radius in radii)
 
 
@@ -81,6 +92,19 @@ class HertzPoint:
         return self.peak_pressure * _ellipse(r, self.contact_radius)
 
 
+def centre_approach(contact: HertzLine) -> float:
+    """Approach of the centre of an elastic disc to rigid ground, m (Johnson 1985, Eq. 5.57).
+
+    delta = P/(pi E*) [2 ln(4 R/a) - 1]; in line contact the approach depends on the point of the
+    body that it is measured at.
+
+    Args:
+        contact: The normal contact; its R is the radius of the disc.
+    """
+    compliance = (2 * math.log(4 * contact.radius / contact.half_width) - 1) / math.pi
+    return contact.load * compliance / contact.modulus
+
+
 def stick_half_width(contact: HertzLine, tangential: float, friction: float) -> float:
     """Half-width of the stick zone c = a sqrt(1 - Q/(mu P)), m (Cattaneo 1938, Mindlin 1949).
 
@@ -88,6 +112,9 @@ def stick_half_width(contact: HertzLine, tangential: float, friction: float) -> 
         contact: The normal contact, pressed first.
         tangential: Q, N/m, |Q| <= mu P.
         friction: mu.
+
+    Raises:
+        ValueError: Where |Q| > mu P.
     """
     return contact.half_width * math.sqrt(1 - _used(contact.load, tangential, friction))
 
@@ -99,6 +126,9 @@ def stick_radius(contact: HertzPoint, tangential: float, friction: float) -> flo
         contact: The normal contact, pressed first.
         tangential: Q, N, |Q| <= mu P.
         friction: mu.
+
+    Raises:
+        ValueError: Where |Q| > mu P.
     """
     return contact.contact_radius * math.cbrt(1 - _used(contact.load, tangential, friction))
 
@@ -113,7 +143,10 @@ def shear_traction(contact: HertzLine, tangential: float, friction: float, x: Ar
         contact: The normal contact, pressed first.
         tangential: Q, N/m, |Q| <= mu P.
         friction: mu.
-        x: m.
+        x: Distances, m.
+
+    Raises:
+        ValueError: Where |Q| > mu P.
     """
     a, c = contact.half_width, stick_half_width(contact, tangential, friction)
     full = friction * contact.pressure(x)
@@ -122,7 +155,7 @@ def shear_traction(contact: HertzLine, tangential: float, friction: float, x: Ar
 
 
 def _used(load: float, tangential: float, friction: float) -> float:
-    """The part of friction that is used, |Q|/(mu P); ValueError above 1."""
+    """Used share of friction |Q|/(mu P); a ValueError above 1."""
     used = abs(tangential) / (friction * load)
     if used > 1:
         raise ValueError(f"tangential load {tangential} beyond friction {friction * load}")
@@ -130,4 +163,5 @@ def _used(load: float, tangential: float, friction: float) -> float:
 
 
 def _ellipse(x: Array, half: float) -> Array:
+    """Half of the unit ellipse, sqrt(1 - x^2/a^2); 0 outside."""
     return np.sqrt(np.maximum(1 - (x / half) ** 2, 0.0))

@@ -1,8 +1,9 @@
-"""Equilibrium of bodies in contact through the Python interface: loads, supports that are moved.
+"""Sequences of equilibria of bodies in contact: loads, supports that move, contact tractions.
 
-`Stepper.static_start` solves one equilibrium; with `start` it goes on from the contact memory of
-the one before, so that loads can follow one another and friction remembers them. Here is what such
-sequences need besides: supports that move, and contact forces as tractions.
+`Stepper.static_start` solves one equilibrium. With `start` it continues from the contact memory of
+the equilibrium before, so that loads can follow one another and friction remembers them. This
+module adds what such sequences need besides: supports that move, loads that are reached by moving a
+support, and contact forces as tractions.
 
     state = stepper.static_start(u, load=load)                      # press
     for _ in range(5):                                              # then shear, step by step
@@ -13,7 +14,7 @@ sequences need besides: supports that move, and contact forces as tractions.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,17 +27,23 @@ from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
 from solver.types import Array, Mask
 
+#: Nodal areas below this part of the largest one are round-off of nodes off the face.
+AREA_ROUND_OFF = 1e-9
+
+#: Relative difference between a load and the contact force that answers it, in `pressed`.
+LOAD_TOLERANCE = 1e-6
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tractions:
-    """Contact of a meshed face, point by point, sorted by the place on the undeformed body.
+    """Contact forces of a meshed face, point by point, sorted by place on the undeformed body.
 
     Attributes:
-        place: Of the points on the undeformed body, (points, d), m.
-        position: Where they are, (points, d), m.
+        place: Places of the points on the undeformed body, (points, d), m.
+        position: Places of the points in the deformed state, (points, d), m.
         weight: Undeformed length (per metre of thickness) or area of each point, (points,).
-        force: Point forces, normal and tangential, on the body of the points, (points, d), N.
-        slipping: Points whose friction is at its bound.
+        force: Point forces on the body of the points, normal then tangential, (points, d), N.
+        slipping: Whether friction of each point is at its bound, (points,).
     """
 
     place: Array
@@ -47,12 +54,12 @@ class Tractions:
 
     @property
     def pressure(self) -> Array:
-        """Normal force on undeformed area, (points,), Pa."""
+        """Normal force over undeformed area, (points,), Pa."""
         return self.force[:, 0] / self.weight
 
     @property
     def shear(self) -> Array:
-        """Friction on undeformed area, (points, d - 1), Pa."""
+        """Friction force over undeformed area, (points, d - 1), Pa."""
         return self.force[:, 1:] / self.weight[:, None]
 
     @property
@@ -60,13 +67,22 @@ class Tractions:
         """Sum of the forces: normal, tangential, (d,), N."""
         return self.force.sum(axis=0)
 
+    @property
+    def half_width(self) -> float:
+        """Half-width 2 sqrt(sum f x^2 / sum f), m, of a line contact with its middle at x = 0.
+
+        That is the half-width a of the ellipse of pressure with the same second moment, P a^2/4.
+        """
+        normal = self.force[:, 0]
+        return float(2 * np.sqrt(normal @ self.position[:, 0] ** 2 / normal.sum()))
+
 
 def contact_tractions(link: Link, memory: Memory) -> Tractions:
-    """What an interface transmits.
+    """Tractions that an interface transmits.
 
     Args:
         link: The interface; its points are those of a meshed body.
-        memory: Of the state, `state.contacts[number of the link]`.
+        memory: Contact memory of the state, `state.contacts[number of the link]`.
 
     Raises:
         TypeError: For points without area: nodes, or those of rigid bodies.
@@ -86,37 +102,38 @@ def contact_tractions(link: Link, memory: Memory) -> Tractions:
 
 
 def nodal_pressure(link: Link, memory: Memory) -> Array:
-    """Normal nodal forces over nodal areas of the undeformed face, (nodes that have any,), Pa.
+    """Normal nodal forces over nodal areas of the undeformed face, (nodes with an area,), Pa.
 
-    Pressures of single points carry the round-off of their gap times gamma_h; these do not.
+    The pressure of a single point carries the round-off of its gap times gamma_h; nodal pressures
+    do not.
 
     Args:
-        link: As for `contact_tractions`.
-        memory: Likewise.
+        link: The interface; its points are those of a meshed body.
+        memory: Contact memory of the state, `state.contacts[number of the link]`.
 
     Raises:
-        TypeError: As `contact_tractions`.
+        TypeError: For points without area: nodes, or those of rigid bodies.
     """
     points = link.interface.points
     if not isinstance(points, NitschePoints):
         raise TypeError(f"nodal_pressure: got {type(points).__name__}, allowed NitschePoints")
     spread = points.points.values_T
     area = spread @ link.interface.weight
-    own = np.abs(area) > 1e-9 * np.max(np.abs(area))
+    own = np.abs(area) > AREA_ROUND_OFF * np.max(np.abs(area))
     pressure: Array = (spread @ memory.force[:, 0])[own] / area[own]
     return pressure
 
 
-def shifted(stepper: Stepper, u: Array, *, body: int, by: Sequence[float]) -> Array:
-    """Displacements where one body with its supports has moved: a guess for the next equilibrium.
+def shifted(stepper: Stepper, u: Array, *, body: int, by: Sequence[float] | Array) -> Array:
+    """Displacements after one body has moved with its supports: a guess for the next equilibrium.
 
     Held unknowns stay where the guess has them, all others find their equilibrium.
 
     Args:
-        stepper: Of the bodies.
+        stepper: The stepper of the bodies.
         u: Displacements of all owned unknowns, m.
         body: Number of the body in its system.
-        by: How far, (d,), m.
+        by: Translation, (d,), m.
     """
     moved = u.copy()
     own = moved[stepper.system.slices[body]].reshape(-1, stepper.system.dimension)
@@ -124,16 +141,16 @@ def shifted(stepper: Stepper, u: Array, *, body: int, by: Sequence[float]) -> Ar
     return moved
 
 
-def support_load(stepper: Stepper, *, body: int, force: Sequence[float]) -> Array:
-    """A load on the held unknowns of a body, where it goes into the supports; collective.
+def support_load(stepper: Stepper, *, body: int, force: Sequence[float] | Array) -> Array:
+    """Load on the held unknowns of a body, which goes straight into the supports; collective.
 
-    It moves nothing, but a residual counts as small in relation to the loads: where supports that
-    move are all that loads a scene, this says what forces to expect.
+    It moves nothing. But residuals are judged relative to the loads: where moved supports are the
+    only load of a problem, this tells the solver what forces to expect.
 
     Args:
-        stepper: Of the bodies.
+        stepper: The stepper of the bodies.
         body: Number of a meshed body with supports in its system.
-        force: About the force that the supports exert, (d,), N.
+        force: Approximate force that the supports exert, (d,), N.
 
     Raises:
         ValueError: Where no unknown in the direction of a force is held.
@@ -149,3 +166,40 @@ def support_load(stepper: Stepper, *, body: int, force: Sequence[float]) -> Arra
             raise ValueError(f"support_load: {member.name} is not held in direction {direction}")
         own[held] = component / count if component else 0.0
     return load
+
+
+def pressed(
+    stepper: Stepper, loads: Sequence[float], *, approach: Callable[[float], float], body: int = 0
+) -> Iterator[Tractions]:
+    """Contact under normal loads one after another, each reached by moving a support; collective.
+
+    A body that is held cannot roll or tilt while it is pressed. Its supports are moved down the
+    last axis by the expected approach, then corrected by (missing load) x (approach over load)
+    until the contact force is the load, to `LOAD_TOLERANCE`.
+
+    Args:
+        stepper: Bodies whose first interface is a contact of the pressed body with level ground.
+        loads: Rising loads P, N (in two dimensions N per metre of thickness).
+        approach: Expected approach (m) of the supports to the ground under a load, from a closed
+            form or an estimate; it decides only how many corrections are needed.
+        body: Number of the pressed body in the system.
+
+    Yields:
+        Tractions of the first interface under each load.
+
+    Raises:
+        StepFailed: Where there is no equilibrium.
+    """
+    down = -np.eye(stepper.system.dimension)[-1]
+    state, u, reached = None, np.zeros(stepper.system.size), 0.0
+    for load in loads:
+        expected = support_load(stepper, body=body, force=load * down)
+        found, sinking = None, approach(load) - reached
+        while found is None or abs(load - found.resultant[0]) > LOAD_TOLERANCE * load:
+            if found is not None:
+                sinking = (load - float(found.resultant[0])) * approach(load) / load
+            guess = shifted(stepper, u, body=body, by=sinking * down)
+            state = stepper.static_start(guess, load=expected, start=state)
+            u, reached = state.u, reached + sinking
+            found = contact_tractions(stepper.links[0], state.contacts[0])
+        yield found

@@ -8,6 +8,8 @@ import math
 def sliding_stop(*, speed: float, friction: float, gravity: float) -> tuple[float, float]:
     """Distance v^2 / (2 mu g), m, and time v / (mu g), s, in which friction stops a block.
 
+    The ground is level and at rest; the block is given a speed and nothing else.
+
     Args:
         speed: v, m/s.
         friction: mu > 0.
@@ -19,10 +21,10 @@ def sliding_stop(*, speed: float, friction: float, gravity: float) -> tuple[floa
 def sliding_block(
     *, acceleration: float, duration: float, friction: float, gravity: float
 ) -> float:
-    """Slip V^2 / (2 mu g) (1 - mu g / a), V = a t_1, after a rectangular pulse of the ground, m.
+    """Magnitude of the slip after a rectangular pulse of ground acceleration, m.
 
-    Its magnitude: the block is left behind, against the pulse. 0 where the ground cannot make it
-    slide, a <= mu g.
+    The slip is V^2 / (2 mu g) (1 - mu g / a) with V = a t_1; the block is left behind, against the
+    pulse. It is 0 where the ground cannot make the block slide, a <= mu g.
 
     Args:
         acceleration: a > 0, m/s^2.
@@ -36,7 +38,9 @@ def sliding_block(
 
 
 def incline_distance(*, slope: float, friction: float, gravity: float, time: float) -> float:
-    """Distance g (sin b - mu cos b) t^2 / 2 that a block slides down from rest, m; 0 if it holds.
+    """Distance that a block slides down an incline from rest, m; 0 where friction holds it.
+
+    The distance is g (sin b - mu cos b) t^2 / 2.
 
     Args:
         slope: b, rad.

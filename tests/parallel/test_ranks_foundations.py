@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ranks import SCENES, WEIGHT, WIDTH, run_on
+
+from benchmarks.ranks import SCENES, WEIGHT, WIDTH, run_on
 
 LIMITS = {
     "rad": 1e-8,

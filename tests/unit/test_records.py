@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as some
 
 from solver.errors import SceneError
 from solver.excitation.kinds.record import read_record
@@ -200,6 +202,7 @@ def test_bad_files_of_peer(tmp_path: Path, text: str | bytes, message: str) -> N
         ("0 1\n.1 nan\n", {}, f'motion.txt: line 2: got ".1 nan", {EXPECTED}'),
         ("0 1\n.1 1_0\n", {}, f'motion.txt: line 2: got ".1 1_0", {EXPECTED}'),
         ("time, a\n", {}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
+        ("0 1\n", {}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
         ("3.0\n", {"dt": 0.1}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),
         ("1\n2\n3\n", {}, "motion.dt is required (dt > 0, s): motion.txt does not say"),
         ("1\n2 3\n3\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 2, allowed 1 as in line 1"),
@@ -293,6 +296,77 @@ def test_the_integral_is_that_of_the_broken_line(tmp_path: Path) -> None:
     slowly = np.array([motion.velocity(float(t)) for t in fine[::100]])
     np.testing.assert_allclose(speeds[::100], slowly, atol=1e-15)
     assert motion.velocity(9.0) == pytest.approx(np.trapezoid(motion.value, motion.time), rel=1e-14)
+
+
+# Exponents have two digits, as those of real files.
+ACCELERATIONS = some.lists(
+    some.floats(-10, 10).map(lambda value: value if abs(value) > 1e-90 else 0.0),
+    min_size=2,
+    max_size=40,
+)
+STEPS = some.sampled_from([0.001, 0.0025, 0.005, 0.01, 0.02, 0.1])
+WORDS = some.sampled_from([",", ", ", ";", " ", "  ", "\t"])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One folder for all examples: each writes over the one before."""
+    return tmp_path_factory.mktemp("records")
+
+
+def printed(values: list[float], form: str) -> list[float]:
+    return [float(f"{value:{form}}") for value in values]
+
+
+@given(ACCELERATIONS, STEPS, some.integers(1, 8), some.sampled_from(["\n", "\r\n"]))
+def test_every_file_of_peer_is_read_back(
+    folder: Path, values: list[float], step: float, columns: int, end: str
+) -> None:
+    text = f"{TITLE}{UNITS}NPTS={len(values):6d}, DT={step:8.5f} SEC\n"
+    motion = record(folder, (text + fortran(values, columns)).replace("\n", end))
+    assert motion.value == pytest.approx(G * np.array(printed(values, ".7E")), rel=1e-12)
+    assert motion.time == pytest.approx(step * np.arange(len(values)), rel=1e-12)
+
+
+@given(ACCELERATIONS, STEPS, WORDS, some.integers(0, 1000), some.booleans())
+def test_two_columns_and_one_are_read_back(
+    folder: Path, values: list[float], step: float, separator: str, first: int, timed: bool
+) -> None:
+    """Times may begin anywhere; what the first one says is not kept."""
+    lines = [
+        f"{(first + i) * step:.4f}{separator}{value!r}" if timed else repr(value)
+        for i, value in enumerate(values)
+    ]
+    options = {"units": "m/s2"} | ({} if timed else {"dt": step})
+    motion = record(folder, "\n".join(lines), "motion.txt", **options)
+    assert motion.value == pytest.approx(np.array(values), rel=1e-12)
+    assert motion.time == pytest.approx(step * np.arange(len(values)), rel=1e-9)
+
+
+@given(some.data(), some.sampled_from(["NaN", "inf", "*******", "1_0", "0.1.2", "1E", "-", "x"]))
+def test_a_damaged_line_is_refused_by_its_number(
+    folder: Path, data: some.DataObject, word: str
+) -> None:
+    """A word that is no number in place of one, in any line of any file."""
+    lines = peer("NPTS=7, DT=.005", columns=data.draw(some.integers(1, 8))).splitlines()
+    line = data.draw(some.integers(4, len(lines) - 1))
+    words = lines[line].split()
+    words[data.draw(some.integers(0, len(words) - 1))] = word
+    lines[line] = " ".join(words)
+    assert refusal(folder, "\n".join(lines)).startswith(f"motion.AT2: line {line + 1}: got ")
+
+
+@given(some.binary(max_size=200) | some.text("0123456789.,;-+eEdDg \t\n#", max_size=200))
+def test_whatever_a_file_holds_is_read_or_refused_in_one_line(folder: Path, text: Any) -> None:
+    for name, options in (("motion.AT2", {}), ("motion.txt", {"units": "g"})):
+        try:
+            motion = record(folder, text, name, **options)
+        except SceneError as error:
+            assert error.exit_code == 2 and "\n" not in str(error)
+            assert name in str(error)
+        else:
+            assert np.isfinite(motion.value).all() and len(motion.value) >= 2
+            assert motion.step > 0
 
 
 RECORDS = Path(__file__).parents[3] / "shared" / "records"

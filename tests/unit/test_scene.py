@@ -5,6 +5,8 @@ import subprocess
 import sys
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as some
 
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 from solver.scene import (
@@ -101,6 +103,119 @@ def test_round_trip(overrides):
     assert parse_scene(scene_to_toml(scene)) == scene
     assert parse_scene(scene.to_dict()) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
+
+
+def sizes(low: float = 0.2, high: float = 2.0):
+    return some.floats(low, high)
+
+
+def table(**optional):
+    """Some of these keys."""
+    return some.fixed_dictionaries({}, optional=optional)
+
+
+def pulse(*kinds: str, length: str):
+    required = {"kind": some.sampled_from(kinds), "amplitude_g": sizes(-1, 1), length: sizes()}
+    return some.fixed_dictionaries(required, optional={"start": sizes(0, 1)})
+
+
+FRICTION = some.one_of(
+    sizes(0, 2),
+    some.fixed_dictionaries({"static": sizes(0.5, 2), "dynamic": sizes(0, 0.4)}),
+    some.fixed_dictionaries({"static": sizes(), "cohesion": sizes(1, 1e4)}),
+)
+FILES = {"file": some.just(__file__), "scale": sizes(-3, 3)}
+MOTION = some.one_of(
+    pulse("half_sine", "one_sine", "rectangular", "ricker", length="duration"),
+    pulse("sine", length="period"),
+    pulse("ricker", length="frequency"),
+    some.fixed_dictionaries(FILES | {"kind": some.sampled_from(["table", "record"])}),
+    some.fixed_dictionaries({"kind": some.just("synthetic"), "seed": some.integers(0, 9)}),
+)
+SPRING = table(damping_ratio=sizes(0, 1)).flatmap(
+    lambda rest: some.fixed_dictionaries(
+        {"mass_ratio": sizes(), "period": sizes(), **{key: some.just(rest[key]) for key in rest}}
+    )
+)
+STONE = {"young": sizes(1e9, 1e11), "poisson": sizes(0, 0.4), "density": sizes(1e3, 3e3)}
+
+
+@some.composite
+def scenes(draw):
+    """Tables of a scene that is within all limits."""
+    dimension = draw(some.sampled_from([2, 3]))
+    thickness, count = draw(sizes()), draw(some.integers(1, 3))
+    names = draw(some.lists(some.from_regex(r"\A[b-d][a-z0-9_-]{0,5}\Z"), min_size=count,
+                            max_size=count, unique=True))  # fmt: skip
+    block = some.fixed_dictionaries(
+        {"width": sizes(), "height": sizes(), "thickness": some.just(thickness), **STONE},
+        optional={
+            "model": some.sampled_from(["elastic", "rigid"]),
+            "offset": sizes(-0.1, 0.1),
+            "velocity": some.tuples(*[sizes(-1, 1)] * dimension).map(list),
+            "cells": some.tuples(*[some.integers(1, 5)] * dimension).map(list),
+            "friction": FRICTION,
+            "degree": some.sampled_from([1, 2]),
+        },
+    )
+    carriers = ["foundation", *names[:-1]]
+    tables = {
+        "title": draw(some.text(max_size=20)),
+        "dimension": dimension,
+        "block": [
+            draw(block) | {"name": name, "on": on} for name, on in zip(names, carriers, strict=True)
+        ],
+        "time": {"step": 1e-3, **draw(table(rho_inf=sizes(0, 1), damped_steps=some.integers(0, 9)))}
+        | {"end": draw(sizes())},
+        "contact": draw(table(friction=FRICTION, gamma=sizes(10, 1e3), theta=some.just(1))),
+    }
+    parts = {
+        "foundation": SPRING.map(lambda spring: {"kind": "oscillator", **spring}),
+        "motion": MOTION.flatmap(
+            lambda motion: some.one_of(
+                some.just(motion), MOTION.map(lambda other: motion | {"vertical": other})
+            )
+        ),
+        "damping": table(mass=sizes(), stiffness=sizes(1e-6, 1e-3)),
+        "output": table(every=sizes(), history_every=some.integers(1, 9)),
+        "gravity": sizes(1, 20),
+    }
+    return tables | draw(table(**parts))
+
+
+@given(scenes())
+def test_every_scene_comes_back_from_its_text(tables):
+    """Read from tables, written as TOML, read again, sent to another process: always equal."""
+    scene = parse_scene(tables)
+    text = scene_to_toml(scene)
+    assert parse_scene(text) == scene
+    assert scene_to_toml(parse_scene(text)) == text
+    assert pickle.loads(pickle.dumps(scene)) == scene
+
+
+VALUES = some.recursive(
+    some.none() | some.booleans() | some.integers() | some.floats() | some.text(max_size=8),
+    lambda inner: some.lists(inner, max_size=3) | some.dictionaries(some.text(), inner, max_size=3),
+    max_leaves=6,
+)
+
+
+@given(scenes(), some.data(), VALUES)
+def test_a_spoilt_scene_is_refused_in_one_line(tables, data, value):
+    """Any value in any place: an equal scene comes back, or one line names the place."""
+    place = tables
+    while isinstance(place, dict | list) and place:
+        keys = sorted(place) if isinstance(place, dict) else range(len(place))
+        above, key = place, data.draw(some.sampled_from(keys))
+        place = above[key]
+    above[key] = value
+    try:
+        scene = parse_scene(tables)
+    except SceneError as error:
+        assert "\n" not in str(error) and str(error).count(":") >= 1
+        assert error.exit_code == 2
+    else:
+        assert parse_scene(scene_to_toml(scene)) == scene
 
 
 def test_resolved_scene_names_every_default():

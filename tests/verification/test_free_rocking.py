@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from damped_steps import reaction_noise, scatter
 
+from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
 from solver.build.assembly import build, initial_state
 from solver.contact.interface import carry_over

@@ -8,25 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from mpi4py import MPI
-
 import numpy as np
 import pytest
-from hertz import Disc, errors, l2
 
-from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.supports import Support
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.plane_target import Plane
-from solver.law.friction import FrictionLaw
+from benchmarks.hertz import Disc, errors, l2
 from solver.scene.material import Material
-from solver.scheme.generalized_alpha import GeneralizedAlpha
-from solver.stepping.stepper import Stepper
-from solver.stepping.system import System
-from solver.verification.disc_mesh import disc_mesh
-from solver.verification.hertz import HertzLine, contact_modulus
+from solver.verification.hertz import HertzLine, centre_approach, contact_modulus
 from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
+from solver.verification.pressed_disc import disc_on_ground
 
 pytestmark = pytest.mark.serial
 
@@ -46,18 +35,12 @@ def pressed(
         more: Half-widths over that of `ratio`, about.
     """
     half = ratio * RADIUS
-    made = disc_mesh(RADIUS, size=half / facets, core=1.5 * half, growth=1.2, comm=MPI.COMM_SELF)
-    top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(0, 1))
     material = Material(young=YOUNG, poisson=POISSON, density=1.0)
-    body = ElasticBody(made.mesh, material, supports=[top])
-    contact = MeshedContactPair(
-        *(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0)), points=points
-    )
-    stepper = Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
-    u, state, reached = np.zeros(body.size), None, 0.0
+    stepper = disc_on_ground(material, radius=RADIUS, half_width=half, facets=facets, points=points)
+    u, state, reached = np.zeros(stepper.system.size), None, 0.0
     for factor in more:
         load = np.pi * MODULUS * (factor * half) ** 2 / (4 * RADIUS)
-        sinking = load / (np.pi * MODULUS) * (2 * np.log(4 * RADIUS / (factor * half)) - 1)
+        sinking = centre_approach(HertzLine(load=load, radius=RADIUS, modulus=MODULUS))
         expected = support_load(stepper, body=0, force=(0.0, -load))
         guess = shifted(stepper, u, body=0, by=(0.0, reached - sinking))
         state = stepper.static_start(guess, load=expected, start=state)
@@ -66,12 +49,6 @@ def pressed(
         taken = HertzLine(load=found.resultant[0], radius=RADIUS, modulus=MODULUS)
         assert taken.half_width == pytest.approx(factor * half, rel=0.05)
         yield found, taken
-
-
-def half_width(found: Tractions) -> float:
-    """Of the ellipse with the same second moment of pressure: sum f x^2 = P a^2/4."""
-    force = found.force[:, 0]
-    return float(2 * np.sqrt(force @ found.position[:, 0] ** 2 / force.sum()))
 
 
 def error(found: Tractions, hertz: HertzLine) -> float:
@@ -85,7 +62,7 @@ def test_peak_pressure_and_half_width(points):
     """At 20 facets on the half-width; what is left is the strain of a/R = 0.01."""
     found, hertz = next(pressed(20, 0.01, points))
     assert found.pressure.max() == pytest.approx(hertz.peak_pressure, rel=0.008)
-    assert half_width(found) == pytest.approx(hertz.half_width, rel=0.005)
+    assert found.half_width == pytest.approx(hertz.half_width, rel=0.005)
     closed = found.position[found.force[:, 0] > 0, 0]
     assert np.abs(closed).max() == pytest.approx(hertz.half_width, rel=0.06)  # +- one facet
     assert error(found, hertz) < 0.03

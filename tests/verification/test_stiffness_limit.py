@@ -1,7 +1,8 @@
 """The elastic block as it grows stiffer: the rigid one in the same steps."""
 
 import pytest
-from stiffness_limit import distance, elastic, in_whole_steps, rigid
+
+from benchmarks.stiffness_limit import distance, elastic, in_whole_steps, rigid
 
 
 @pytest.mark.serial

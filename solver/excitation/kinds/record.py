@@ -85,7 +85,8 @@ def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str],
     """Header, time between samples and values of a file of one column, of two, or of values."""
     header, rest = split_header(lines)
     rows = rows_of(spec.file, rest, EXPECTED, first=len(header) + 1)
-    if not rows or sum(len(row.values) for row in rows) < 2:
+    numbers = sum(len(row.values) for row in rows)
+    if numbers < 2 or (len(rows) == 1 and numbers == 2):  # a line of two is a time and one sample
         raise SceneError(f"{spec.file}: line {len(lines)}", "too few numbers", EXPECTED)
     width, last = len(rows[0].values), rows[-1]
     for row in rows:

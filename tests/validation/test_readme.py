@@ -1,0 +1,242 @@
+"""Every command line and Python snippet of README and docs: run, in a form that is over soon.
+
+Commands are read from the pages, so that a new one is run, too. What is not run is at least held to
+the parser, the Makefile or the tree, and has its reason in `reason_not_to_run`.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from processes import outside_mpirun
+
+from solver.cli import build_parser
+
+pytestmark = pytest.mark.serial
+
+ROOT = Path(__file__).parents[2]
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+
+#: First words of a command line, after `./in-env`.
+PROGRAMS = ("rockslip", "mpirun", "make", "docker", "python3")
+
+SCENE = """
+[[block]]
+width = 1.0
+height = 0.5
+mass = 1000.0
+young = 5.0e10
+poisson = 0.2
+cells = [3, 2]
+[foundation]
+kind = "oscillator"
+mass_ratio = 2.0
+period = 0.5
+damping_ratio = 0.05
+[contact]
+friction = 0.2
+[motion]
+kind = "sine"
+amplitude_g = 0.4
+period = 0.6
+[time]
+end = 0.02
+step = 1.0e-3
+"""
+
+RECORD = """PEER STRONG MOTION DATA
+A QUAKE
+ACCELERATION TIME SERIES IN UNITS OF G
+NPTS= 6, DT= .05 SEC
+0.1 0.2 0.1 -0.1 -0.2 -0.1
+"""
+
+#: Steps that suffice to see that a study runs.
+TINY_STUDY = ("--set", "block.model=rigid", "time.step=0.05", "time.end=0.5")
+
+
+def code_blocks(page: Path) -> Iterator[list[str]]:
+    """The lines of fenced blocks, and of those indented by four blanks after an empty line."""
+    text = page.read_text(encoding="utf-8")
+    fenced = re.compile(r"^ *```.*\n((?:.*\n)*?) *```", re.MULTILINE)
+    for match in fenced.finditer(text):
+        yield match[1].splitlines()
+    indented = re.compile(r"(?:^|\n\n)((?: {4}.*\n)(?:\n*(?: {4}.*\n))*)")
+    for match in indented.finditer(fenced.sub("", text)):
+        yield [line[4:] for line in match[1].splitlines()]
+
+
+def command_lines(page: Path) -> Iterator[str]:
+    """Command lines of the code blocks, without comments, `./in-env` and line breaks."""
+    for block in code_blocks(page):
+        text = re.sub(r"\s*\\?\n\s+", " ", "\n".join(re.sub(r"\s+# .*", "", x) for x in block))
+        for line in text.splitlines():
+            command = line.removeprefix("$ ").removeprefix("./in-env ")
+            if command.split(maxsplit=1)[:1] and command.split()[0] in PROGRAMS:
+                yield command
+    for command in re.findall(r"`(?:\./in-env|make) [^`]+`", page.read_text(encoding="utf-8")):
+        if "COMMAND" not in command and not command.startswith("`./in-env --"):
+            yield command.strip("`").removeprefix("./in-env ")
+
+
+def found() -> list[tuple[str, str]]:
+    """Name of the first page and command line, for every command line."""
+    pages: dict[str, str] = {}
+    for page in PAGES:
+        for command in command_lines(page):
+            pages.setdefault(command, page.name)
+    return [(page, command) for command, page in pages.items()]
+
+
+def reason_not_to_run(words: list[str]) -> str:
+    """Why a command is not run here; empty where it is."""
+    if words[0] == "docker":
+        return "needs a container engine and an image"
+    if words[0] == "make":
+        return "sets up environments, runs whole demos or all tests"
+    if words[0] == "python3":
+        return "demos and benchmarks have short forms in tests of their own"
+    if any(word.startswith("[") for word in words):
+        return "a synopsis"
+    if words[:3] == ["rockslip", "study", "stability"] and "--random" not in words:
+        return "takes minutes to an hour; tests/unit/test_stability.py runs single scenes"
+    return ""
+
+
+ALL = found()
+RUN = [(page, command) for page, command in ALL if not reason_not_to_run(shlex.split(command))]
+
+
+def shortened(words: list[str]) -> list[str]:
+    """A command of rockslip with what makes it short, and allowed to write over what is there."""
+    task = " ".join(words[1:3]) if words[1] == "study" else words[1]
+    more: tuple[str, ...] = ()
+    if task in ("run", "reference"):
+        more = ("--set", "time.end=0.02", "--force")
+    elif task == "study suite":
+        synthetic = "synthetic" in words or "--motions" not in words
+        more = (*TINY_STUDY, "-j", "1", *(("--count", "1") if synthetic else ()))
+        more += () if "--resume" in words else ("--force",)
+    elif task == "study error-runtime":
+        more = (*TINY_STUDY, "--rungs", "2", "--repeat", "1", "--force")
+    elif task == "study stability":
+        at = words.index("--random") + 1
+        words = [*words[:at], "1", *words[at + 1 :]]
+        more = ("--force",)
+    return [*words, *more]
+
+
+def call(folder: Path, words: list[str]) -> subprocess.CompletedProcess[str]:
+    """Run a command of rockslip or Python in a folder; mpirun with two ranks."""
+    launch: list[str] = []
+    if words[0] == "mpirun":
+        at = words.index("rockslip")
+        launch, words = ["mpirun", "--oversubscribe", "-n", "2"], words[at:]
+    started = ["-m", *shortened(words)] if words[0] == "rockslip" else words[1:]
+    return subprocess.run(
+        [*launch, sys.executable, *started],
+        cwd=folder,
+        # Interpreted: to compile takes longer than these commands.
+        env={**outside_mpirun(), "PYTHONPATH": str(ROOT), "ROCKSLIP_NO_NUMBA": "1"},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def furnished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the commands name: scenes, records, lists, a finished run and its reference."""
+    for package in ("dolfinx", "gmsh", "matplotlib", "pyvista"):
+        pytest.importorskip(package)
+    folder = tmp_path_factory.mktemp("pages")
+    (folder / "scene.toml").write_text(SCENE)
+    for file in ("a.AT2", "records/b.AT2"):
+        (folder / file).parent.mkdir(exist_ok=True)
+        (folder / file).write_text(RECORD)
+    for name in ("list.txt", "table1.txt"):
+        (folder / name).write_text("a.AT2\n")
+    for scene in ROOT.glob("demos/*/scene.toml"):
+        copy = folder / scene.relative_to(ROOT)
+        copy.parent.mkdir(parents=True)
+        shutil.copy(scene, copy)
+    for task, output in (("run", "out"), ("reference", "rigid")):
+        done = call(folder, ["rockslip", task, "scene.toml", "-o", output])
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def folder(furnished: Path, tmp_path: Path) -> Path:
+    """A copy of what the commands name, of its own for each."""
+    return Path(shutil.copytree(furnished, tmp_path / "work"))
+
+
+def _marked(command: tuple[str, str]) -> object:
+    marks = [pytest.mark.mpi] if command[1].startswith("mpirun") else []
+    return pytest.param(command[1], marks=marks, id=f"{command[0]}: {command[1]}")
+
+
+@pytest.mark.parametrize("command", map(_marked, RUN))
+def test_command_lines_run(folder: Path, command: str) -> None:
+    words = shlex.split(command)
+    if "--resume" in words:
+        first = [word for word in words if word != "--resume"]
+        assert call(folder, [*first, "--force"]).returncode == 0
+    done = call(folder, words)
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("command", [each[1] for each in ALL if each not in RUN])
+def test_what_is_not_run_is_there(command: str) -> None:
+    """Commands are known to the parser, targets to the Makefile, scripts and options exist."""
+    words = shlex.split(command)
+    if words[0] == "make":
+        targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+        assert words[1] in targets
+    elif words[0] == "python3":
+        assert (ROOT / words[1]).is_file()
+    elif "synopsis" in reason_not_to_run(words):
+        options = re.findall(r"-{1,2}[a-z][a-z-]*", command.split("[", 1)[1])
+        done = call(Path.cwd(), ["python3", "-m", *words[:3], "--help"])
+        assert options and all(option in done.stdout for option in options)
+    elif words[0] == "rockslip":
+        assert build_parser().parse_args(words[1:]).action is not None
+
+
+def test_the_pages_have_commands() -> None:
+    """Nothing is lost where pages are written in another way."""
+    assert len(RUN) > 12
+    tasks = {command.split()[1] for _, command in RUN if command.startswith("rockslip ")}
+    assert tasks == {"run", "check", "reference", "plot", "info", "study"}
+
+
+SNIPPETS = [
+    pytest.param("\n".join(block), id=f"{page.name}: {block[0]}")
+    for page in PAGES
+    for block in code_blocks(page)
+    if block and block[0].startswith(("from ", "import "))
+]
+
+
+@pytest.mark.parametrize("snippet", SNIPPETS)
+def test_python_snippets_run(folder: Path, snippet: str) -> None:
+    """As they stand, beside a scene; what they give a name to is there."""
+    names = re.findall(r"^(\w+) = ", snippet, re.MULTILINE)
+    assert names
+    check = f"assert all(value is not None for value in ({', '.join(names)},))"
+    done = call(folder, ["python3", "-c", f"{snippet}\n{check}\n"])
+    assert done.returncode == 0, done.stderr
+
+
+def test_readme_has_a_snippet() -> None:
+    assert any(str(snippet.id).startswith("README.md") for snippet in SNIPPETS)
