@@ -53,24 +53,27 @@ class Convergence:
 
     Attributes:
         round_off: A residual below this many absolute tolerances that no longer falls is round-off
-            and accepted; seen on granite blocks (E 5e10 Pa), where the round-off of the stresses is
-            several times what is estimated for it.
+            and is accepted; found with the blocks of the verification tests, where the round-off of
+            stiff stresses exceeds its estimate by less than that.
         stagnation: A residual no longer falls where it stays above this part of the one before;
-            nearly incompressible bodies (nu 0.4999) still converge at a rate of 0.8, and must not
-            be stopped on the way.
+            found with a rigid block on a light stiff one, whose residual fell slowly, but fell, and
+            was taken for round-off.
         expected: After several corrections the last one has to be expected to leave no more than
             this part of the absolute tolerance, by the rate at which the one before it shrank the
-            residual; otherwise histories on one and on several ranks differed by as much as the
-            tolerance, and not by round-off.
-        patience: Iterations that are allowed before progress is asked for; bodies whose volume
-            hardly changes need up to so many where they are strained or turn fast.
-        window: Iterations within which the residual has to halve once patience is over; iterations
-            that went to and fro for longer never converged, and a shorter step did.
-        most: Iterations at most, the limit that SNES itself is given.
+            residual; found by comparing histories on one and on several ranks, which differ by no
+            more than round-off only if what is left hardly depends on the path of the iteration.
+        patience: Iterations that are allowed before progress is asked for; found with soft strips
+            whose volume hardly changes (nu close to 0.5), which converge slowly, but surely, where
+            they are strained or turn fast.
+        window: Iterations within which the residual has to halve once patience is over; found with
+            the same strips, beside which iterations that went to and fro never converged, and a
+            shorter step did.
+        most: Iterations at most, the limit that SNES itself is given; found with the same strips.
         growth: A residual that has grown to this many times the first residual, the contact forces
-            and the tolerance does not fall again; of the iterations that did converge, none grew by
-            more than 140 times. Contact forces are a scale of their own because a body without
-            stress and loads has nothing but round-off in its first residual when it first touches.
+            and the tolerance does not fall again; found with a diverging iteration whose squares of
+            forces became infinite, while those that did converge grew by 140 times at most. Contact
+            forces are a scale of their own because a body without stress and loads has nothing but
+            round-off in its first residual when it first touches.
     """
 
     round_off: float = 50.0

@@ -10,7 +10,7 @@ prefix, as in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -128,9 +128,7 @@ class NonlinearSolver:
         self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
-        self._shell = PETSc.Mat().createPython(
-            ((size, None), (size, None)), Tangent(), comm=comm
-        )
+        self._shell = PETSc.Mat().createPython(((size, None), (size, None)), Tangent(), comm=comm)
         self._shell.setUp()
         self._correction = Correction(failure)
         self.snes = self._set_up(comm, options)
@@ -185,9 +183,7 @@ class NonlinearSolver:
             self._residuals.clear()
         self._residuals.append(residual)
         progress = Progress(self._residuals, correction, unknowns, self._problem.forces)
-        return int(
-            self._convergence.judge(progress, Tolerances(absolute, relative, smallest))
-        )
+        return int(self._convergence.judge(progress, Tolerances(absolute, relative, smallest)))
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """Called by SNES; the tangent is constant in the frame of the body and not assembled."""
