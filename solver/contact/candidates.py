@@ -31,22 +31,26 @@ class ContactPair(Protocol):
     """Who may touch whom, and the interface that it takes.
 
     Attributes:
-        body: Number of the body whose points these are.
+        body: Number of the body whose points these are; None for what is fixed to the ground.
         carrier: Number of the body that carries them; None for the ground and what is fixed to it.
-        surface: What carries them.
-        joined: Tags of the faces that take part.
+        surface: The carrier's surface.
+        always: Tags of the faces that take part from the beginning.
     """
 
     body: int | None
     carrier: int | None
     surface: Carrier
-    joined: frozenset[int]
+    always: frozenset[int]
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of faces turned towards the carrier, and of those that joined before."""
+        """Tags of the faces that are turned towards the carrier, or always take part.
+
+        Args:
+            rotation: Of the body of the points, (d, d).
+        """
 
     def join(self, faces: frozenset[int]) -> Interface:
-        """The interface of these faces."""
+        """The interface of these faces, made anew; collective."""
 
 
 class MeshedContactPair:
@@ -75,9 +79,9 @@ class MeshedContactPair:
             law: Friction.
             points: "nodes" or "gauss".
             gamma: Nondimensional Nitsche parameter.
-            theta: Nitsche variant.
+            theta: Variant of Nitsche's method.
             body: Number of the body in its system.
-            on: Number of the body that carries it, None for the ground.
+            on: Number of the body that carries it; None for the ground.
             cuts: As for `contact_points`.
         """
         self.body: int | None = body
@@ -89,24 +93,25 @@ class MeshedContactPair:
         facets, _ = gather(space, records, extent(space.mesh))
         self._face, self._outward = facets.tag, facets.normal
         # The bottom always takes part: the gaps in the history are those of its corners.
-        self.joined: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
+        self.always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of faces with a facet turned towards the carrier, and of those that joined."""
+        """Tags of faces with a facet turned towards the carrier, and of the bottom."""
         normal = self.surface.frame[0] @ rotation
         towards = self._outward @ normal < FACING
-        return self.joined.union(self._face[towards].tolist())
+        return self.always.union(self._face[towards].tolist())
 
     def join(self, faces: frozenset[int]) -> Interface:
-        """The interface of these faces."""
-        self.joined = faces
+        """The interface of these faces, made anew; collective."""
         chosen = np.isin(self._tags.values, list(faces))
         space = self._member.space
         tags = mesh.meshtags(
             space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen]
         )
         points = contact_points(
-            *(space, tags, self._member.law),
+            space,
+            tags,
+            self._member.law,
             points=self._points,
             gamma=self._gamma,
             cuts=self._cuts,
@@ -118,23 +123,17 @@ class MeshedContactPair:
 class FixedContactPair:
     """Points that take part from the beginning to the end: of rigid bodies, of edges."""
 
-    joined: frozenset[int] = frozenset()
+    always: frozenset[int] = frozenset()
 
-    def __init__(
-        self,
-        interface: Interface,
-        *,
-        body: int | None,
-        on: int | None,
-    ):
+    def __init__(self, interface: Interface, *, body: int | None, on: int | None):
         """Take the interface, and the numbers of the body of its points and of what they touch."""
         self.body, self.carrier, self.surface = body, on, interface.carrier
         self._interface = interface
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """No further face joins."""
-        return self.joined
+        """Tags of faces that take part: no face ever joins."""
+        return self.always
 
     def join(self, faces: frozenset[int]) -> Interface:
-        """The interface."""
+        """The interface that was given."""
         return self._interface

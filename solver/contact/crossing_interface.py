@@ -6,11 +6,14 @@ there, so that the stick memory is 0 at the start of every step.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
 from solver.contact.edge_crossings import Crossings
-from solver.contact.interface import Interface, Key, Memory
+from solver.contact.interface import Interface, Key
+from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics, spread
 from solver.law.friction import FrictionLaw
 from solver.types import Array, Mask
@@ -25,47 +28,57 @@ class CrossingInterface(Interface):
         self.crossings = carrier
 
     def _named(self) -> list[Key]:
-        """Numbers: no face joins an outline."""
+        """The number of each pair: no face joins an outline."""
         return [(float(k),) for k in range(self.count)]
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
-        """A memory without contact forces."""
-        surface, carried = self._seen(u, carrier_u)
-        none = np.zeros(self.count, dtype=bool)
+        """The memory of pairs without contact forces."""
+        surface, carried = self._observed(u, carrier_u)
+        nowhere = np.zeros(self.count, dtype=bool)
         seat = self.crossings.meet(surface.position, carried, (surface.position, carried.position))
-        may_touch = self.crossings.present.copy()
-        force, anchor = np.zeros((self.count, 3)), np.zeros((self.count, 2))
-        return Memory(surface, seat, force, anchor, may_touch, none, none)
+        return Memory(
+            surface=surface,
+            seat=seat,
+            force=np.zeros((self.count, 3)),
+            anchor=np.zeros((self.count, 2)),
+            may_touch=self.crossings.present.copy(),
+            slipped=nowhere,
+            broken=nowhere,
+        )
 
-    def _seen(self, u: Array | None, carrier_u: Array | None) -> tuple[SurfaceState, SurfaceState]:
+    def _observed(
+        self, u: Array | None, carrier_u: Array | None
+    ) -> tuple[SurfaceState, SurfaceState]:
         """Where the nodes of both outlines are."""
         return self.points.observe(u), self.crossings.points.observe(carrier_u)
 
-    def prepare(self, memory: Memory, u: Array | None, carrier_u: Array | None) -> None:
+    def prepare(self, memory: Memory, u: Array | None, carrier_u: Array | None) -> Memory:
         """Settle which edges cross in the coming step, and the frames.
 
         Args:
-            memory: Changed in place.
+            memory: Of t_n.
             u: Unknowns of the upper body expected in the middle of the step.
             carrier_u: Those of the lower one.
+
+        Returns:
+            The memory that the step starts from.
         """
         assert memory.seat.carrier is not None
-        middle = self._seen(u, carrier_u)
-        memory.seat = self.crossings.meet(
-            memory.surface.position, memory.seat.carrier, (middle[0].position, middle[1].position)
+        upper, lower = self._observed(u, carrier_u)
+        seat = self.crossings.meet(
+            memory.surface.position, memory.seat.carrier, (upper.position, lower.position)
         )
-        memory.may_touch = self.crossings.present.copy()
-        memory.force[~memory.may_touch] = 0.0
-        memory.anchor[:] = 0.0
-
-    def rotate_frame(
-        self, memory: Memory, rotation: Array, carrier_rotation: Array | None
-    ) -> float:
-        """Nothing is left to do after `prepare`, and no energy is stored."""
-        return 0.0
+        present = self.crossings.present.copy()
+        return replace(
+            memory,
+            seat=seat,
+            force=np.where(present[:, None], memory.force, 0.0),
+            anchor=np.zeros_like(memory.anchor),
+            may_touch=present,
+        )
 
     def augmented(self, surface: SurfaceState, seat: ContactKinematics) -> Array:
-        """Y = (g - rest, s) of all pairs, (16, 3), m."""
+        """Augmented positions y = (g - rest, s) of all pairs, (16, 3), m."""
         y = seat.place.copy()
         y[:, 0] -= self.crossings.rest
         return y
@@ -80,6 +93,7 @@ class CrossingInterface(Interface):
     ) -> tuple[Array, Array | None]:
         """Point forces as vectors in space on the nodes of both outlines."""
         vectors = self.carrier.vectors(old, new, force)
-        assert old.tip is not None and new.tip is not None
-        on_points = spread(old.tip, new.tip, vectors, self.points.count)
+        first, last = old.own_projection, new.own_projection
+        assert first is not None and last is not None
+        on_points = spread(first, last, vectors, self.points.count)
         return on_points, self.carrier.reaction(old, new, vectors)

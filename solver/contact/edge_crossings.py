@@ -17,44 +17,73 @@ the other work exactly f . (y_{n+1} - y_n). The frames (n, t) stand still within
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.facet_target import DEEP, Face
+from solver.contact.facet_target import CAME_ROUND, Face
 from solver.contact.outline import Outline
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, EdgeInterpolation, in_frames, in_space
 from solver.types import Array, Indices, Mask
 
-PARALLEL = 1e-2
-"""Edges that cross in plan at less than this angle (rad) do not: the polygon has hardly a corner
-there, and the ends of the edges touch in its place. At still smaller angles a crossing would run
-along the edges when they bend a little, and iterations would not converge."""
+PARALLEL_ANGLE = 1e-2
+"""Angle in plan, rad: edges at less do not cross. The polygon has hardly a corner there, and the
+ends of the edges touch in its place; at still smaller angles a crossing would run along the edges
+when they bend a little, and iterations would not converge."""
 
-STEEP = 0.7
+STEEPEST_COSINE = 0.7
 """Least cosine between the normal of two edges and that of the lower face. Where it is steeper the
 crossing is not where the bodies are nearest to each other: a corner is."""
 
-FAR = 0.01
-"""A face farther within the outline of the other than this part of its length crosses no edge."""
+TURNED_AWAY_COSINE = 0.5
+"""Least cosine between the normals of both faces for their edges to cross."""
 
-SHORT = 1e-7
-"""A way from one segment to the next that is shorter than this part of them has the direction of
-that on which it begins."""
+FAR_INSIDE = 0.01
+"""Part of the face's length: a face that lies farther within the outline of the other crosses no
+edge."""
 
-ROUNDS, SETTLED = 6, 1e-13
-"""How often a crossing is looked for on the segments where the last round left it, at most, and the
-part of a segment by which a round has to move it for another one."""
+SHORT_WAY = 1e-7
+"""Part of a segment: a way from one segment to the next that is shorter has the direction of the
+segment on which it begins."""
+
+CARRIED_SHARE = 0.9
+"""Part of its margin up to which the lower face is taken to carry a corner beyond its edge."""
+
+ROUNDS = 6
+"""How often a crossing is looked for on the segments where the last round left it, at most."""
+
+CROSSING_SETTLED = 1e-13
+"""Part of a segment that a round has to move a crossing by for another round."""
 
 
-class Crossings(FacetCarrier):
-    """Where the four edges of a lower face are crossed by those of an upper one, all 16 pairs.
+@dataclass(frozen=True, slots=True)
+class Meeting:
+    """What is settled for a step: which pairs of edges cross, and in which frames.
 
     Attributes:
         frame: Normal and tangents of each pair, (16, 3, 3).
         present: Pairs that cross, (16,).
         rest: Gaps from which pairs that have sunk in are not pushed out, since that would gain
             energy; 0 for others, (16,), m.
+        start: The seat from which slip counts; None while it is being found.
+    """
+
+    frame: Array
+    present: Mask
+    rest: Array
+    start: ContactKinematics | None = None
+
+
+class Crossings(FacetCarrier):
+    """Where the four edges of a lower face are crossed by those of an upper one, all 16 pairs.
+
+    Attributes:
+        upper: Outline of the face that looks down.
+        lower: Outline of the face that looks up.
+        points: The nodes of the lower outline.
+        meeting: What is settled for the present step; `meet` settles it anew.
     """
 
     count = 16
@@ -72,35 +101,52 @@ class Crossings(FacetCarrier):
         self._edges = np.divmod(np.arange(self.count), 4)
         # A corner of the upper face is carried up to this far beyond an edge, m; one of the lower
         # face only from this far within: between the two nothing is left out.
-        self._carried = 0.9 * top.margin * top.facet
+        self._carried = CARRIED_SHARE * top.margin * top.facet
         self._reaches = 2 * abs(bottom.margin) * bottom.facet
         self._length = top.length
-        self.frame: Array = np.tile(np.eye(3), (self.count, 1, 1))
-        self.present: Mask = np.zeros(self.count, dtype=np.bool_)
-        self.rest: Array = np.zeros(self.count)
-        self._start: ContactKinematics | None = None
+        self.meeting = Meeting(
+            frame=np.tile(np.eye(3), (self.count, 1, 1)),
+            present=np.zeros(self.count, dtype=np.bool_),
+            rest=np.zeros(self.count),
+        )
+
+    @property
+    def frame(self) -> Array:
+        """Normal and tangents of each pair, (16, 3, 3)."""
+        return self.meeting.frame
+
+    @property
+    def present(self) -> Mask:
+        """Pairs that cross, (16,)."""
+        return self.meeting.present
+
+    @property
+    def rest(self) -> Array:
+        """Gaps from which pairs that have sunk in are not pushed out, (16,), m."""
+        return self.meeting.rest
 
     def meet(
         self, edge: Array, face: SurfaceState, middle: tuple[Array, Array]
     ) -> ContactKinematics:
-        """Frames and pairs of the coming step, and the seat from which its slip counts.
+        """Settle frames and pairs of the coming step; returns the seat from which slip counts.
 
         Args:
             edge: Where the nodes of the upper outline are at the start, (n, 3).
             face: Those of the lower one.
             middle: Where both are expected in the middle of the step.
         """
-        self._start = None
-        if self._inside(*middle):
-            self.present = np.zeros(self.count, dtype=np.bool_)
-        else:
-            self.present = self._turn(*middle)
+        frame = self.frame
+        present: Mask = np.zeros(self.count, dtype=np.bool_)
+        nothing = np.zeros(self.count)
+        if not self._inside(*middle):
+            frame, framed = self._turned(*middle)
+            self.meeting = Meeting(frame, framed, nothing)
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
-            self.present = self.within(edge, face.position) | self.within(*end)
+            present = self.within(edge, face.position) | self.within(*end)
+        self.meeting = Meeting(frame, present, nothing)
         seat = self.seat(edge, face)
-        self.present &= seat.place[:, 0] > -DEEP * self._length
-        self.rest = np.minimum(seat.place[:, 0], 0.0)
-        self._start = seat
+        present = present & (seat.place[:, 0] > -CAME_ROUND * self._length)
+        self.meeting = Meeting(frame, present, np.minimum(seat.place[:, 0], 0.0), seat)
         return seat
 
     def _inside(self, edge: Array, face: Array) -> bool:
@@ -110,10 +156,10 @@ class Crossings(FacetCarrier):
         inwards /= np.linalg.norm(inwards, axis=1)[:, None]
         corners = edge[self.upper.corners] @ inwards.T
         borders = np.sum(face[self.lower.corners] * inwards, axis=1)
-        return bool(np.min(corners - borders) > FAR * self._length)
+        return bool(np.min(corners - borders) > FAR_INSIDE * self._length)
 
-    def _turn(self, edge: Array, face: Array) -> Mask:
-        """Turn the frames with the edges; which pairs have one."""
+    def _turned(self, edge: Array, face: Array) -> tuple[Array, Mask]:
+        """Frames that have turned with the edges, and which pairs have one."""
         i, j = self._edges
         over, under = self.upper.chords(edge), self.lower.chords(face)
         up = [np.cross(chords[0], chords[1]) for chords in (over, under)]
@@ -123,10 +169,13 @@ class Crossings(FacetCarrier):
         normal = np.cross(over[i], under[j])
         rise = normal @ up[1]
         size = np.linalg.norm(normal, axis=1)
-        good = (np.abs(rise) > PARALLEL) & (np.abs(rise) > STEEP * size) & (up[0] @ up[1] > 0.5)
+        crossing = np.abs(rise) > PARALLEL_ANGLE
+        level = np.abs(rise) > STEEPEST_COSINE * size
+        good = crossing & level & (up[0] @ up[1] > TURNED_AWAY_COSINE)
         n = normal[good] / (np.sign(rise) * size)[good, None]
-        self.frame[good] = np.stack([n, under[j[good]], np.cross(n, under[j[good]])], axis=1)
-        return np.asarray(good)
+        frame = self.frame.copy()
+        frame[good] = np.stack([n, under[j[good]], np.cross(n, under[j[good]])], axis=1)
+        return frame, np.asarray(good)
 
     def within(self, edge: Array, face: Array) -> Mask:
         """Present pairs that cross within both edges, not where a corner touches the other face."""
@@ -163,19 +212,22 @@ class Crossings(FacetCarrier):
         place = np.zeros((self.count, 3))
         place[:, 0] = self._length
         pairs = np.flatnonzero(self.present)
-        if not len(pairs):
-            tip, foot = self.upper.nowhere(position), self.lower.nowhere(carrier.position)
-            return ContactKinematics(
-                place, carrier, self._for_all(pairs, foot), self._for_all(pairs, tip)
-            )
-        tip, foot = self._places(pairs, position, carrier.position)
-        apart = tip.carried(position) - foot.carried(carrier.position)
-        place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
+        if len(pairs):
+            upper, lower = self._places(pairs, position, carrier.position)
+            apart = upper.carried(position) - lower.carried(carrier.position)
+            place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
+        else:
+            upper, lower = self.upper.nowhere(position), self.lower.nowhere(carrier.position)
         seat = ContactKinematics(
-            place, carrier, self._for_all(pairs, foot), self._for_all(pairs, tip)
+            place=place,
+            frame=self.frame,
+            carrier=carrier,
+            foot=self._for_all(pairs, lower),
+            own_projection=self._for_all(pairs, upper),
         )
-        if self._start is not None:
-            slip = in_frames(self._moved(self._start, seat), self.frame)
+        start = self.meeting.start
+        if start is not None and len(pairs):
+            slip = in_frames(self._moved(start, seat), self.frame)
             place[pairs, 1:] = slip[pairs, 1:]
         return seat
 
@@ -192,7 +244,7 @@ class Crossings(FacetCarrier):
             ways = self.upper.tangents(over, x, edge), self.lower.tangents(under, y, face)
             dx, dy = self._solved(pairs, *ways, apart)
             x, y = x + dx, y + dy
-            if max(np.abs(dx).max(), np.abs(dy).max()) < SETTLED:
+            if max(np.abs(dx).max(), np.abs(dy).max()) < CROSSING_SETTLED:
                 break
             t, s = self.upper.fraction(i, over, x), self.lower.fraction(j, under, y)
         return self.upper.spots(over, x, edge), self.lower.spots(under, y, face)
@@ -223,7 +275,7 @@ class Crossings(FacetCarrier):
         old: ContactKinematics, new: ContactKinematics
     ) -> list[tuple[EdgeInterpolation, EdgeInterpolation, Array]]:
         """On the upper edges and on the lower ones: places before and after, motion of nodes."""
-        pairs = (old.tip, new.tip), (old.foot, new.foot)
+        pairs = (old.own_projection, new.own_projection), (old.foot, new.foot)
         found = []
         for first, last in pairs:
             assert isinstance(first, EdgeInterpolation) and isinstance(last, EdgeInterpolation)
@@ -236,38 +288,38 @@ class Crossings(FacetCarrier):
         pressed = np.flatnonzero(force.any(axis=1))
         if not len(pressed):
             return vectors
-        a, b = (
-            _way(outline, first, last, pressed)
-            for outline, (first, last, _) in zip(
-                (self.upper, self.lower), self._increments(old, new), strict=True
-            )
-        )
+        (a0, a1, _), (b0, b1, _) = self._increments(old, new)
+        a, b = _way(self.upper, a0, a1, pressed), _way(self.lower, b0, b1, pressed)
         frames, given = self.frame[pressed], force[pressed]
-        normal = np.cross(a, b)
-        normal /= np.sum(normal * frames[:, 0], axis=1)[:, None]
-        vectors[pressed] = given[:, :1] * normal + in_space(given[:, 1:], frames[:, 1:])
+        m = np.cross(a, b)
+        m /= np.sum(m * frames[:, 0], axis=1)[:, None]  # m = (a x b)/(n . (a x b))
+        vectors[pressed] = given[:, :1] * m + in_space(given[:, 1:], frames[:, 1:])
         return vectors
 
     def rotate_frame(self, rotation: Array) -> None:
-        """Its frames are those of the edges: `meet` turns them."""
+        """Leave the frames as they are: they are those of the edges, and `meet` turns them."""
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
-        """Nothing: the work of the vectors is exact."""
+        """Zero: the work of the vectors is exact."""
         return 0.0
 
     def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
-        """Pairs that do not cross are not may_touch; none of the others is beyond an edge."""
+        """Points beyond an edge: of the pairs that may touch there are none."""
         return None
 
 
 def _way(
     outline: Outline, first: EdgeInterpolation, last: EdgeInterpolation, chosen: Indices
 ) -> Array:
-    """The direction from one place to another on the mean edge, also where they are one."""
-    mean = 0.5 * (first.position + last.position)
+    """The direction of dN . mean x on an edge, also where the place does not move.
+
+    It is the chord from one place to the other where they are on two segments, else the tangent of
+    the segment halfway, which is parallel to it.
+    """
+    mean_nodes = 0.5 * (first.position + last.position)
     begin, end = first.segment[chosen], last.segment[chosen]
     x, y = first.where[chosen], last.where[chosen]
-    way = outline.tangents(begin, np.where(begin == end, 0.5 * (x + y), x), mean)
-    chord = (last.carried(mean) - first.carried(mean))[chosen]
-    long = np.sum(chord**2, axis=1) > SHORT**2 * np.sum(way**2, axis=1)
-    return np.where(((begin != end) & long)[:, None], chord, way)
+    tangent = outline.tangents(begin, np.where(begin == end, 0.5 * (x + y), x), mean_nodes)
+    chord = (last.carried(mean_nodes) - first.carried(mean_nodes))[chosen]
+    moves = np.sum(chord**2, axis=1) > SHORT_WAY**2 * np.sum(tangent**2, axis=1)
+    return np.where(((begin != end) & moves)[:, None], chord, tangent)

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solver.contact.interface import Memory
+from solver.contact.memory import Memory
 from solver.types import Array, Mask
 
-SHARE = 1e-3
-"""Of the forces of an interface: points that carry less, together, shake nothing."""
+INTERFACE_SHARE = 1e-3
+"""Part of the forces of an interface: points that carry less than it together shake nothing."""
 
-TRIFLE = 1e-6
-"""Of the forces of all interfaces, likewise: one that only grazes is all of its own."""
+TOTAL_SHARE = 1e-6
+"""Part of the forces of all interfaces, likewise: a grazing interface has no other forces to be
+compared with."""
 
 
 def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequence[bool]) -> bool:
@@ -24,13 +25,15 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
         new: At t_{n+1}.
         rigid: Whether neither of the bodies that touch is meshed.
     """
-    states = [_changed(*each) for each in zip(old, new, rigid, strict=True)]
+    states = [
+        _changed(before, after, alone) for before, after, alone in zip(old, new, rigid, strict=True)
+    ]
     if not any(changed.any() for changed in states):
         return False
     carried = [np.maximum(_sizes(a), _sizes(b)) for a, b in zip(old, new, strict=True)]
-    least = TRIFLE * sum(float(sizes.sum()) for sizes in carried)
+    least = TOTAL_SHARE * sum(float(sizes.sum()) for sizes in carried)
     return any(
-        float(sizes[changed].sum()) > max(SHARE * float(sizes.sum()), least)
+        float(sizes[changed].sum()) > max(INTERFACE_SHARE * float(sizes.sum()), least)
         for changed, sizes in zip(states, carried, strict=True)
     )
 

@@ -2,54 +2,46 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import basix
 import numpy as np
 
 from solver.contact.body_points import FacePoints, SurfaceState
+from solver.contact.foot_way import FootWay
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, Projection
 from solver.types import Array, Indices, Mask
 
-STILL = 1e-4
-"""A foot that moves by less than this part of its facet is taken to have the local slope, one that
-moves by twice as much or more that of its way; between them it goes over from one to the other."""
+CAME_ROUND = 0.05
+"""Part of the face's length: a point farther behind the face came there round its edge."""
 
-DEEP = 0.05
-"""A point farther behind a face than this part of the face's length came round its edge."""
+FOOT_SETTLED = 1e-12
+"""Part of a facet: Newton's method for a foot ends when it moves the foot by less; what is left is
+the square of that."""
 
-SETTLED = 1e-12
-"""Newton's method for a foot ends when it moves it by less than this part of its facet: what is
-left is the square of that."""
+FOOT_ITERATIONS = 4
+"""Corrections of Newton's method for a foot, at most."""
 
-SEAM = 0.02
-"""As near to the edge of its facet as this part of it, a foot goes over to the averaged slope."""
+EDGE_BLEND_WIDTH = 0.02
+"""Part of a facet: as near as this to its edge, a foot goes over to the slope averaged over the
+facets that meet there."""
 
-
-@dataclass(slots=True)
-class _Way:
-    """How the feet of points go over the mean surface of a step, in the frame of the face.
-
-    Attributes:
-        rise: Along the normal, (m,), m.
-        shift: Along the tangents, (m, d-1), m.
-        travel: The same in the undeformed face.
-        slope: Rise over shift where a foot moves, else that of the surface there, (m, d-1).
-        metric: Shift over travel likewise, (m, d-1, d-1).
-        share: How far slope and metric are those of the way, 0 to 1, (m,).
-    """
-
-    rise: Array
-    shift: Array
-    travel: Array
-    slope: Array
-    metric: Array
-    share: Array
+FACETS_TRIED = 4
+"""Facets around a point, the nearest ones first, among which its foot is looked for."""
 
 
 class Face(FacetCarrier):
-    """Facets of a body that can carry points of another one."""
+    """Facets of a body that can carry points of another one.
+
+    Attributes:
+        points: The nodes of the face.
+        facets: Nodes of each facet, (facets, k).
+        frame: Rows normal and tangents of the coming step, (d, d).
+        reference_frame: Those of the undeformed face.
+        degree: Polynomial degree on a facet.
+        margin: Part of a facet by which points may be beyond its edge.
+        length: Of the longest side of the face, m.
+        facet: Length of its smallest facet, m.
+    """
 
     def __init__(
         self,
@@ -103,7 +95,7 @@ class Face(FacetCarrier):
         assert carrier is not None
         foot = self._foot(position @ self.frame[1:].T, carrier.position @ self.frame.T)
         gap = (position - foot.carried(carrier.position)) @ self.frame[0]
-        return ContactKinematics(np.column_stack([gap, foot.along]), carrier, foot)
+        return ContactKinematics(np.column_stack([gap, foot.along]), self.frame, carrier, foot)
 
     def _foot(self, along: Array, nodes: Array) -> Projection:
         """Feet of points with tangential positions (m, d-1) for nodes in the frame, (n, d)."""
@@ -121,15 +113,15 @@ class Face(FacetCarrier):
         gradient = np.einsum("jmk,mkd->mdj", derivative, nodes[at])
         before = np.linalg.inv(np.einsum("jmk,mkd->mdj", derivative, self._along[at]))
         slope = (gradient[:, :1] @ np.linalg.inv(gradient[:, 1:]))[:, 0]
-        metric = gradient[:, 1:] @ before
-        seam = np.clip(1 + self._miss(where) / SEAM, 0.0, 1.0)
+        stretch = gradient[:, 1:] @ before
+        seam = np.clip(1 + self._miss(where) / EDGE_BLEND_WIDTH, 0.0, 1.0)
         near = np.flatnonzero(seam)
         if len(near):
             share, at_near, shape_near = seam[near], at[near], shape[near]
-            for local, nodal in zip((slope, metric), self._averages(nodes), strict=True):
+            for local, nodal in zip((slope, stretch), self._averages(nodes), strict=True):
                 common = np.einsum("mk,mk...->m...", shape_near, nodal[at_near])
                 local[near] += (share * (common - local[near]).T).T
-        return Projection(at, shape, own, slope, metric, self._outside(where))
+        return Projection(at, shape, own, slope, stretch, self._outside(where))
 
     def _nodal_gradient(self, values: Array) -> Array:
         """Derivatives along the facets' coordinates at their nodes, (facets, k, components, d-1).
@@ -141,13 +133,13 @@ class Face(FacetCarrier):
         return gradient
 
     def _averages(self, nodes: Array) -> tuple[Array, Array]:
-        """Slope and metric at the nodes, averaged over the facets that meet there."""
+        """Slope and stretch at the nodes, averaged over the facets that meet there."""
         gradient = self._nodal_gradient(nodes)
         current = gradient[:, :, 1:]
         slopes = (gradient[:, :, :1] @ np.linalg.inv(current))[:, :, 0]
-        metrics = current @ self._undeformed
+        stretches = current @ self._undeformed
         averages = []
-        for values in (slopes, metrics):
+        for values in (slopes, stretches):
             total = np.zeros((self.points.count, *values.shape[2:]))
             np.add.at(total, self.facets, values)
             averages.append((total.T / np.maximum(self._meeting, 1)).T)
@@ -156,13 +148,13 @@ class Face(FacetCarrier):
     def _inverted(self, facet: Indices, where: Array, along: Array, nodes: Array) -> Array:
         """Coordinates of points on given facets, from a first guess (Newton's method)."""
         tangential = nodes[self.facets[facet]]
-        for _ in range(4):
+        for _ in range(FOOT_ITERATIONS):
             shape, derivative = self._shapes(where)
             miss = along - np.einsum("mk,mkd->md", shape, tangential)
             jacobian = np.einsum("jmk,mkd->mdj", derivative, tangential)
             change = np.linalg.solve(jacobian, miss[:, :, None])[:, :, 0]
             where = where + change
-            if np.abs(change).max(initial=0.0) < SETTLED:
+            if np.abs(change).max(initial=0.0) < FOOT_SETTLED:
                 break
         return where
 
@@ -173,7 +165,7 @@ class Face(FacetCarrier):
         """
         guess = self._as_parallelograms(along, nodes)
         rows = np.arange(len(along))
-        nearest = np.argsort(self._miss(guess), axis=1)[:, :4]
+        nearest = np.argsort(self._miss(guess), axis=1)[:, :FACETS_TRIED]
         start = np.take_along_axis(guess, nearest[:, :, None], axis=1).reshape(nearest.size, -1)
         points = np.repeat(along, nearest.shape[1], axis=0)
         places = self._inverted(nearest.ravel(), start, points, nodes)
@@ -193,18 +185,14 @@ class Face(FacetCarrier):
         weights[:, 0], weights[:, 1] = 1 - where, where
         own = np.diff(reference)
         outside = (where < -self.margin) | (where > 1 + self.margin)
-        start, end = np.maximum(0.0, 1 - np.abs(np.stack([where, 1 - where])) / SEAM)
-        slope, metric = (
-            (1 - start - end) * of[facet] + start * ends[facet] + end * ends[facet + 1]
-            for of in (steps[:, 0] / steps[:, 1], steps[:, 1] / own)
-            for ends in (_at_ends(of),)
-        )
+        slope = _blended(steps[:, 0] / steps[:, 1], facet, where)
+        stretch = _blended(steps[:, 1] / own, facet, where)
         return Projection(
             self.facets[facet],
             weights,
             (reference[facet] + where * own[facet])[:, None],
             slope[:, None],
-            metric[:, None, None],
+            stretch[:, None, None],
             outside,
         )
 
@@ -248,61 +236,37 @@ class Face(FacetCarrier):
         """Point forces as vectors in space such that their work on increments is exact."""
         if not force.any():
             return np.zeros_like(force)
-        way = self._way(old, new)
-        vectors = np.empty_like(force)
-        vectors[:, 0] = force[:, 0]
-        if self._interval:
-            vectors[:, 1] = force[:, 1] / way.metric[:, 0, 0] - force[:, 0] * way.slope[:, 0]
-        else:
-            stretched = way.metric.swapaxes(1, 2)
-            tangential = np.linalg.solve(stretched, force[:, 1:, None])[:, :, 0]
-            vectors[:, 1:] = tangential - force[:, :1] * way.slope
-        return vectors @ self.frame
+        return self._way(old, new).vectors(force) @ self.frame
 
-    def _way(self, old: ContactKinematics, new: ContactKinematics) -> _Way:
-        """How the feet of points go over the mean surface."""
-        first, last = old.foot, new.foot
-        assert isinstance(first, Projection) and isinstance(last, Projection)
-        assert old.carrier is not None and new.carrier is not None
-        mean = 0.5 * (old.carrier.position + new.carrier.position)
-        moved = (last.carried(mean) - first.carried(mean)) @ self.frame.T
-        rise, shift = moved[:, 0], moved[:, 1:]
-        travel = last.along - first.along
-        slope = 0.5 * (first.slope + last.slope)
-        metric = 0.5 * (first.metric + last.metric)
-        squares = np.sum(travel**2, axis=1)
-        share = np.clip(np.sqrt(squares) / (STILL * self.facet) - 1.0, 0.0, 1.0)
-        moves = np.flatnonzero(share)
-        if len(moves):
-            part, by, on = share[moves], shift[moves], travel[moves]
-            rest = part * (rise[moves] - np.sum(slope[moves] * by, axis=1))
-            slope[moves] += (rest / np.sum(by**2, axis=1))[:, None] * by
-            bend = by - (metric[moves] @ on[:, :, None])[:, :, 0]
-            along = (part / squares[moves])[:, None] * on
-            metric[moves] += bend[:, :, None] * along[:, None, :]
-        return _Way(rise, shift, travel, slope, metric, share)
+    def _way(self, old: ContactKinematics, new: ContactKinematics) -> FootWay:
+        """How the feet of points go over the mean surface of a step."""
+        return FootWay.between(old, new, self.frame, self.facet)
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
-        """Work of the vectors of point forces less that of the forces on (g, s), J.
-
-        Only feet that hardly move have any, where the slope is not that of their way.
-        """
+        """Work of the vectors of point forces less that of the forces on (g, s), J."""
         pressed = np.flatnonzero(force[:, 0] > 0)
-        if not len(pressed):
-            return 0.0
-        way = self._way(old, new)
-        near = pressed[way.share[pressed] < 1]
-        slope, shift = way.slope[near], way.shift[near]
-        lift = way.rise[near] - np.sum(slope * shift, axis=1)
-        drag = np.linalg.solve(way.metric[near], shift[:, :, None])[:, :, 0] - way.travel[near]
-        return float(force[near, 0] @ lift + np.sum(force[near, 1:] * drag))
+        return self._way(old, new).work_defect(force, pressed) if len(pressed) else 0.0
+
+    def came_round(self, seat: ContactKinematics) -> Mask:
+        """Points so far behind the face that they can only have come there round its edge."""
+        before: Mask = seat.place[:, 0] > -CAME_ROUND * self.length
+        return ~before
 
     def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the face."""
         assert isinstance(seat.foot, Projection)
-        return seat.foot.off
+        return seat.foot.beyond_edge
 
 
-def _at_ends(values: Array) -> Array:
-    """Averages where intervals meet, from the values in intervals of a chain."""
-    return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
+def _blended(values: Array, facet: Indices, where: Array) -> Array:
+    """What is constant on each facet of a chain, blended with the next facet near its ends.
+
+    Args:
+        values: On each facet, (facets,).
+        facet: Facet of each point, (m,).
+        where: Place of each point on its facet, 0 to 1, (m,).
+    """
+    ends = np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
+    distance = np.abs(np.stack([where, 1 - where]))
+    start, end = np.maximum(0.0, 1 - distance / EDGE_BLEND_WIDTH)
+    return (1 - start - end) * values[facet] + start * ends[facet] + end * ends[facet + 1]

@@ -1,4 +1,4 @@
-"""What carries contact points: an endless plane here, meshed faces in files of their own.
+"""What carries contact points: the protocol, and an endless plane; meshed faces have own files.
 
 For points in space a carrier gives the gap g along the normal of the step's frame and the
 tangential position s, in the coordinates of its own material, so that the stick memory travels with
@@ -23,11 +23,13 @@ class Carrier(Protocol):
 
     Attributes:
         turns: Whether its frame turns with its body.
-        frame: Rows normal and tangents, (d, d); or one frame for each contact point, (m, d, d).
     """
 
     turns: bool
-    frame: Array
+
+    @property
+    def frame(self) -> Array:
+        """Rows normal and tangents, (d, d); or one frame for each contact point, (m, d, d)."""
 
     @property
     def points(self) -> FacePoints | None:
@@ -81,7 +83,7 @@ class Plane:
     def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         origin = self.origin if carrier is None else self.origin + carrier.position[0]
-        return ContactKinematics((position - origin) @ self.frame.T, carrier)
+        return ContactKinematics((position - origin) @ self.frame.T, self.frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, (m, d)."""
@@ -94,7 +96,7 @@ class Plane:
         return None if self.points is None else -vectors.sum(axis=0)[None, :]
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
-        """Nothing: on a plane the work of forces is exact."""
+        """Zero: on a plane the work of forces is exact."""
         return 0.0
 
     def carried(self, seat: ContactKinematics, values: Array) -> Array:
@@ -102,15 +104,15 @@ class Plane:
         return values[:1]
 
     def rotate_frame(self, rotation: Array) -> None:
-        """A plane keeps its frame."""
+        """Leave the frame as it is: a plane does not turn."""
 
     def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
-        """No point is beyond the edge of a plane."""
+        """Points beyond an edge: a plane has none."""
         return None
 
 
 class FacetCarrier:
-    """A carrier that is part of a mesh: what presses on it goes to the nodes around.
+    """A carrier that is part of a mesh, whose nodes take what presses on it.
 
     Attributes:
         points: Its nodes.

@@ -10,7 +10,7 @@ from solver.contact.body_points import SurfaceState
 from solver.types import Array, Indices, Mask
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Interpolation:
     """Places between the nodes of a surface.
 
@@ -23,29 +23,29 @@ class Interpolation:
     weights: Array
 
     def carried(self, values: Array) -> Array:
-        """N values: what the nodes' values (n, d) are at the places, (m, d)."""
+        """N x: what nodal values x, (n, d), are at the places, (m, d)."""
         return (self.weights[:, None, :] @ values[self.nodes])[:, 0]
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Projection(Interpolation):
-    """Where points stand on the facets of a face.
+    """Where points stand on the facets of a face: their feet.
 
     Attributes:
         along: Tangential position s in the undeformed face, (m, d-1), m.
-        slope: Rise of the face along the tangents of the frame, (m, d-1); where facets meet that
-            of both, so that it is continuous.
-        metric: Current over undeformed tangential lengths, likewise, (m, d-1, d-1).
-        off: Beyond the edge of the face, (m,).
+        slope: Rise of the face along the tangents of the frame, (m, d-1); blended with that of the
+            next facet where facets meet, so that it is continuous.
+        stretch: Current over undeformed tangential lengths, likewise, (m, d-1, d-1).
+        beyond_edge: Feet beyond the edge of the face, (m,).
     """
 
     along: Array
     slope: Array
-    metric: Array
-    off: Mask
+    stretch: Array
+    beyond_edge: Mask
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class EdgeInterpolation(Interpolation):
     """Places on the edges of a face.
 
@@ -60,30 +60,34 @@ class EdgeInterpolation(Interpolation):
     position: Array
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class ContactKinematics:
     """Gaps and tangential positions of points over a carrier at one instant.
 
     Attributes:
         place: (g, s), (m, d), m.
+        frame: Rows normal and tangents that they are given in: one for all points, (d, d), or one
+            for each of them, (m, d, d).
         carrier: Where the carrier's own points are; None for the ground.
         foot: Where the points stand; None on a plane.
-        tip: Where they are among the nodes of their own body; None where they are those nodes.
+        own_projection: Where they are among the nodes of their own body; None where they are those
+            nodes.
     """
 
     place: Array
+    frame: Array
     carrier: SurfaceState | None = None
     foot: Projection | EdgeInterpolation | None = None
-    tip: EdgeInterpolation | None = None
+    own_projection: EdgeInterpolation | None = None
 
 
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:
     """Forces at places as forces on the nodes (count, d): half at each of two instants."""
     target = np.zeros((count, vectors.shape[1]))
     pressed = np.flatnonzero(vectors.any(axis=1))
-    for spots in (first, last):
-        share = 0.5 * spots.weights[pressed, :, None] * vectors[pressed, None, :]
-        np.add.at(target, spots.nodes[pressed], share)
+    for places in (first, last):
+        share = 0.5 * places.weights[pressed, :, None] * vectors[pressed, None, :]
+        np.add.at(target, places.nodes[pressed], share)
     return target
 
 

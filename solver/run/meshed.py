@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -113,9 +114,8 @@ class MeshedRun:
             if judge is not None and not judge.accepts(new, step) and ladder.reject():
                 continue
             self._damped += bool(self.state.unsettled)
-            self.state = new
             ladder.accept(climb=judge is None or judge.climbs())
-            self.state.time = ladder.time
+            self.state = replace(new, time=ladder.time)
             self._record(desk, exchange, step)
             if ladder.time >= due * (1 - 1e-12):
                 desk.files.snapshot(self.state.time)

@@ -13,7 +13,8 @@ from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly, BlockBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.facet_target import Face
-from solver.contact.interface import Key, Memory
+from solver.contact.interface import Key
+from solver.contact.memory import Memory
 from solver.contact.projection import in_space
 from solver.parallel import global_sum
 from solver.stepping.state import Exchange, State

@@ -35,6 +35,21 @@ class InterfaceDofs:
     count: int
 
 
+@dataclass(frozen=True, slots=True)
+class PortCompliance:
+    """What unit forces at some ports of a body move.
+
+    Attributes:
+        ports: Their numbers.
+        matrix: Compliance among them, (m d, m d), m/N.
+        responses: Displacements of the owned unknowns, (owned, m d), m/N.
+    """
+
+    ports: Indices
+    matrix: Array
+    responses: Array
+
+
 class Compliance:
     """What unit forces at the ports of a body move: K^-1 (force rows)^T, read through other rows.
 
@@ -56,25 +71,25 @@ class Compliance:
         self._place = np.full(count, -1)
         self._response = np.empty((body.size, 0))
         self._matrix = np.empty((count * body.dimension, 0))
-        self._last: Indices = np.empty(0, dtype=np.int64)
-        self._gathered: tuple[Array, Array] = np.empty((0, 0)), np.empty((body.size, 0))
+        nothing = np.empty(0, dtype=np.int64)
+        self._gathered = PortCompliance(nothing, np.empty((0, 0)), np.empty((body.size, 0)))
 
-    def of(self, chosen: Indices) -> tuple[Array, Array]:
-        """Compliance (m d, m d) among the points `chosen`, responses to them (owned, m d)."""
-        if same(chosen, self._last):
-            return self._gathered
-        missing = chosen[self._place[chosen] < 0]
-        if len(missing):
-            self._compute(missing)
-        rows, columns = self._expand(chosen), self._expand(self._place[chosen])
-        self._gathered = self._matrix[np.ix_(rows, columns)], self._response[:, columns]
-        self._last = chosen
+    def among(self, chosen: Indices) -> PortCompliance:
+        """The compliance of some ports; kept for as long as the same ports are asked for."""
+        if not same(chosen, self._gathered.ports):
+            missing = chosen[self._place[chosen] < 0]
+            if len(missing):
+                self._compute(missing)
+            rows, columns = self._expand(chosen), self._expand(self._place[chosen])
+            self._gathered = PortCompliance(
+                chosen, self._matrix[np.ix_(rows, columns)], self._response[:, columns]
+            )
         return self._gathered
 
     def blocks(self, chosen: Indices) -> Array:
         """Compliance among the points `chosen`, (m, m, d, d)."""
         m, d = len(chosen), self.body.dimension
-        return self.of(chosen)[0].reshape(m, d, m, d).transpose(0, 2, 1, 3)
+        return self.among(chosen).matrix.reshape(m, d, m, d).transpose(0, 2, 1, 3)
 
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""

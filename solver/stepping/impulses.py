@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Factorization
-from solver.contact.nitsche_points import same
 from solver.contact.projection import in_frames
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem
 from solver.law.velocity import VelocityContact
-from solver.stepping.contact_points import Contact, frames_at, joined
-from solver.stepping.response import CandidateSet, DenseResponse
-from solver.stepping.state import State
+from solver.stepping.contact_forces import Contact
+from solver.stepping.contact_points import ContactPoints, joined
+from solver.stepping.response import CandidateSet
 from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices
 
@@ -30,12 +30,32 @@ class VelocityCorrection:
     friction: float
 
 
+@dataclass(frozen=True, slots=True)
+class MassOperator:
+    """G M^-1 G^T of closed points.
+
+    Attributes:
+        key: Numbers of the closed points, as bytes.
+        near: The points, their frames and seats.
+        configurations: Configurations of the bodies.
+        couplings: How the points act on each body.
+        W: (m, d, m, d), 1/kg.
+    """
+
+    key: bytes
+    near: CandidateSet
+    configurations: Sequence[Any]
+    couplings: Sequence[Any]
+    W: Array
+
+
 class VelocityImpulses:
     """Impulses at closed points that keep them closed, and what they do to all bodies."""
 
     def __init__(self, system: System, links: Sequence[Link], local: LocalProblem):
         """Factorize the masses."""
         self.system, self.links = system, tuple(links)
+        self._points = ContactPoints(system, links)
         self._contact = VelocityContact(local)
         self._responses = []
         for number, body in enumerate(system.bodies):
@@ -45,65 +65,83 @@ class VelocityImpulses:
             else:
                 factor = Factorization(body.hold(body.mass_matrix.copy()))
             self._responses.append(response_of(system, number, links, factor))
-        ends = np.cumsum([link.interface.count for link in links]).tolist()
-        self._own = [slice(*pair) for pair in zip([0, *ends[:-1]], ends, strict=True)]
         # The mass of a meshed body commutes with rotations: on planes that do not turn G M^-1 G^T
         # does not change while the same points are closed.
         self._constant = not any(link.interface.carrier.turns for link in links) and not any(
             isinstance(body, DenseBody) and body.turns for body in system.bodies
         )
-        self._closed: Indices = np.empty(0, dtype=np.int64)
-        self._near = CandidateSet(self._closed, np.empty((0, 0, 0)), ())
-        self._W: Array = np.empty((0, 0, 0, 0))
+        self._kept: MassOperator | None = None
 
     def correct(
-        self, state: State, contacts: Sequence[Contact], dt: float
+        self, u: Array, v: Array, contacts: Sequence[Contact], dt: float
     ) -> VelocityCorrection | None:
-        """The correction after a step, or None where no solution was found."""
+        """The correction after a step, or None where no solution was found.
+
+        Args:
+            u: Displacement of all owned unknowns at t_{n+1}, m.
+            v: Velocity before the correction, m/s.
+            contacts: Interfaces at t_{n+1}.
+            dt: Step, s.
+        """
         force = joined([contact.force for contact in contacts])
         closed = (force[:, 0] > 0).nonzero()[0]
-        W = self._delassus(closed, state, contacts)
+        operator = self._operator(closed, u, contacts)
         mu = joined([contact.bounds.mu for contact in contacts])
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
         bounds = Bounds(mu[closed], dt * cohesion[closed])
-        velocity = self._velocity(state, contacts)[closed]
-        found = self._contact.correct(velocity, W, dt * force[closed], bounds)
+        velocity = self._velocity(u, v, contacts)[closed]
+        found = self._contact.correct(velocity, operator.W, dt * force[closed], bounds)
         if found is None:
             return None
+        return VelocityCorrection(self._change(operator, found.q), found.contact, found.friction)
+
+    def _change(self, operator: MassOperator, impulse: Array) -> Array:
+        """Change of the velocity of all owned unknowns by impulses (m, d) at the closed points."""
         parts = []
-        for response, own in zip(self._responses, self.system.slices, strict=True):
-            change = response.respond(self._near, found.q, 1.0)
+        for response, own, at, coupling in zip(
+            self._responses,
+            self.system.slices,
+            operator.configurations,
+            operator.couplings,
+            strict=True,
+        ):
+            change = response.respond(at, coupling, operator.near, impulse, 1.0)
             parts.append(np.zeros(own.stop - own.start) if change is None else change)
-        change = parts[0] if len(parts) == 1 else np.concatenate(parts)
-        return VelocityCorrection(change, found.contact, found.friction)
+        return joined(parts)
 
-    def _delassus(self, closed: Indices, state: State, contacts: Sequence[Contact]) -> Array:
-        """G M^-1 G^T of the closed points, (m, d, m, d)."""
-        if self._constant and same(closed, self._closed):
-            return self._W
-        m, d = len(closed), self.system.dimension
-        frames = frames_at(closed, [link.interface.carrier.frame for link in self.links], self._own)
-        self._near = CandidateSet(closed, frames, [contact.seat for contact in contacts])
-        self._W = np.zeros((m, d, m, d))
-        for response, own in zip(self._responses, self.system.slices, strict=True):
-            if isinstance(response, DenseResponse):
-                response.at(state.u[own])  # the mass of a meshed body commutes with rotations
-            response.couple(self._near, 1.0, self._W)
-        self._closed = closed
-        return self._W
+    def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:
+        """The operator of the closed points; the last one where nothing else can have changed."""
+        key = closed.tobytes()
+        if self._constant and self._kept is not None and self._kept.key == key:
+            return self._kept
+        frames = self._points.frames_at(closed)
+        near = CandidateSet(closed, frames, [contact.seat for contact in contacts])
+        W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
+        configurations = [
+            response.of_mass(u[own])
+            for response, own in zip(self._responses, self.system.slices, strict=True)
+        ]
+        couplings = [
+            response.couple(at, near, 1.0, W)
+            for response, at in zip(self._responses, configurations, strict=True)
+        ]
+        self._kept = MassOperator(key, near, configurations, couplings, W)
+        return self._kept
 
-    def _velocity(self, state: State, contacts: Sequence[Contact]) -> Array:
+    def _velocity(self, u: Array, v: Array, contacts: Sequence[Contact]) -> Array:
         """Velocities of all points relative to their carriers, in their frames, (points, d)."""
         system, parts = self.system, []
         for link, contact in zip(self.links, contacts, strict=True):
-            interface = link.interface
-            own = system.part(state.u, link.body), system.part(state.v, link.body)
-            velocity = interface.points.velocity(*own)
-            if contact.seat.tip is not None:
-                velocity = contact.seat.tip.carried(velocity)
+            interface, seat = link.interface, contact.seat
+            velocity = interface.points.velocity(
+                system.part(u, link.body), system.part(v, link.body)
+            )
+            if seat.own_projection is not None:
+                velocity = seat.own_projection.carried(velocity)
             if link.carrier is not None and interface.carrier.points is not None:
-                its = system.part(state.u, link.carrier), system.part(state.v, link.carrier)
-                nodes = interface.carrier.points.velocity(*its)
-                velocity = velocity - interface.carrier.carried(contact.seat, nodes)
-            parts.append(in_frames(velocity, interface.carrier.frame))
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+                nodes = interface.carrier.points.velocity(
+                    system.part(u, link.carrier), system.part(v, link.carrier)
+                )
+                velocity = velocity - interface.carrier.carried(seat, nodes)
+            parts.append(in_frames(velocity, seat.frame))
+        return joined(parts)

@@ -2,105 +2,147 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+
+from mpi4py import MPI
 
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.contact.memory import Memory
 from solver.parallel import global_sum
-from solver.stepping.state import Exchange, State
-from solver.stepping.system import System
+from solver.stepping.system import Link, System
 from solver.types import Array
 
-if TYPE_CHECKING:
-    from solver.stepping.stepper import Stepper
+
+@dataclass(slots=True)
+class Energies:
+    """Energies of all bodies, J: kinetic, of strain, and of springs to the ground."""
+
+    kinetic: float = 0.0
+    strain: float = 0.0
+    spring: float = 0.0
 
 
-def energies(system: System, state: State) -> tuple[float, float, float]:
-    """Kinetic, strain and spring energy, J, at the displacements last given to the bodies."""
-    kinetic = strain = stored = 0.0
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        kinetic += 0.5 * float(state.v[own] @ body.inertia(state.v[own]))
-        if isinstance(body, ElasticBody):
-            strain += body.strain_energy()
-        spring = body.spring(state.u[own])
-        if spring is not None:
-            stored += 0.5 * float(state.u[own] @ spring)
-    total = global_sum(system.comm, np.array([kinetic, strain, stored]))
-    return float(total[0]), float(total[1]), float(total[2])
+@dataclass(slots=True)
+class StepSums:
+    """What a step adds up over all bodies.
 
-
-def _present(force: Array | None) -> Array:
-    """A force that is there."""
-    assert force is not None
-    return force
-
-
-class StepLedger:
-    """Energies of the new state before the velocity solve; what damping and averaging took.
-
-    With r = p + F a step loses skew du.dr to the averaging of forces, and du.C du/dt to
-    damping.
+    Attributes:
+        energies: Energies at t_{n+1}, J.
+        moved: Sum of m du along each direction, (d,), kg m.
+        increment: du.dr with r = p + F but for the theta term of contact, J.
+        damping: du.C du/dt, J.
+        residual: Work of what the iteration left out of balance, J.
     """
 
-    def __init__(self, stepper: Stepper, old: State, new: State, dt: float, skew: float):
-        """Take the states at both ends of a step; the energies of `new` are filled in.
+    energies: Energies
+    moved: Array
+    increment: float = 0.0
+    damping: float = 0.0
+    residual: float = 0.0
 
-        Args:
-            stepper: Bodies, interfaces and ground.
-            old: State at t_n.
-            new: At t_{n+1}.
-            dt: Step, s.
-            skew: Of the scheme of the step, 1/2 - alpha_f.
-        """
-        self._stepper, self._old, self._new, self._dt = stepper, old, new, dt
-        self._skew = skew
+    def over_ranks(self, comm: MPI.Intracomm) -> StepSums:
+        """The sums over all ranks, in one message."""
+        if comm.size == 1:
+            return self
+        work = self.increment, self.damping, self.residual
+        own = np.concatenate([self.moved, astuple(self.energies), work])
+        d = len(self.moved)
+        total = global_sum(comm, own)
+        kinetic, strain, spring, increment, damping, residual = (float(x) for x in total[d:])
+        energies = Energies(kinetic, strain, spring)
+        return StepSums(energies, total[:d], increment, damping, residual)
 
-    def exchange(self, residual: Array) -> Exchange:
-        """Work of the ground, losses by damping and in time integration.
 
-        Args:
-            residual: What the iteration left out of balance (owned unknowns), N.
-        """
-        stepper, old, new = self._stepper, self._old, self._new
-        system = stepper.system
-        du = new.u - old.u
-        # kinetic, strain, spring, du.dr, loss by damping, work of what is left of the residual
-        sums = np.zeros(6 + system.dimension)
-        sums[5] = residual @ du
-        sums[6:] = system.directional_mass @ du
-        sums[3] = du @ (new.p - old.p)
-        for body, own in zip(system.bodies, system.slices, strict=True):
-            moved = du[own]
-            sums[0] += 0.5 * float(new.v[own] @ body.inertia(new.v[own]))
-            if isinstance(body, ElasticBody):
-                self._elastic(body, sums)
-            spring = body.spring(moved)
-            if spring is not None:
-                sums[2] += 0.5 * float(new.u[own] @ _present(body.spring(new.u[own])))
-                sums[3] += float(moved @ spring)
-            drag = body.drag(moved)
-            if drag is not None:
-                sums[4] += float(drag @ moved) / self._dt
-        total = global_sum(system.comm, sums)
-        new.kinetic, new.strain, new.spring = (float(value) for value in total[:3])
-        return self._booked(total)
+def energies(system: System, u: Array, v: Array) -> Energies:
+    """Energies at the displacement u, which is the one last given to the bodies; collective.
 
-    def _elastic(self, body: ElasticBody, sums: Array) -> None:
-        """Strain energy, and the parts of stiffness and strain-rate damping."""
-        squared = body.increment_energy()
-        sums[1] += body.strain_energy()
-        sums[3] += squared
-        sums[4] += body.damping.stiffness * squared / self._dt
+    Args:
+        system: All bodies.
+        u: Displacement of the owned unknowns, m.
+        v: Velocity, m/s.
+    """
+    total = _own_energies(system, u, v)
+    sums = global_sum(system.comm, np.array(astuple(total)))
+    return Energies(*(float(value) for value in sums))
 
-    def _booked(self, total: Array) -> Exchange:
-        """The exchange, from sums over all ranks."""
-        stepper, old, new = self._stepper, self._old, self._new
-        moved, increment = total[6:], float(total[3])
-        for link, first, last in zip(stepper.links, old.contacts, new.contacts, strict=True):
-            increment -= link.interface.theta_increment(first, last)
-        return Exchange(
-            input=-float(moved @ stepper.mean_base(old.time, self._dt)),
-            damping=float(total[4]),
-            numerical=float(self._skew * increment - total[5]),
-        )
+
+def _own_energies(system: System, u: Array, v: Array) -> Energies:
+    """This rank's part of the energies."""
+    total = Energies()
+    for body, own in zip(system.bodies, system.slices, strict=True):
+        total.kinetic += 0.5 * float(v[own] @ body.inertia(v[own]))
+        if isinstance(body, ElasticBody):
+            total.strain += body.strain_energy()
+        spring = body.spring(u[own])
+        if spring is not None:
+            total.spring += 0.5 * float(u[own] @ spring)
+    return total
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepEnds:
+    """Both ends of a step, before velocities are corrected; p in the frame of its middle.
+
+    Attributes:
+        dt: Step, s.
+        u: u_{n+1}, the displacement last given to the bodies, m.
+        v: v_{n+1}, m/s.
+        du: u_{n+1} - u_n, m.
+        dp: p_{n+1} - p_n, N.
+        residual: What the iteration left out of balance, N.
+    """
+
+    dt: float
+    u: Array
+    v: Array
+    du: Array
+    dp: Array
+    residual: Array
+
+
+def step_sums(system: System, ends: StepEnds) -> StepSums:
+    """What a step adds up, from its ends; collective."""
+    du, dt = ends.du, ends.dt
+    sums = StepSums(
+        energies=_own_energies(system, ends.u, ends.v),
+        moved=system.directional_mass @ du,
+        increment=float(du @ ends.dp),
+        residual=float(ends.residual @ du),
+    )
+    for body, own in zip(system.bodies, system.slices, strict=True):
+        if isinstance(body, ElasticBody):
+            squared = body.increment_energy()
+            sums.increment += squared
+            sums.damping += body.damping.stiffness * squared / dt
+        spring, drag = body.spring(du[own]), body.drag(du[own])
+        if spring is not None:
+            sums.increment += float(du[own] @ spring)
+        if drag is not None:
+            sums.damping += float(drag @ du[own]) / dt
+    return sums.over_ranks(system.comm)
+
+
+def numerical_loss(
+    sums: StepSums,
+    links: Sequence[Link],
+    *,
+    old: Sequence[Memory],
+    new: Sequence[Memory],
+    skew: float,
+) -> float:
+    """What the averaging of forces takes, skew du.dr, less the work of the residual, J.
+
+    Args:
+        sums: What the step adds up.
+        links: All interfaces.
+        old: Memory of each of them at t_n.
+        new: At t_{n+1}.
+        skew: 1/2 - alpha_f of the scheme of the step.
+    """
+    increment = sums.increment
+    for link, first, last in zip(links, old, new, strict=True):
+        increment -= link.interface.theta_increment(first, last)
+    return skew * increment - sums.residual

@@ -10,36 +10,21 @@ prefix, as in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
 
+from solver.stepping.convergence import Convergence, Progress, Tolerances
 from solver.stepping.petsc_options import PREFIX, parse_options
 from solver.types import Array
 
-ROUND_OFF = 50.0
-"""A residual within this factor of its tolerance that no longer falls is round-off,"""
-
-STANDS = 0.9
-"""that is, not by more than this factor: one that falls slowly still falls."""
-
-EXPECTED = 0.1
-"""Of several corrections the last has to be expected to leave no more than this part of the
-tolerance: the residual before it, times the factor by which the correction before that shrank it.
-Then what is left is round-off, and hardly depends on the number of ranks. A single correction tells
-nothing of this; bodies that do not turn need no more."""
-
-PATIENCE, SLOW, MOST = 30, 15, 300
-"""Iterations after which the residual has to have halved within so many of the last ones, and the
-most there are. Bodies whose volume hardly changes converge slowly, but surely, where they are
-strained or turn fast; an iteration that goes to and fro does not, and a shorter step is better."""
-
-GROWN = 1e8
-"""A residual that grew by this factor does not fall again (of those that did: by 140 at most)."""
+CORRECTION_TOLERANCE = 1e-15
+"""Part of the unknowns that a correction has to exceed to change anything but round-off."""
 
 REASONS = {
     2: "residual below its absolute tolerance",
@@ -60,7 +45,14 @@ REASONS = {
 
 @dataclass(frozen=True, slots=True)
 class NewtonOutcome:
-    """How a nonlinear solve ended."""
+    """How a nonlinear solve ended.
+
+    Attributes:
+        converged: Whether it found a solution.
+        iterations: Corrections that it took.
+        residual: Euclidean norm of the last residual, N.
+        reason: Why it ended, in words.
+    """
 
     converged: bool
     iterations: int
@@ -68,22 +60,42 @@ class NewtonOutcome:
     reason: str
 
 
+class NonlinearProblem(Protocol):
+    """A residual that is to vanish, and what corrects the unknowns."""
+
+    @property
+    def forces(self) -> float:
+        """Largest norm of the contact forces so far, N: the scale that a residual grows against."""
+
+    def residual(self, u: Array) -> Array:
+        """The out-of-balance force at unknowns u (owned), N."""
+
+    def correction(self, residual: Array) -> Array:
+        """The correction du for the residual at the unknowns last given, m."""
+
+
 class Tangent:
     """The shell matrix that SNES is given; with `preonly` nothing is ever multiplied by it."""
 
 
 class Correction:
-    """The preconditioner of SNES: turns a residual into the negative of a correction."""
+    """The preconditioner of SNES, which turns a residual into the negative of a correction."""
 
-    def __init__(self, correct: Callable[[Array], Array], failure: type[Exception]):
-        """Take the function that gives the correction du for a residual, and what it may raise."""
-        self._correct, self._failure = correct, failure
+    def __init__(self, failure: type[Exception]):
+        """Take what a problem raises where it has no correction."""
+        self._failure = failure
+        self._problem: NonlinearProblem | None = None
         self.trouble: Exception | None = None
+
+    def begin(self, problem: NonlinearProblem) -> None:
+        """Correct the residuals of this problem from now on."""
+        self._problem, self.trouble = problem, None
 
     def apply(self, pc: PETSc.PC, residual: PETSc.Vec, negative: PETSc.Vec) -> None:
         """Called by PETSc; the residual is locked and may only be read."""
+        assert self._problem is not None
         try:
-            negative.array[:] = -self._correct(residual.array_r)
+            negative.array[:] = -self._problem.correction(residual.array_r)
         except (self._failure, np.linalg.LinAlgError) as trouble:
             # No exception may pass through PETSc: not-a-number ends SNES.
             self.trouble = trouble
@@ -91,51 +103,56 @@ class Correction:
 
 
 class NonlinearSolver:
-    """One SNES for a whole run."""
+    """One SNES for a whole run; `solve` is given one problem after another."""
 
     def __init__(
         self,
         comm: MPI.Intracomm,
         size: int,
-        residual: Callable[[Array], Array],
-        correct: Callable[[Array], Array],
         failure: type[Exception],
         options: Sequence[str] = (),
+        *,
+        convergence: Convergence | None = None,
     ):
         """Set SNES up.
 
         Args:
             comm: Communicator.
             size: Owned unknowns of this rank.
-            residual: Residual at given unknowns.
-            correct: Correction for the residual at the unknowns last given.
-            failure: What `correct` raises where there is no correction.
+            failure: What a problem raises where it has no correction.
             options: PETSc options, as on a command line; they override what is set here.
+            convergence: When an iteration ends; None for the rules of this program.
         """
-        self._residual = residual
-        self._past: list[float] = []
+        self._convergence = convergence or Convergence()
+        self._problem: NonlinearProblem | None = None
+        self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
-        self._shell = shell = PETSc.Mat().createPython(
-            ((size, None), (size, None)), Tangent(), comm=comm
-        )
-        shell.setUp()
+        self._shell = PETSc.Mat().createPython(((size, None), (size, None)), Tangent(), comm=comm)
+        self._shell.setUp()
+        self._correction = Correction(failure)
+        self.snes = self._set_up(comm, options)
+        self._tolerance = self.snes.getTolerances()[1]
+        """The user's absolute tolerance, N; 0 where options name none."""
+
+    def _set_up(self, comm: MPI.Intracomm, options: Sequence[str]) -> PETSc.SNES:
+        """SNES with a correction in the place of a preconditioned Krylov method."""
         snes = PETSc.SNES().create(comm)
         snes.setOptionsPrefix(PREFIX)
         snes.setType(PETSc.SNES.Type.NEWTONLS)
         snes.setFunction(self._function, self._r)
         snes.setConvergenceTest(self._judge)
-        snes.setJacobian(self._jacobian, shell, shell)
-        snes.setTolerances(rtol=0.0, atol=0.0, stol=1e-15, max_it=MOST)
+        snes.setJacobian(self._jacobian, self._shell, self._shell)
+        snes.setTolerances(
+            rtol=0.0, atol=0.0, stol=CORRECTION_TOLERANCE, max_it=self._convergence.most
+        )
         ksp = snes.getKSP()
         ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = ksp.getPC()
         pc.setType(PETSc.PC.Type.PYTHON)
-        self._correction = Correction(correct, failure)
         pc.setPythonContext(self._correction)
         self._set_options(snes, options)
-        self.snes = snes
-        self._tolerance = snes.getTolerances()[1]  # the user's, where options name one
+        return snes
 
     @staticmethod
     def _set_options(snes: PETSc.SNES, options: Sequence[str]) -> None:
@@ -151,40 +168,25 @@ class NonlinearSolver:
 
     def _function(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
         """Residual, called by SNES; not a number where the unknowns are past all geometry."""
+        assert self._problem is not None
         try:
-            r.array[:] = self._residual(x.array_r)
+            r.array[:] = self._problem.residual(x.array_r)
         except np.linalg.LinAlgError:  # no exception may pass through PETSc
             r.array[:] = np.nan
 
     def _judge(self, snes: PETSc.SNES, iterations: int, norms: tuple[float, float, float]) -> int:
-        """SNES's own test, and an end where round-off keeps the residual from falling further."""
+        """The verdict on an iterate, called by SNES with the norms of x, of dx and of r."""
+        assert self._problem is not None
         unknowns, correction, residual = norms
-        rtol, atol, stol, _ = snes.getTolerances()
-        past = self._past
+        relative, absolute, smallest, _ = snes.getTolerances()
         if iterations == 0:
-            past.clear()
-        past.append(residual)
-        if not np.isfinite(residual):
-            return int(PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN)
-        if iterations == 0:
-            return 0  # forces that balance need not obey the contact law of this step
-        first, before = past[0], past[-2]
-        shrunk = before / past[-3] if iterations > 1 and past[-3] else 0.0
-        if residual <= atol and (iterations == 1 or before * shrunk <= EXPECTED * atol):
-            return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS)
-        if residual <= rtol * first:
-            return int(PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE)
-        stands_still = iterations > 1 and residual > STANDS * before and residual < ROUND_OFF * atol
-        if correction <= stol * unknowns or stands_still:
-            return int(PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE)
-        if residual > GROWN * first > GROWN * atol:  # grown from more than round-off
-            return int(PETSc.SNES.ConvergedReason.DIVERGED_DTOL)
-        if iterations >= PATIENCE and residual > 0.5 * past[-1 - SLOW]:
-            return int(PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT)
-        return 0
+            self._residuals.clear()
+        self._residuals.append(residual)
+        progress = Progress(self._residuals, correction, unknowns, self._problem.forces)
+        return int(self._convergence.judge(progress, Tolerances(absolute, relative, smallest)))
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
-        """The tangent is constant in the frame of the body: nothing to assemble."""
+        """Called by SNES; the tangent is constant in the frame of the body and not assembled."""
 
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""
@@ -193,14 +195,26 @@ class NonlinearSolver:
 
     @property
     def residual(self) -> Array:
-        """What was left of the residual when SNES stopped (owned unknowns)."""
+        """The residual where SNES stopped (owned unknowns), N."""
         return self._r.array_r.copy()
 
-    def solve(self, unknowns: Array, tolerance: float) -> tuple[Array, NewtonOutcome]:
-        """Solve from `unknowns` until the residual is below `tolerance` (its Euclidean norm)."""
+    def solve(
+        self, problem: NonlinearProblem, unknowns: Array, tolerance: float
+    ) -> tuple[Array, NewtonOutcome]:
+        """Solve a problem from a guess.
+
+        Args:
+            problem: Residual and correction.
+            unknowns: Guess of the owned unknowns, m.
+            tolerance: Euclidean norm of the residual that counts as zero, N.
+
+        Returns:
+            The unknowns where SNES stopped, and how it ended.
+        """
+        self._problem = problem
+        self._correction.begin(problem)
         self.snes.setTolerances(atol=self._tolerance or tolerance)
         self._x.array[:] = unknowns
-        self._correction.trouble = None
         with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
             self.snes.solve(None, self._x)
         code = self.snes.getConvergedReason()

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from solver.bodies.kinematics import RigidMotion
-from solver.contact.interface import Memory
+from solver.contact.memory import Memory
 from solver.stepping.system import System
 from solver.stepping.turning import Turning
 from solver.types import Array
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class State:
-    """Everything a step starts from.
+    """Everything a step starts from; no step writes to it.
 
     Attributes:
         time: t_n, s.
@@ -22,13 +22,13 @@ class State:
         v: Velocity, m/s.
         p: Inertia force M a without that of the impulses, which are contact, loads and damping, N.
         contacts: Memory of each interface.
+        faces: Tags of the faces of each contact that have joined: whose points the memories are of.
         kinetic: Kinetic energy, J.
         strain: Strain energy, J.
         spring: Energy of springs to the ground, J.
-        exchanged: Interface energy lost since t_n by choosing other contact points, J.
-        motions: What `rigid_motion` found, body by body.
         turning: How bodies turned at the start of the last step; None before the first.
         unsettled: Steps that are still to be damped since contact changed.
+        motions: What `rigid_motion` found for u and v, by the number of the body.
     """
 
     time: float
@@ -36,13 +36,13 @@ class State:
     v: Array
     p: Array
     contacts: Sequence[Memory]
+    faces: tuple[frozenset[int], ...] = ()
     kinetic: float = 0.0
     strain: float = 0.0
     spring: float = 0.0
-    exchanged: float = 0.0
-    motions: dict[int, RigidMotion] = field(default_factory=dict)
     turning: Turning | None = None
     unsettled: int = 0
+    motions: dict[int, RigidMotion] = field(default_factory=dict, compare=False, repr=False)
 
     def rigid_motion(self, system: System, number: int) -> RigidMotion:
         """The motion of a body as a whole; asked for by several, and worked out once."""
@@ -52,9 +52,18 @@ class State:
         return self.motions[number]
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Exchange:
-    """Energy that a step took in or lost, J; each term from its own formula."""
+    """Energy that a step took in or lost, J; each term from its own formula.
+
+    Attributes:
+        input: Work of the ground.
+        friction: Lost in friction.
+        damping: Lost to damping of materials and dashpots.
+        contact: Lost in closing, opening and exchanging contact points.
+        numerical: Lost to the averaging of forces.
+        iterations: Corrections that the step took.
+    """
 
     input: float = 0.0
     friction: float = 0.0

@@ -4,28 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.candidates import ContactPair
-from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.events import contact_changed
-from solver.contact.interface import Memory, carry_over
 from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.stepping.balance import Balance, StepSolution
+from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.contact_points import joined
-from solver.stepping.contact_solve import Balance, ContactSolve, StepSolution, add_contact_forces
-from solver.stepping.impulses import VelocityImpulses
-from solver.stepping.ledger import StepLedger, energies
+from solver.stepping.contact_solve import ContactSolve
+from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
+from solver.stepping.interfaces import Faces, Interfaces, StepStart
+from solver.stepping.ledger import StepEnds, energies, numerical_loss, step_sums
 from solver.stepping.state import Exchange, State
 from solver.stepping.system import Link, System
 from solver.stepping.turning import Turning
 from solver.types import Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """What is settled of a step before it is solved.
+
+    Attributes:
+        dt: Length, s.
+        scheme: Time stepping, damped after a change of contact.
+        start: Contact at its start.
+        load: Mean of gravity and of the accelerated ground, N.
+        turning: How bodies turn in it.
+        p: Inertia forces of t_n, turned to the middle of the step, N.
+        rotations: Rotations of all bodies at t_n, (d, d) each.
+    """
+
+    dt: float
+    scheme: GeneralizedAlpha
+    start: StepStart
+    load: Array
+    turning: Turning
+    p: Array
+    rotations: Sequence[Array]
 
 
 class StepFailed(Exception):
@@ -57,7 +81,11 @@ class Stepper:
             velocity_solve: Whether contact is also solved at velocity level after each step.
             petsc_options: Options for SNES.
         """
-        self.system, self.scheme, self._contacts = system, scheme, tuple(contacts)
+        self.system, self.scheme = system, scheme
+        self._interfaces = Interfaces(system, contacts)
+        self._faces: Faces | None = None
+        self.links: tuple[Link, ...] = ()
+        """The interfaces of the faces that have joined."""
         self.gravity = gravity
         motion = ground or GroundMotion((None,) * system.dimension)
         self.base = motion.acceleration
@@ -74,12 +102,11 @@ class Stepper:
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
-    def _join(self, facing: Sequence[frozenset[int]]) -> None:
-        """Build the interfaces of these faces of each contact; tangents change with them."""
-        self.links: tuple[Link, ...] = tuple(
-            Link(contact.join(faces), contact.body, contact.carrier)
-            for contact, faces in zip(self._contacts, facing, strict=True)
-        )
+    def _join(self, faces: Faces) -> None:
+        """Let these faces of each contact take part; tangents change with them."""
+        if faces == self._faces:
+            return
+        self._faces, self.links = faces, self._interfaces.links(faces)
         self._rigid = [self.system.rigid(link) for link in self.links]
         for link in self.links:
             body = None if link.body is None else self.system.bodies[link.body]
@@ -90,63 +117,34 @@ class Stepper:
         self._resources.callback(self._solve.destroy)
         self._impulses: VelocityImpulses | None = None
 
-    def _turn(self, state: State, dt: float) -> None:
-        """Before a step: let faces join that turned to their carriers, choose points of corners.
+    def prepare(self, state: State, dt: float) -> StepStart:
+        """What a step of length `dt` (s) from a state starts from.
 
-        The interface energy that this loses is kept in the state, also where the step then fails;
-        it is added to what contact dissipates.
+        The frames of carriers are those of this step afterwards, and faces that have turned to
+        their carriers take part; the state stays as it is.
         """
-        turned = [self._rotation(state, contact.body) for contact in self._contacts]
-        facing = [c.facing(rotation) for c, rotation in zip(self._contacts, turned, strict=True)]
-        if any(f != c.joined for f, c in zip(facing, self._contacts, strict=True)):
-            before, links = self.interface_energy(state), self.links
-            self._join(facing)
-            state.contacts = [
-                carry_over(memory, old.interface, new.interface, self._fresh(new, state.u))
-                for memory, old, new in zip(state.contacts, links, self.links, strict=True)
-            ]
-            state.exchanged += before - self.interface_energy(state)
-        ahead, part = state.u, self.system.part
-        if any(link.interface.carrier.turns for link in self.links):
-            ahead = state.u + 0.5 * dt * state.v  # the frame of the step is that of its middle
-        for link, memory, rotation in zip(self.links, state.contacts, turned, strict=True):
-            carrier = None
-            if isinstance(link.interface, CrossingInterface):
-                link.interface.prepare(memory, part(ahead, link.body), part(ahead, link.carrier))
-            elif link.carrier is not None and link.interface.carrier.turns:
-                carrier = self.system.rotation(ahead, link.carrier)
-            state.exchanged += link.interface.rotate_frame(memory, rotation, carrier)
-
-    def _rotation(self, state: State, body: int | None) -> Array:
-        """The rotation of a body, (d, d); that of the ground is none."""
-        if body is None:
-            return np.eye(self.system.dimension)
-        return state.rigid_motion(self.system, body).rotation
-
-    def _fresh(self, link: Link, u: Array) -> Memory:
-        """Memory of an interface without contact forces."""
-        system = self.system
-        rotation = system.rotation(u, link.body)
-        carried = system.part(u, link.carrier)
-        return link.interface.start(system.part(u, link.body), carried, rotation)
+        turned = self._interfaces.facing(self._interfaces.rotations_of(state))
+        faces = tuple(old | new for old, new in zip(state.faces, turned, strict=True))
+        self._join(faces)
+        return self._interfaces.start(state, faces, dt)
 
     def interface_energy(self, state: State) -> float:
         """Energy stored in all interfaces, J."""
-        pairs = zip(self.links, state.contacts, strict=True)
-        return sum(link.interface.energy(memory) for link, memory in pairs)
+        return self._interfaces.energy(state.faces, state.contacts)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
         """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
-        for contact in self._contacts:
-            if contact.carrier is not None:
-                contact.surface.rotate_frame(self.system.rotation(u, contact.carrier))
-        self._join([c.facing(self.system.rotation(u, c.body)) for c in self._contacts])
-        contacts = [self._fresh(link, u) for link in self.links]
-        return self._consistent(State(time, u, v, np.zeros_like(u), contacts))
+        self._interfaces.turn_carriers(u)
+        faces = self._interfaces.facing(self._interfaces.rotations(u))
+        self._join(faces)
+        contacts = self._interfaces.fresh(faces, u)
+        return self._consistent(
+            State(time=time, u=u, v=v, p=np.zeros_like(u), contacts=contacts, faces=faces)
+        )
 
     def launch(self, state: State, v: Array) -> State:
-        """The same state with other velocities."""
-        return self._consistent(State(state.time, state.u, v, state.p, state.contacts))
+        """The state with other velocities."""
+        return self._consistent(replace(state, v=v, turning=None, unsettled=0, motions={}))
 
     def static_start(
         self,
@@ -175,6 +173,7 @@ class Stepper:
             StepFailed: Where there is no equilibrium.
         """
         state = start or self.start(u, np.zeros_like(u), time)
+        self._join(state.faces)
         system = self.system
         for body, own in zip(system.bodies, system.slices, strict=True):
             body.begin_static(u[own])
@@ -195,8 +194,10 @@ class Stepper:
             link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)[0]
             for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
         ]
-        self.system.settle(solution.u)
-        return self._consistent(State(time, solution.u, np.zeros_like(u), state.p, contacts))
+        rest, u = np.zeros_like(u), self.system.settled(solution.u)
+        return self._consistent(
+            State(time=time, u=u, v=rest, p=rest, contacts=contacts, faces=state.faces)
+        )
 
     def _static_weights(self, steady: float) -> list[TangentWeights]:
         """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
@@ -227,18 +228,24 @@ class Stepper:
                     forces[own] += force
         for link, memory in zip(self.links, state.contacts, strict=True):
             if link.interface.theta:
-                nothing = np.zeros_like(memory.force)
-                seen = memory.surface, memory.seat
                 add_contact_forces(
-                    *(system, link, memory, seen, nothing, forces),
+                    system,
+                    link,
+                    ContactIncrement.standing(memory, np.zeros_like(memory.force)),
+                    forces,
                     traction_weight=1.0,
                     contact_weight=1.0,
                     sign=-1.0,
                 )
         forces[system.fixed] = 0.0
-        state.p = -forces
-        state.kinetic, state.strain, state.spring = energies(system, state)
-        return state
+        stored = energies(system, state.u, state.v)
+        return replace(
+            state,
+            p=-forces,
+            kinetic=stored.kinetic,
+            strain=stored.strain,
+            spring=stored.spring,
+        )
 
     def _load(self, time: float, dt: float) -> Array:
         """Body forces of gravity and of the accelerated ground, mean over a step, N.
@@ -257,22 +264,43 @@ class Stepper:
         return solution
 
     def advance(self, state: State, dt: float) -> tuple[State, Exchange]:
-        """One step of length `dt`.
+        """One step of length `dt` (s) from a state, which stays as it is.
 
         Raises:
-            StepFailed: `state` can then be tried again with another step.
+            StepFailed: The state can then be tried again with another step.
         """
-        scheme = self.scheme.damped if state.unsettled else self.scheme
-        system = self.system
-        self._turn(state, dt)
-        af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
-        load = self._load(state.time, dt)
-        weighted = scheme.contact_weight * load
-        motions = [state.rigid_motion(system, number) for number in range(len(system.bodies))]
+        step = self._begin(state, dt)
+        balance, guess = self._balance(state, step), self._extrapolated(state, dt)
+        try:
+            solution = self._solved(balance, guess)
+        except StepFailed:
+            self._join(state.faces)
+            raise
+        return self._ended(state, step, solution)
+
+    def _begin(self, state: State, dt: float) -> Step:
+        """What is settled before the solve."""
+        start = self.prepare(state, dt)
+        motions = [
+            state.rigid_motion(self.system, number) for number in range(len(self.system.bodies))
+        ]
         turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
-        half = turning.halves
-        start = replace(state, p=self._turned(state.p, half))
-        constant = (am - (1 - am) * (0.5 - beta) / beta) * start.p - weighted
+        return Step(
+            dt=dt,
+            scheme=self.scheme.damped if state.unsettled else self.scheme,
+            start=start,
+            load=self._load(state.time, dt),
+            turning=turning,
+            p=self._turned(state.p, turning.halves),
+            rotations=[motion.rotation for motion in motions],
+        )
+
+    def _balance(self, state: State, step: Step) -> Balance:
+        """The balance of a step; bodies are told what they start from."""
+        system, scheme, dt = self.system, step.scheme, step.dt
+        af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
+        weighted = scheme.contact_weight * step.load
+        constant = (am - (1 - am) * (0.5 - beta) / beta) * step.p - weighted
         for body, own in zip(system.bodies, system.slices, strict=True):
             body.begin_step(state.u[own], scheme, dt)
             drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
@@ -280,32 +308,28 @@ class Stepper:
                 constant[own] += scheme.contact_weight * drag
             if spring is not None:
                 constant[own] += af * spring
-        way = dt * state.v
-        extrapolated = [
-            body.extrapolated(state.u[own], state.v[own], dt, motion)
-            for body, own, motion in zip(system.bodies, system.slices, motions, strict=True)
-        ]
-        balance = Balance(
-            contact=state.contacts,
+        return Balance(
+            contact=step.start.contacts,
             weights=self._weights(scheme, dt),
             constant=constant,
             load=weighted,
             start=state.u,
-            way=way,
-            rotations=[motion.rotation for motion in motions],
+            way=dt * state.v,
+            rotations=step.rotations,
             step=dt,
         )
-        solution = self._solved(balance, joined(extrapolated))
-        new, exchange = self._update(start, dt, solution, load, scheme)
-        system.settle(new.u)
-        new.p, new.turning = self._turned(new.p, half), turning
-        new.unsettled = max(state.unsettled - 1, 0)
-        changed = contact_changed(state.contacts, new.contacts, self._rigid)
-        if any_rank(system.comm, changed):
-            new.unsettled = self.scheme.damped_steps
-        exchange.contact += state.exchanged
-        exchange.iterations = solution.outcome.iterations
-        return new, exchange
+
+    def _extrapolated(self, state: State, dt: float) -> Array:
+        """The displacement after a step in which nothing acts on the bodies."""
+        system = self.system
+        return joined(
+            [
+                body.extrapolated(
+                    state.u[own], state.v[own], dt, state.rigid_motion(system, number)
+                )
+                for number, (body, own) in enumerate(zip(system.bodies, system.slices, strict=True))
+            ]
+        )
 
     def _turned(self, p: Array, vectors: Sequence[Array]) -> Array:
         """Inertia forces turned with their bodies, by an angle or rotation vector each.
@@ -316,54 +340,85 @@ class Stepper:
         bodies = zip(self.system.bodies, self.system.slices, vectors, strict=True)
         return joined([body.turned(p[own], vector) for body, own, vector in bodies])
 
-    def _update(
-        self, state: State, dt: float, solution: StepSolution, load: Array, scheme: GeneralizedAlpha
-    ) -> tuple[State, Exchange]:
+    def _ended(self, state: State, step: Step, solution: StepSolution) -> tuple[State, Exchange]:
         """State at t_{n+1} and the ledger of the step."""
-        system = self.system
-        du = solution.u - state.u
+        system, dt, old = self.system, step.dt, step.start.contacts
+        u, du = solution.u, solution.u - state.u
+        v = 2 * np.asarray(du / dt) - state.v
+        p = self._inertia_force(state, step, solution)
+        remembered = [
+            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)
+            for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
+        ]
+        contacts = [memory for memory, _ in remembered]
+        ends = StepEnds(dt=dt, u=u, v=v, du=du, dp=p - step.p, residual=solution.residual)
+        sums = step_sums(system, ends)
+        correction = self._velocity_correction(u, v, solution, dt)
+        changed = contact_changed(old, contacts, self._rigid)
+        unsettled = max(state.unsettled - 1, 0)
+        if any_rank(system.comm, changed):
+            unsettled = self.scheme.damped_steps
+        new = State(
+            time=state.time + dt,
+            u=system.settled(u),
+            v=v + correction.change,
+            p=self._turned(p, step.turning.halves),
+            contacts=contacts,
+            faces=step.start.faces,
+            kinetic=sums.energies.kinetic - correction.contact - correction.friction,
+            strain=sums.energies.strain,
+            spring=sums.energies.spring,
+            turning=step.turning,
+            unsettled=unsettled,
+        )
+        lost = [dissipation for _, dissipation in remembered]
+        exchange = Exchange(
+            input=-float(sums.moved @ self.mean_base(state.time, dt)),
+            friction=sum(each.friction for each in lost) + correction.friction,
+            damping=sums.damping,
+            contact=sum(each.contact for each in lost) + correction.contact + step.start.exchanged,
+            numerical=numerical_loss(
+                sums, self.links, old=old, new=contacts, skew=step.scheme.skew
+            ),
+            iterations=solution.outcome.iterations,
+        )
+        return new, exchange
+
+    def _inertia_force(self, state: State, step: Step, solution: StepSolution) -> Array:
+        """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step."""
+        system, scheme, dt = self.system, step.scheme, step.dt
+        du, impulse = solution.u - state.u, 0.5 / scheme.beta
         mean = np.asarray(du / dt)
-        v = 2 * mean - state.v
         p = system.inertia(du - dt * state.v)
         p /= scheme.beta * dt**2
-        p -= (0.5 / scheme.beta - 1) * state.p
+        p -= (impulse - 1) * step.p
         for body, own in zip(system.bodies, system.slices, strict=True):
             for force in (body.impulsive_force(dt), body.drag(mean[own])):
                 if force is not None:
-                    p[own] += 0.5 / scheme.beta * force
-        p -= 0.5 / scheme.beta * load
-        contacts, friction, lost = [], 0.0, 0.0
-        for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True):
+                    p[own] += impulse * force
+        p -= impulse * step.load
+        for link, memory, c in zip(self.links, step.start.contacts, solution.contacts, strict=True):
             add_contact_forces(
-                *(system, link, memory, (c.surface, c.seat), c.force, p),
+                system,
+                link,
+                ContactIncrement(before=memory, surface=c.surface, seat=c.seat, force=c.force),
+                p,
                 traction_weight=0.0,
                 contact_weight=1.0,
-                sign=-0.5 / scheme.beta,
+                sign=-impulse,
             )
-            after, loss = link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)
-            contacts.append(after)
-            friction, lost = friction + loss.friction, lost + loss.contact
         p[system.fixed] = 0.0
-        new = State(state.time + dt, solution.u, v, p, contacts)
-        ledger = StepLedger(self, state, new, dt, scheme.skew)
-        exchange = ledger.exchange(solution.residual)
-        exchange.friction, exchange.contact = friction, lost
-        if self.velocity_solve:
-            self._correct_velocity(new, solution, dt, exchange)
-        return new, exchange
+        return p
 
-    def _correct_velocity(
-        self, new: State, solution: StepSolution, dt: float, exchange: Exchange
-    ) -> None:
-        """Solve contact at velocity level and book what it takes."""
-        if not any((c.force[:, 0] > 0).any() for c in solution.contacts):
-            return
-        if self._impulses is None:
-            self._impulses = VelocityImpulses(self.system, self.links, self.velocity_local)
-        correction = self._impulses.correct(new, solution.contacts, dt)
-        if correction is None:
-            return
-        new.v = new.v + correction.change
-        new.kinetic -= correction.contact + correction.friction
-        exchange.contact += correction.contact
-        exchange.friction += correction.friction
+    def _velocity_correction(
+        self, u: Array, v: Array, solution: StepSolution, dt: float
+    ) -> VelocityCorrection:
+        """What contact at velocity level changes after a step."""
+        closed = any((contact.force[:, 0] > 0).any() for contact in solution.contacts)
+        if self.velocity_solve and closed:
+            if self._impulses is None:
+                self._impulses = VelocityImpulses(self.system, self.links, self.velocity_local)
+            correction = self._impulses.correct(u, v, solution.contacts, dt)
+            if correction is not None:
+                return correction
+        return VelocityCorrection(np.zeros_like(v), 0.0, 0.0)

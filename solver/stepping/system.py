@@ -18,14 +18,15 @@ from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
-from solver.stepping.response import BodyRole, DenseResponse, ElasticResponse, Response
+from solver.stepping.elastic_response import ElasticResponse
+from solver.stepping.response import AnyResponse, BodyRole, DenseResponse
 from solver.types import Array
 
 Body = ElasticBody | DenseBody
-"""A part of the scene that moves: meshed, or of a few unknowns. Both offer the same verbs."""
+"""A part of the scene that moves: meshed, or of a few unknowns. Both offer the same methods."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Link:
     """An interface between two bodies of a system.
 
@@ -70,10 +71,12 @@ class System:
         parts = zip(self.bodies, self.slices, strict=True)
         return np.concatenate([body.inertia(vector[own]) for body, own in parts])
 
-    def settle(self, u: Array) -> None:
-        """Make unknowns at the end of a step those that the next one starts from, in place."""
+    def settled(self, u: Array) -> Array:
+        """The unknowns that the next step starts from, of those at the end of a step."""
+        settled = u.copy()
         for body, own in zip(self.bodies, self.slices, strict=True):
-            body.settle(u[own])
+            body.settle(settled[own])
+        return settled
 
     def rigid(self, link: Link) -> bool:
         """Whether neither of the two bodies is meshed: their point forces are not unique then."""
@@ -81,7 +84,7 @@ class System:
         return all(isinstance(member, DenseBody) for member in members)
 
     def rotation(self, u: Array, body: int | None) -> Array:
-        """The rotation of a body, (d, d); that of the ground is none."""
+        """The rotation of a body, (d, d); the identity for the ground."""
         if body is None:
             return np.eye(self.dimension)
         return self.bodies[body].rotation(u[self.slices[body]])
@@ -110,7 +113,7 @@ def response_of(
     links: Sequence[Link],
     factor: Factorization | Array,
     weights: TangentWeights | None = None,
-) -> Response:
+) -> AnyResponse:
     """What a body offers to the contact problem.
 
     Args:

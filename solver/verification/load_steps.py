@@ -21,7 +21,7 @@ import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
-from solver.contact.interface import Memory
+from solver.contact.memory import Memory
 from solver.parallel import global_sum
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.contact.events import contact_changed
-from solver.contact.interface import Memory
+from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
 
 
@@ -15,7 +15,7 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     force = np.array([point[:2] for point in points])
     slipped = np.array([point[2] for point in points])
     none, yes = np.zeros((len(points), 1)), np.ones(len(points), dtype=bool)
-    seat = ContactKinematics(np.zeros((len(points), 2)))
+    seat = ContactKinematics(np.zeros((len(points), 2)), np.eye(2))
     return Memory(None, seat, force, none, yes, slipped, ~yes)  # type: ignore[arg-type]
 
 

@@ -1,13 +1,27 @@
 """What SNES is told about an iteration that gets nowhere."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 from mpi4py import MPI
 
 import numpy as np
 import pytest
 
+from solver.stepping.convergence import Convergence, Progress, Tolerances, Verdict
 from solver.stepping.nonlinear import NonlinearSolver
+from solver.types import Array
 
 pytestmark = pytest.mark.serial
+
+
+@dataclass
+class Problem:
+    """A residual, and what turns it into a correction."""
+
+    residual: Callable[[Array], Array]
+    correction: Callable[[Array], Array]
+    forces: float = 0.0
 
 
 @pytest.mark.parametrize(
@@ -21,10 +35,9 @@ def test_an_iteration_that_diverges_is_ended_early(factor, reason):
         seen.append(u)
         return u
 
-    solver = NonlinearSolver(
-        MPI.COMM_SELF, 2, residual, lambda r: np.asarray(factor * r), ZeroDivisionError
-    )
-    _, outcome = solver.solve(np.ones(2), 1e-9)
+    solver = NonlinearSolver(MPI.COMM_SELF, 2, ZeroDivisionError)
+    problem = Problem(residual, lambda r: np.asarray(factor * r))
+    _, outcome = solver.solve(problem, np.ones(2), 1e-9)
     solver.destroy()
     assert outcome.converged == (not reason)
     assert reason in outcome.reason
@@ -33,10 +46,32 @@ def test_an_iteration_that_diverges_is_ended_early(factor, reason):
 
 def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
     """By a fifth each time: neither round-off nor the end, however near that is."""
-    solver = NonlinearSolver(
-        MPI.COMM_SELF, 1, lambda u: u, lambda r: np.asarray(-0.2 * r), ZeroDivisionError
-    )
-    _, outcome = solver.solve(np.ones(1), 0.05)
+    solver = NonlinearSolver(MPI.COMM_SELF, 1, ZeroDivisionError)
+    problem = Problem(lambda u: u, lambda r: np.asarray(-0.2 * r))
+    _, outcome = solver.solve(problem, np.ones(1), 0.05)
     solver.destroy()
     assert outcome.converged
     assert outcome.residual < 0.05
+
+
+@pytest.mark.parametrize(
+    ("residuals", "forces", "verdict"),
+    [
+        ([1e-12], 0.0, Verdict.ITERATING),  # the first guess is corrected once in any case
+        ([1.0, 1e-10], 0.0, Verdict.SMALL_RESIDUAL),
+        ([1.0, 0.5, 1e-10], 0.0, Verdict.ITERATING),  # a slow rate says that it was chance
+        ([1.0, 1e-6, 1e-10], 0.0, Verdict.SMALL_RESIDUAL),
+        ([1.0, 2e-8, 1.9e-8], 0.0, Verdict.SMALL_CORRECTION),  # round-off stays where it is
+        ([1.0, 2e-8, 1e-8], 0.0, Verdict.ITERATING),
+        ([1e-6, 1e3], 0.0, Verdict.GROWING),
+        ([1e-6, 1e3], 1e4, Verdict.ITERATING),  # contact has just brought forces of this size
+        ([1e-12, 1e-2], 0.0, Verdict.ITERATING),  # not much beside the tolerance
+        ([1.0, np.nan], 0.0, Verdict.NOT_A_NUMBER),
+        ([1.0] * 31, 0.0, Verdict.TOO_MANY_ITERATIONS),
+        ([0.9**k for k in range(31)], 0.0, Verdict.ITERATING),
+    ],
+)
+def test_verdicts(residuals: list[float], forces: float, verdict: Verdict) -> None:
+    """At a tolerance of 1e-9 N."""
+    progress = Progress(residuals, correction=1.0, unknowns=1.0, forces=forces)
+    assert Convergence().judge(progress, Tolerances(1e-9, 0.0, 1e-15)) is verdict

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,15 +52,15 @@ def test_a_step_that_fails_leaves_the_count(monkeypatch: pytest.MonkeyPatch) -> 
     scene = thrown(1e9, 0.3, 2e-3)
     assembly = build(scene)
     stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
-    state.unsettled = 5
+    state = replace(state, unsettled=5)
     skews: list[float] = []
-    update = Stepper._update
+    ended = Stepper._ended
 
     def watch(self: Stepper, *given):  # type: ignore[no-untyped-def]
-        skews.append(given[-1].skew)
-        return update(self, *given)
+        skews.append(given[1].scheme.skew)
+        return ended(self, *given)
 
-    monkeypatch.setattr(Stepper, "_update", watch)
+    monkeypatch.setattr(Stepper, "_ended", watch)
     one, _ = stepper.advance(state, scene.time.step)
     two, _ = stepper.advance(state, scene.time.step / 2)
     assert state.unsettled == 5

@@ -247,14 +247,14 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
     assembly = build(overhanging)
     state, _ = initial_state(overhanging, assembly)
     state, _ = assembly.stepper.advance(state, 1e-3)
-    points = assembly.stepper._solve._points
+    problem = assembly.stepper._solve._solver._problem
     seats = zip(assembly.stepper.links, state.contacts, strict=True)
     off = np.concatenate(
         [link.interface.carrier.beyond_edge(memory.seat) for link, memory in seats]
     )
     assert off.any() and not off.all()
-    y = points.augmented()
+    y, beyond = problem.augmented()
     y[:, 0] = -1.0
-    near = points.near(y)
+    near = problem.near(y, beyond)
     assert len(near)
     assert not off[near].any()

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
 from solver.build.assembly import build, initial_state
-from solver.contact.interface import carry_over
+from solver.contact.memory_transfer import carry_over
 from solver.reference.housner import housner
 from solver.results.energy import ledger_error
 from solver.run.simulate import Result, simulate
@@ -206,8 +206,8 @@ def test_memory_survives_when_a_face_joins() -> None:
     state, _ = stepper.advance(state, 1e-3)
     before, alone = state.contacts[0], stepper.links[0].interface
     keys = alone.keys()
-    assert int(FacetTag.RIGHT) not in assembly.stepper._contacts[0].joined
-    together = stepper._contacts[0].join(frozenset({FacetTag.BOTTOM, FacetTag.RIGHT}))
+    assert int(FacetTag.RIGHT) not in state.faces[0]
+    together = stepper._interfaces._contacts[0].join(frozenset({FacetTag.BOTTOM, FacetTag.RIGHT}))
     fresh = together.start(state.u, None, np.eye(2))
     after = carry_over(before, alone, together, fresh)
     place = {key: k for k, key in enumerate(together.keys())}

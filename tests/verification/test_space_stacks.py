@@ -25,7 +25,7 @@ from solver.law.friction import FrictionLaw
 from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.material import Material
-from solver.stepping.contact_solve import add_contact_forces
+from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link, System
@@ -131,21 +131,28 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     u1 = u0 + travel * (far - u0)
     middle = 0.5 * (u0 + u1)
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(3))
-    interface.prepare(memory, system.part(middle, 0), system.part(middle, 1))
+    memory = interface.prepare(memory, system.part(middle, 0), system.part(middle, 1))
     surface, seat = interface.observe(system.part(u1, 0), system.part(u1, 1))
     present = np.flatnonzero(memory.may_touch)
     assert len(present) >= 4
-    assert seat.tip is not None and seat.foot is not None and memory.seat.tip is not None
-    moved = memory.seat.tip.segment[present] != seat.tip.segment[present]
+    assert (
+        seat.own_projection is not None
+        and seat.foot is not None
+        and memory.seat.own_projection is not None
+    )
+    moved = memory.seat.own_projection.segment[present] != seat.own_projection.segment[present]
     assert moved.any() == (travel == 1.0)
-    apart = seat.tip.carried(surface.position) - seat.foot.carried(seat.carrier.position)
+    apart = seat.own_projection.carried(surface.position) - seat.foot.carried(seat.carrier.position)
     normal = interface.carrier.frame[:, 0]
     np.testing.assert_allclose(apart[present], (seat.place[:, :1] * normal)[present], atol=1e-12)
     force = np.zeros((interface.count, 3))
     force[present] = np.random.default_rng(5).uniform(0.5, 1.5, (len(present), 3))
     target = np.zeros(system.size)
     add_contact_forces(
-        *(system, Link(interface, 0, 1), memory, (surface, seat), force, target),
+        system,
+        Link(interface, 0, 1),
+        ContactIncrement(before=memory, surface=surface, seat=seat, force=force),
+        target,
         traction_weight=0.0,
         contact_weight=1.0,
         sign=1.0,
@@ -234,9 +241,10 @@ def imbalance(stepper: Stepper, before: State, dt: float) -> tuple[State, float]
     A block moves by m (du - dt v_n) = dt^2/2 (weight + c_{n+1}).
     """
     system, largest = stepper.system, 0.0
+    started = stepper.prepare(before, dt).contacts
     after, _ = stepper.advance(before, dt)
     given = [np.zeros(3) for _ in system.bodies]
-    for link, old, new in zip(stepper.links, before.contacts, after.contacts, strict=True):
+    for link, old, new in zip(stepper.links, started, after.contacts, strict=True):
         total = link.interface.point_forces(old.seat, new.seat, new.force)[0].sum(axis=0)
         assert link.body is not None
         given[link.body] += total

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from solver.build.assembly import Assembly, build, initial_state
+from solver.contact.memory import Memory
 from solver.reference.sliding import sliding
 from solver.run.simulate import simulate
 from solver.scene import Scene, parse_scene
@@ -102,10 +104,10 @@ class Balance:
             forces.append(2 * moved / dt**2 - weight)
         return forces
 
-    def given(self, old: State, new: State) -> list[Array]:
+    def given(self, started: Sequence[Memory], new: State) -> list[Array]:
         """What the interfaces put on each block."""
         forces = [np.zeros(2) for _ in self.system.bodies]
-        for link, before, after in zip(self.stepper.links, old.contacts, new.contacts, strict=True):
+        for link, before, after in zip(self.stepper.links, started, new.contacts, strict=True):
             vectors, _ = link.interface.point_forces(before.seat, after.seat, after.force)
             total = vectors.sum(axis=0)
             if link.body is not None:
@@ -121,8 +123,9 @@ def imbalance(run: Scene) -> float:
     state, _ = initial_state(run, assembly)
     balance, dt, largest = Balance(assembly), run.time.step, 0.0
     for _ in range(100):
+        started = assembly.stepper.prepare(state, dt).contacts
         new, _ = assembly.stepper.advance(state, dt)
-        given, needed = balance.given(state, new), balance.needed(state, new, dt)
+        given, needed = balance.given(started, new), balance.needed(state, new, dt)
         for body, has, needs in zip(balance.system.bodies, given, needed, strict=True):
             largest = max(largest, float(np.abs(has - needs).max()) / (body.mass * G))
         state = new

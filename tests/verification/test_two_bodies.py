@@ -25,7 +25,7 @@ from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
 from solver.law.friction import FrictionLaw
 from solver.scene.material import Material
-from solver.stepping.contact_solve import add_contact_forces
+from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.system import Link, System
 
 Array = NDArray[np.float64]
@@ -199,13 +199,16 @@ def test_work_is_exact_and_forces_are_opposite(
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))
     surface, seat = pair.observed(u1)
     moved = seat.place - memory.seat.place
-    assert not seat.foot.off.any() and not memory.seat.foot.off.any()
+    assert not seat.foot.beyond_edge.any() and not memory.seat.foot.beyond_edge.any()
     if travel == 1.0 and case[1] == "elastic":
         assert np.abs(moved[:, 1]).min() > 2 / 7  # two facets at least
     force = np.random.default_rng(5).uniform(0.5, 1.5, (*interface.weight.shape, d))
     target = np.zeros(system.size)
     add_contact_forces(
-        *(system, pair.link, memory, (surface, seat), force, target),
+        system,
+        pair.link,
+        ContactIncrement(before=memory, surface=surface, seat=seat, force=force),
+        target,
         traction_weight=0.0,
         contact_weight=1.0,
         sign=1.0,
@@ -219,7 +222,7 @@ def test_work_is_exact_and_forces_are_opposite(
 
 
 def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:
-    """Below STILL of a facet: the error is of the size of the rest of a Taylor series."""
+    """Below STANDING_STILL of a facet: the error is of the size of the rest of a Taylor series."""
     pair = Pair("elastic", "elastic", 2, "quadrilateral", 1)
     u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
     u1 = u0 + 1e-8 * (far - u0)

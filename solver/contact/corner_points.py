@@ -1,0 +1,67 @@
+"""Contact points of different faces that share one place: those of the corners of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from solver.types import Array, Indices, Mask
+
+SAME_PLACE = 9
+"""Decimals, of the body's size, to which places that are one agree."""
+
+
+class CornerPoints:
+    """Groups of contact points of different faces at one place.
+
+    At each corner only one of its points may touch at a time: that of the face which looks most
+    against the carrier.
+    """
+
+    def __init__(self, places: Array, normal: Array):
+        """Find the groups.
+
+        Args:
+            places: Points of the undeformed body over the body's size, (points, d).
+            normal: Outward normals of their faces, (points, d).
+        """
+        _, group = np.unique(np.round(places, SAME_PLACE), axis=0, return_inverse=True)
+        members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
+        self._groups = [each for each in members if len(each) > 1]
+        self._normal = normal
+
+    def chosen(self, rotation: Array, towards: Array) -> Mask:
+        """The points that may touch: one of each corner, and all that share no place.
+
+        Args:
+            rotation: Of the body, (d, d).
+            towards: Normal of the carrier, (d,).
+        """
+        mask = np.ones(len(self._normal), dtype=bool)
+        if self._groups:
+            facing = self._normal @ rotation.T @ towards
+            for corner in self._groups:
+                mask[corner] = False
+                mask[corner[np.argmin(facing[corner])]] = True
+        return mask
+
+    def closed_to_all(self, may_touch: Mask) -> Mask:
+        """Points that may not touch, but for those at whose corner another one may."""
+        outside = ~may_touch
+        for corner in self._groups:
+            outside[corner] = not may_touch[corner].any()
+        return outside
+
+    def moves(self, before: Mask, after: Mask) -> Iterator[tuple[int, int]]:
+        """Pairs (old, new) of points of a corner between which contact changes."""
+        for corner in self._groups:
+            old, new = _first(corner, before), _first(corner, after)
+            if old is not None and new is not None and old != new:
+                yield old, new
+
+
+def _first(corner: Indices, mask: Mask) -> int | None:
+    """The first point of a corner that is in the mask; None where none is."""
+    chosen = corner[mask[corner]]
+    return int(chosen[0]) if len(chosen) else None

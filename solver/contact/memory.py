@@ -1,0 +1,65 @@
+"""What an interface remembers from one step to the next, and what a step lost in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from solver.contact.body_points import SurfaceState
+from solver.contact.projection import ContactKinematics
+from solver.types import Array, Indices, Mask
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """The state of contact of an interface at one instant; its arrays are never written to.
+
+    Attributes:
+        surface: Positions of the points, and tractions where they have any.
+        seat: Their gaps and tangential positions, and the frame that both are given in.
+        force: Point forces f = w l on the body of the points, (points, d), N: normal, tangential.
+        anchor: Stick memory, (points, d-1), m.
+        may_touch: Points that may touch: of the coinciding points of a corner, the one whose face
+            opposes the carrier; no point that came round the carrier's edge.
+        slipped: Points that slipped in the last step.
+        broken: Points that have lost their cohesion.
+    """
+
+    surface: SurfaceState
+    seat: ContactKinematics
+    force: Array
+    anchor: Array
+    may_touch: Mask
+    slipped: Mask
+    broken: Mask
+
+    def take(self, rows: Indices, other: Memory, others: Indices) -> Memory:
+        """This memory, with what another one remembers of some points.
+
+        Surface and seat stay: they are kinematics, and those of this memory are up to date.
+
+        Args:
+            rows: Numbers of the points here that take over, (m,).
+            other: Memory of an interface that has those points as well.
+            others: Their numbers there, (m,).
+        """
+        kept = {}
+        for name in REMEMBERED:
+            values = getattr(self, name).copy()
+            values[rows] = getattr(other, name)[others]
+            kept[name] = values
+        return replace(self, **kept)
+
+
+KINEMATICS = ("surface", "seat")
+"""Fields of a memory that say where points are; all others follow from the past alone."""
+
+REMEMBERED = tuple(field.name for field in fields(Memory) if field.name not in KINEMATICS)
+"""Fields of a memory that hold what only the past tells, one row for each point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dissipation:
+    """What a step lost in an interface, J."""
+
+    friction: float
+    contact: float

@@ -1,0 +1,120 @@
+"""Memory of contact carried over: into the frame of a coming step, and to points that join."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from solver.contact.facet_target import Face
+from solver.contact.interface import Interface
+from solver.contact.memory import Memory
+from solver.types import Array, Mask
+
+GAP_ROUND_OFF = 1e-9
+"""Part of a face's length within which gaps are round-off."""
+
+
+def _ignored_until_open(interface: Interface, memory: Memory) -> Mask:
+    """Points that sank in elsewhere: until they are out again contact would throw them out.
+
+    They did so beside a face, or before the face that they are on joined: Gauss points of one
+    face do not keep another from sinking in at an edge between them.
+    """
+    outside = ~memory.may_touch
+    if interface.corners is not None:
+        outside = interface.corners.closed_to_all(memory.may_touch)
+    beyond = interface.carrier.beyond_edge(memory.seat)
+    if beyond is not None:
+        outside |= beyond
+    return outside & penetrating(interface, memory) if outside.any() else outside
+
+
+def penetrating(interface: Interface, memory: Memory) -> Mask:
+    """Points deeper in the carrier than closed ones are pressed."""
+    length = interface.carrier.length if isinstance(interface.carrier, Face) else interface.size
+    pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
+    deeper: Mask = memory.seat.place[:, 0] < -pressed - GAP_ROUND_OFF * length
+    return deeper
+
+
+def rotate_frame(
+    interface: Interface, memory: Memory, rotation: Array, carrier_rotation: Array | None
+) -> tuple[Memory, float]:
+    """The memory in the frame of a coming step, with the points of corners chosen anew.
+
+    Anchors and point forces turn with the carrier; a force moves with its place to the other
+    face of a corner.
+
+    Args:
+        interface: The interface.
+        memory: Memory of t_n.
+        rotation: Of the body of the points at t_n, (d, d).
+        carrier_rotation: Of a carrier that turns, in the middle of the step; None for others.
+
+    Returns:
+        The memory that the step starts from, and the interface energy lost by the exchange
+        (weights and tractions differ), J; it is added to what contact dissipates.
+    """
+    exchanged = 0.0
+    if isinstance(interface.carrier, Face) and carrier_rotation is not None:
+        memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
+    may_touch = interface.may_touch(rotation, memory.seat) & ~_ignored_until_open(interface, memory)
+    if (may_touch == memory.may_touch).all():
+        return memory, exchanged
+    before = interface.energy(memory)
+    y = interface.augmented(memory.surface, memory.seat)
+    memory = _at_other_faces(interface, memory, y, may_touch)
+    lost = ~may_touch
+    after = replace(
+        memory,
+        force=np.where(lost[:, None], 0.0, memory.force),
+        anchor=np.where(lost[:, None], y[:, 1:], memory.anchor),
+        may_touch=may_touch,
+    )
+    return after, exchanged + before - interface.energy(after)
+
+
+def _turn_face(
+    interface: Interface, face: Face, memory: Memory, rotation: Array
+) -> tuple[Memory, float]:
+    """Turn the frame of a face, and forces with it; also the energy lost against tractions, J.
+
+    Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
+    """
+    face.rotate_frame(rotation)
+    turned = replace(memory, seat=face.seat(memory.surface.position, memory.seat.carrier))
+    apart = memory.force[:, 0] <= 0
+    if apart.any():  # the foot of a point that is away from the face moves as the face turns
+        y = interface.augmented(turned.surface, turned.seat)
+        anchor = np.where(apart[:, None], y[:, 1:], memory.anchor)
+        turned = replace(turned, anchor=anchor)
+    return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(
+        turned
+    )
+
+
+def _at_other_faces(interface: Interface, memory: Memory, y: Array, may_touch: Mask) -> Memory:
+    """Forces at corners moved to the points of their other faces."""
+    moves = (
+        [] if interface.corners is None else interface.corners.moves(memory.may_touch, may_touch)
+    )
+    for old, new in moves:
+        memory = memory.take(np.array([new]), memory, np.array([old]))
+        memory.force[old] = 0.0
+        memory.anchor[new] = y[new, 1:] + memory.force[new, 1:] * interface.softness[new]
+        memory.anchor[old] = y[old, 1:]
+    return memory
+
+
+def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) -> Memory:
+    """The memory of `old`'s points in a fresh one of `new`, which holds those points and more.
+
+    Points that join under the carrier's surface may not touch before they are out of it.
+    """
+    place = {key: k for k, key in enumerate(old.keys())}
+    staying = np.array([key in place for key in new.keys()])
+    before = np.array([place[key] for key in new.keys() if key in place], dtype=np.int64)
+    carried = fresh.take(np.flatnonzero(staying), memory, before)
+    sunk = ~staying & penetrating(new, carried)
+    return replace(carried, may_touch=carried.may_touch & ~sunk)

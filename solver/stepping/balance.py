@@ -1,0 +1,128 @@
+"""The balance of forces that a step, or an equilibrium, solves for the displacement."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.contact.memory import Memory
+from solver.parallel import global_sum
+from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.contact_forces import Contact
+from solver.stepping.nonlinear import NewtonOutcome
+from solver.stepping.system import Body, System
+from solver.types import Array
+
+TOLERANCE = 1e-9
+"""Residual that counts as zero, over the loads."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Balance:
+    """What is solved for u: internal forces + mass M (u - start - way) + constant = contact.
+
+    Attributes:
+        contact: Memory of each interface that the step starts from, in the frame of the step.
+        weights: Weights of the tangent of each body.
+        constant: Loads, inertia of the old state (owned unknowns), N.
+        load: The loads alone; a residual is small or large in relation to them.
+        start: u_n, m.
+        way: dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
+        rotations: Rotations of all bodies at t_n, (d, d) each; None in equilibrium.
+        step: dt, s, for the speed of slip; infinite in equilibrium.
+        glued: Whether closed points hold any friction.
+    """
+
+    contact: Sequence[Memory]
+    weights: Sequence[TangentWeights]
+    constant: Array
+    load: Array
+    start: Array
+    way: Array | None
+    rotations: Sequence[Array | None]
+    step: float = np.inf
+    glued: bool = False
+
+    @property
+    def static(self) -> bool:
+        """Whether it is an equilibrium."""
+        return self.way is None
+
+    @property
+    def contact_weight(self) -> float:
+        """w_c, the same for all bodies."""
+        return self.weights[0].contact
+
+    def tolerance(self, system: System, guess: Array) -> float:
+        """Residual that counts as zero, N: a part of the forces, or round-off of the stresses.
+
+        Displacements at both ends of the step make the round-off: a body that comes down without
+        loads may touch just where its displacement is zero.
+
+        Args:
+            system: All bodies.
+            guess: Displacement at which the iteration begins, m.
+        """
+        reached = np.maximum(np.abs(guess), np.abs(self.start))
+        round_off = sum(
+            body.round_off(reached[own], weights)
+            for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True)
+        )
+        squares = np.array([self.load @ self.load, self.constant @ self.constant, round_off])
+        load, inertia, least = (math.sqrt(value) for value in global_sum(system.comm, squares))
+        return max(TOLERANCE * (load or inertia), least)
+
+    def smooth_residual(self, system: System, u: Array) -> Array:
+        """Out-of-balance force at u without that of contact, N.
+
+        Args:
+            system: All bodies.
+            u: Displacement of the owned unknowns, m.
+        """
+        residual = self.constant.copy()
+        # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
+        travel = None if self.way is None else u - self.start - self.way
+        for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
+            part = residual[own]
+            internal = body.internal_force(u[own], static=self.static)
+            if internal is not None:
+                part += internal
+            if travel is not None:
+                inertia = body.inertia(travel[own])
+                inertia *= weights.mass
+                part += inertia
+            _add_spring(body, weights, part, u[own], None if travel is None else travel[own])
+        return residual
+
+
+def _add_spring(
+    body: Body, weights: TangentWeights, part: Array, u: Array, travel: Array | None
+) -> None:
+    """Add the averaged force of a spring and dashpot to the ground, where there is one."""
+    spring = body.spring(u)
+    if spring is None:
+        return
+    part += weights.interface * spring
+    dashpot = None if travel is None else body.spring(travel)
+    if dashpot is not None:
+        part += (weights.spring - weights.interface) * dashpot
+
+
+@dataclass(frozen=True, slots=True)
+class StepSolution:
+    """What balances, and how the iteration came to it.
+
+    Attributes:
+        u: Displacement of the owned unknowns, m.
+        contacts: Interfaces and point forces; empty where the iteration did not converge.
+        residual: What is left of the out-of-balance force, N.
+        outcome: How the iteration ended.
+    """
+
+    u: Array
+    contacts: Sequence[Contact]
+    residual: Array
+    outcome: NewtonOutcome

@@ -1,0 +1,100 @@
+"""Forces of an interface on the unknowns of both its bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from solver.contact.body_points import SurfaceState
+from solver.contact.memory import Memory
+from solver.contact.projection import ContactKinematics
+from solver.law.friction import Bounds
+from solver.stepping.system import Link, System
+from solver.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """One interface at the end of a step.
+
+    Attributes:
+        surface: Its points.
+        seat: Their gaps and tangential positions.
+        force: Point forces f, (points, d), N.
+        bounds: Bounds of friction at all points.
+    """
+
+    surface: SurfaceState
+    seat: ContactKinematics
+    force: Array
+    bounds: Bounds
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactIncrement:
+    """An interface over a step, or over an iteration of it.
+
+    Attributes:
+        before: Memory of t_n, in the frame of the step.
+        surface: Points at t_{n+1}.
+        seat: Their gaps and tangential positions at t_{n+1}.
+        force: Point forces f at t_{n+1}, (points, d), N.
+    """
+
+    before: Memory
+    surface: SurfaceState
+    seat: ContactKinematics
+    force: Array
+
+    @classmethod
+    def standing(cls, memory: Memory, force: Array) -> ContactIncrement:
+        """An interface that stays where it is."""
+        return cls(before=memory, surface=memory.surface, seat=memory.seat, force=force)
+
+    @property
+    def in_equilibrium(self) -> ContactIncrement:
+        """The same forces, with the interface at t_{n+1} at both ends."""
+        return replace(self, before=replace(self.before, surface=self.surface, seat=self.seat))
+
+
+def add_contact_forces(
+    system: System,
+    link: Link,
+    increment: ContactIncrement,
+    target: Array,
+    *,
+    traction_weight: float,
+    contact_weight: float,
+    sign: float,
+) -> None:
+    """Add the forces of one interface on both its bodies to a vector of owned unknowns.
+
+    Args:
+        system: All bodies.
+        link: The interface and its bodies.
+        increment: Where it is at both ends of the step, and its point forces.
+        target: Forces of all owned unknowns, changed in place.
+        traction_weight: 1 - alpha_f for the theta term of Nitsche's method, 0 to leave it out.
+        contact_weight: w_c.
+        sign: 1, or -1 to subtract.
+    """
+    interface, before, after = link.interface, increment.before, increment
+    vectors, reaction = interface.point_forces(
+        before.seat, after.seat, (sign * contact_weight) * after.force
+    )
+    pull = None
+    if interface.theta:
+        pull = sign * interface.traction_pull(
+            before.surface,
+            after.surface,
+            after.force,
+            traction_weight=traction_weight,
+            contact_weight=contact_weight,
+        )
+    if link.body is not None:
+        own = target[system.slices[link.body]]
+        interface.points.add_forces(own, before.surface, after.surface, vectors, pull)
+    if link.carrier is not None and reaction is not None:
+        carrier, points = target[system.slices[link.carrier]], interface.carrier.points
+        first, last = before.seat.carrier, after.seat.carrier
+        assert points is not None and first is not None and last is not None
+        points.add_forces(carrier, first, last, reaction)

@@ -1,0 +1,122 @@
+"""When the iteration of a step has converged, and when it is given up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+
+class Verdict(IntEnum):
+    """What SNES is told after an iteration, by PETSc's numbers (`SNESConvergedReason`)."""
+
+    ITERATING = 0
+    SMALL_RESIDUAL = 2
+    SMALL_RELATIVE_RESIDUAL = 3
+    SMALL_CORRECTION = 4
+    NOT_A_NUMBER = -4
+    TOO_MANY_ITERATIONS = -5
+    GROWING = -9
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """An iteration so far.
+
+    Attributes:
+        residuals: Euclidean norm of the residual at every iterate, the first guess included, N.
+        correction: Norm of the last correction, m.
+        unknowns: Norm of the unknowns, m.
+        forces: Largest norm of the contact forces so far, N.
+    """
+
+    residuals: Sequence[float]
+    correction: float
+    unknowns: float
+    forces: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """What counts as zero: absolute (N), relative to the first residual, and of a correction."""
+
+    absolute: float
+    relative: float
+    correction: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Convergence:
+    """The rules by which an iteration ends.
+
+    Attributes:
+        round_off: A residual below this many absolute tolerances that no longer falls is round-off
+            and is accepted; found with the blocks of the verification tests, where the round-off of
+            stiff stresses exceeds its estimate by less than that.
+        stagnation: A residual no longer falls where it stays above this part of the one before;
+            found with a rigid block on a light stiff one, whose residual fell slowly, but fell, and
+            was taken for round-off.
+        expected: After several corrections the last one has to be expected to leave no more than
+            this part of the absolute tolerance, by the rate at which the one before it shrank the
+            residual; found by comparing histories on one and on several ranks, which differ by no
+            more than round-off only if what is left hardly depends on the path of the iteration.
+        patience: Iterations that are allowed before progress is asked for; found with soft strips
+            whose volume hardly changes (nu close to 0.5), which converge slowly, but surely, where
+            they are strained or turn fast.
+        window: Iterations within which the residual has to halve once patience is over; found with
+            the same strips, beside which iterations that went to and fro never converged, and a
+            shorter step did.
+        most: Iterations at most, the limit that SNES itself is given; found with the same strips.
+        growth: A residual that has grown to this many times the first residual, the contact forces
+            and the tolerance does not fall again; found with a diverging iteration whose squares of
+            forces became infinite, while those that did converge grew by 140 times at most. Contact
+            forces are a scale of their own because a body without stress and loads has nothing but
+            round-off in its first residual when it first touches.
+    """
+
+    round_off: float = 50.0
+    stagnation: float = 0.9
+    expected: float = 0.1
+    patience: int = 30
+    window: int = 15
+    most: int = 300
+    growth: float = 1e8
+
+    def judge(self, progress: Progress, tolerances: Tolerances) -> Verdict:
+        """The verdict after an iteration."""
+        past = progress.residuals
+        residual, iterations = past[-1], len(past) - 1
+        if not np.isfinite(residual):
+            return Verdict.NOT_A_NUMBER
+        if iterations == 0:
+            # Forces that balance need not obey the contact law of this step: correct at least once.
+            return Verdict.ITERATING
+        if residual <= tolerances.absolute and self._settled(past, tolerances.absolute):
+            return Verdict.SMALL_RESIDUAL
+        if residual <= tolerances.relative * past[0]:
+            return Verdict.SMALL_RELATIVE_RESIDUAL
+        if progress.correction <= tolerances.correction * progress.unknowns:
+            return Verdict.SMALL_CORRECTION
+        if self._stagnates(past, tolerances.absolute):
+            return Verdict.SMALL_CORRECTION
+        if residual > self.growth * max(past[0], progress.forces, tolerances.absolute):
+            return Verdict.GROWING
+        if iterations >= self.patience and residual > 0.5 * past[-1 - self.window]:
+            return Verdict.TOO_MANY_ITERATIONS
+        return Verdict.ITERATING
+
+    def _settled(self, past: Sequence[float], tolerance: float) -> bool:
+        """Whether the last correction was expected to leave much less than the tolerance."""
+        if len(past) == 2:
+            # One correction tells no rate; bodies that do not turn need no more than one.
+            return True
+        rate = past[-2] / past[-3] if past[-3] else 0.0
+        return past[-2] * rate <= self.expected * tolerance
+
+    def _stagnates(self, past: Sequence[float], tolerance: float) -> bool:
+        """Whether round-off keeps the residual from falling any further."""
+        if len(past) == 2:
+            return False
+        return past[-1] > self.stagnation * past[-2] and past[-1] < self.round_off * tolerance

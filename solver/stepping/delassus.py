@@ -1,0 +1,209 @@
+"""The contact compliance of all bodies at candidate points: the Delassus operator of a correction.
+
+    W = w_c sum over bodies G K^-1 G^T + softness,      m points, d rows each
+
+It is made anew only where what it depends on has changed; its key says what that is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.bodies.dense_body import DenseBody
+from solver.law.local_problem import row_sum_scaling
+from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.contact_points import ContactPoints
+from solver.stepping.response import AnyResponse, CandidateSet
+from solver.stepping.system import Link, System
+from solver.types import Array
+
+RIGID_SOFTENING = 1e-9
+"""Relative diagonal of W for points between rigid bodies, which makes their forces unique."""
+
+MIXED_SOFTENING = 1e-12
+"""Relative diagonal of W for points of a rigid body on a meshed one. The elasticity of the latter
+tells how forces are shared, but is as small as that beside the motion of a light body as a whole;
+with a larger diagonal, corrections would creep."""
+
+WEIGHT_OVER_ROUND_OFF = 1e4
+"""Weight of a rigid body over the change of its point forces that round-off of the places of its
+points on another rigid one makes, at least."""
+
+
+@dataclass(frozen=True, slots=True)
+class DelassusKey:
+    """What a Delassus operator depends on, besides the configurations of the bodies.
+
+    Attributes:
+        near: Numbers of the candidate points, as bytes.
+        weights: Weights of the tangent of each body: they go with the step size and rho_inf.
+        stiffness: How often the stiffness of bodies was made anew.
+        solve: Number of the solve, where carriers turn and feet move from step to step; else 0:
+            points on planes that stand or only move along see the same operator in every step.
+    """
+
+    near: bytes
+    weights: tuple[TangentWeights, ...]
+    stiffness: int
+    solve: int
+
+
+@dataclass(frozen=True, slots=True)
+class Delassus:
+    """The operator at some candidate points.
+
+    Attributes:
+        key: What it depends on.
+        configurations: The configurations of the bodies that it was made with.
+        near: The points, their frames and seats.
+        couplings: How the points act on each body.
+        W: (m, d, m, d), with the softness of the interfaces, m/N.
+        scaling: Weight of positions against forces in the local problem, (m, d).
+        softening: Part of the diagonal that only makes forces of rigid points unique, (m,), m/N.
+    """
+
+    key: DelassusKey
+    configurations: Sequence[Any]
+    near: CandidateSet
+    couplings: Sequence[Any]
+    W: Array
+    scaling: Array
+    softening: Array
+
+
+class LastDelassus:
+    """The operator that was made last, given again for as long as it fits."""
+
+    def __init__(self) -> None:
+        """Start without any."""
+        self._kept: Delassus | None = None
+
+    def get(
+        self,
+        key: DelassusKey,
+        responses: Sequence[AnyResponse],
+        configurations: Sequence[Any],
+        make: Callable[[], Delassus],
+    ) -> Delassus:
+        """The operator for a key and configurations of the bodies.
+
+        Args:
+            key: What it depends on.
+            responses: Responses of all bodies, which tell when configurations are the same.
+            configurations: Configurations of all bodies.
+            make: Makes the operator, where the last one does not fit.
+        """
+        kept = self._kept
+        fits = (
+            kept is not None
+            and kept.key == key
+            and all(
+                response.close(now, before)
+                for response, now, before in zip(
+                    responses, configurations, kept.configurations, strict=True
+                )
+            )
+        )
+        if kept is None or not fits:
+            kept = self._kept = make()
+        return kept
+
+
+@dataclass(frozen=True, slots=True)
+class Softening:
+    """The diagonal that makes forces of rigid points unique.
+
+    Attributes:
+        relative: Part of the largest diagonal entry of a point, (points,); 0 for points that have a
+            softness of their own.
+        least: Smallest value in the present step, (points,), m/N.
+    """
+
+    relative: Array
+    least: Array
+
+    @classmethod
+    def of(cls, system: System, links: Sequence[Link], softness: Array) -> Softening | None:
+        """The softening of all points, with no least value; None where no point needs any.
+
+        Args:
+            system: All bodies.
+            links: All interfaces.
+            softness: The points' own softness, (points,), m/N.
+        """
+        relative = np.concatenate(
+            [
+                np.full(
+                    link.interface.count,
+                    RIGID_SOFTENING if system.rigid(link) else MIXED_SOFTENING,
+                )
+                for link in links
+            ]
+        )
+        relative = np.where(softness > 0, 0.0, relative)
+        return cls(relative, np.zeros_like(relative)) if relative.any() else None
+
+    def in_step(self, system: System, points: ContactPoints, load: Array) -> Softening:
+        """The softening in a step: round-off of places is to mean little force; collective.
+
+        Args:
+            system: All bodies.
+            points: All contact points.
+            load: Loads on the owned unknowns, N.
+        """
+        least = np.zeros_like(self.least)
+        for link, own in zip(points.links, points.own, strict=True):
+            if system.rigid(link):
+                weights = [
+                    float(np.linalg.norm(body.replicate(load[system.slices[number]])))
+                    for number, body in enumerate(system.bodies)
+                    if number in (link.body, link.carrier) and isinstance(body, DenseBody)
+                ]
+                lightest = min((weight for weight in weights if weight > 0), default=np.inf)
+                round_off = float(np.finfo(float).eps) * link.interface.size
+                least[own] = WEIGHT_OVER_ROUND_OFF * round_off / lightest
+        return Softening(self.relative, least)
+
+    def at(self, near: CandidateSet, W: Array) -> Array:
+        """The diagonal at candidate points, (m,), m/N, for their W without it."""
+        largest = np.einsum("ijij->ij", W).max(axis=1)
+        return np.maximum(self.relative[near.number] * largest, self.least[near.number])
+
+
+def assembled(
+    key: DelassusKey,
+    responses: Sequence[AnyResponse],
+    configurations: Sequence[Any],
+    near: CandidateSet,
+    *,
+    contact_weight: float,
+    softness: Array,
+    softening: Softening | None,
+) -> Delassus:
+    """The operator, from the compliances of all bodies.
+
+    Args:
+        key: What it depends on.
+        responses: Responses of all bodies.
+        configurations: Their configurations.
+        near: The candidate points.
+        contact_weight: w_c.
+        softness: 1/(gamma_h w) of all points, m/N.
+        softening: Of all points; None where none needs any.
+    """
+    m, d = near.frames.shape[:2]
+    W = np.zeros((m, d, m, d))
+    couplings = [
+        response.couple(configuration, near, contact_weight, W)
+        for response, configuration in zip(responses, configurations, strict=True)
+    ]
+    added = np.zeros(m) if softening is None else softening.at(near, W)
+    diagonal = softness[near.number] + added
+    number = np.arange(m)
+    for k in range(d):
+        W[number, k, number, k] += diagonal
+    return Delassus(key, configurations, near, couplings, W, row_sum_scaling(W), added)

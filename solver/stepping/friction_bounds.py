@@ -1,0 +1,113 @@
+"""Bounds of friction of all contact points in one step, as points slip and break loose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from solver.contact.memory import Memory
+from solver.law.friction import Bounds
+from solver.law.local_problem import image
+from solver.stepping.contact_points import ContactPoints, joined
+from solver.types import Array, Indices
+
+GLUE = 1e6
+"""Coefficient of friction that holds anything."""
+
+SAME_FRICTION = 1e-9
+"""Part of the largest coefficient of friction within which friction fits the slip it allows."""
+
+
+class FrictionBounds:
+    """Bounds of friction in one step.
+
+    Attributes:
+        bounds: Bounds of each interface, by the slip that was told last.
+        steady: Whether friction depends on neither speed nor the past, and need not be told.
+    """
+
+    def __init__(
+        self, points: ContactPoints, memories: Sequence[Memory], *, step: float, glued: bool
+    ):
+        """Start from what contact remembers.
+
+        Args:
+            points: All contact points.
+            memories: Memory of each interface at t_n.
+            step: dt, s, for the speed of slip; infinite in equilibrium.
+            glued: Whether closed points hold any friction.
+        """
+        self._points, self._memories = points, tuple(memories)
+        self._step, self._glued = step, glued
+        self._slipped = [memory.slipped for memory in memories]
+        laws = [link.interface.law for link in points.links]
+        self.steady = all(law.constant for law in laws)
+        self._decays = any(law.decays for law in laws)
+        self._speed: Array = np.zeros(points.count)
+        self.bounds = self._at_speed(None)
+
+    def at(self, near: Indices) -> Bounds:
+        """Bounds of some points."""
+        mu = joined([bounds.mu for bounds in self.bounds])
+        cohesion = joined([bounds.cohesion for bounds in self.bounds])
+        return Bounds(mu[near], cohesion[near])
+
+    def tell(self, slip: Array) -> None:
+        """Take the bounds that go with slips of all points in the step, (points, d-1), m."""
+        self._speed = self._speed_of(slip)
+        self.bounds = self._at_speed(self._speed)
+
+    def follows(self, near: Indices, W: Array, q: Array, force: Array) -> bool:
+        """Take the bounds that go with the slip q + W f; whether they are others than before.
+
+        Args:
+            near: Numbers of the points of a local problem.
+            W: Its compliance, (m, d, m, d), m/N.
+            q: Its free values, (m, d), m.
+            force: Its solution with the bounds so far, (m, d), N.
+        """
+        if not self._decays:
+            return False
+        before = joined([bounds.mu for bounds in self.bounds])
+        self._speed = self._speed.copy()
+        self._speed[near] = self._speed_of((q + image(W, force))[:, 1:])
+        self.bounds = self._at_speed(self._speed)
+        after = joined([bounds.mu for bounds in self.bounds])
+        return bool(np.abs(after - before).max() > SAME_FRICTION * before.max())
+
+    def break_loose(self, force: Array) -> bool:
+        """Let points that reached their static friction slip from now on: mu_s to mu_d only.
+
+        Args:
+            force: Point forces of all points, (points, d), N.
+
+        Returns:
+            Whether there are any: the forces are those of the wrong friction then.
+        """
+        any_loose = False
+        for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):
+            if link.interface.jumps and not self._glued:
+                loose = link.interface.at_bound(force[own], self.bounds[k]) & ~self._slipped[k]
+                if loose.any():
+                    self._slipped[k] = self._slipped[k] | loose
+                    any_loose = True
+        if any_loose:
+            self.bounds = self._at_speed(None)
+        return any_loose
+
+    def _speed_of(self, slip: Array) -> Array:
+        """Speed (m/s) of slips in a step, (m, d-1)."""
+        return np.sqrt(np.sum(slip**2, axis=1)) / self._step
+
+    def _at_speed(self, speed: Array | None) -> list[Bounds]:
+        """Bounds of each interface, by the speed of slip of all points (m/s); None counts as 0."""
+        points = self._points
+        if self._glued:
+            return [Bounds.uniform(GLUE, link.interface.count) for link in points.links]
+        return [
+            link.interface.bounds(memory, slipped, None if speed is None else speed[own])
+            for link, memory, slipped, own in zip(
+                points.links, self._memories, self._slipped, points.own, strict=True
+            )
+        ]

@@ -1,0 +1,142 @@
+"""The interfaces of a scene, as faces join them, and the memories that a step starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from solver.contact.candidates import ContactPair
+from solver.contact.crossing_interface import CrossingInterface
+from solver.contact.memory import Memory
+from solver.contact.memory_transfer import carry_over, rotate_frame
+from solver.stepping.state import State
+from solver.stepping.system import Link, System
+from solver.types import Array
+
+Faces = tuple[frozenset[int], ...]
+"""Tags of the faces that have joined, for each contact of a scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepStart:
+    """Contact as a step sees it at its start.
+
+    Attributes:
+        faces: Tags of the faces that have joined by now.
+        contacts: Memory of each interface, in the frame of the step.
+        exchanged: Interface energy lost by choosing other contact points, J; it is added to what
+            contact dissipates.
+    """
+
+    faces: Faces
+    contacts: Sequence[Memory]
+    exchanged: float
+
+
+class Interfaces:
+    """Who may touch whom, with which of its faces; each interface is made once and kept."""
+
+    def __init__(self, system: System, contacts: Sequence[ContactPair]):
+        """Take the bodies, and who may touch whom."""
+        self._system, self._contacts = system, tuple(contacts)
+        self._links: dict[tuple[int, frozenset[int]], Link] = {}
+
+    def links(self, faces: Faces) -> tuple[Link, ...]:
+        """The interfaces of these faces; collective."""
+        for number, contact in enumerate(self._contacts):
+            key = number, faces[number]
+            if key not in self._links:
+                made = contact.join(faces[number])
+                self._links[key] = Link(made, contact.body, contact.carrier)
+        return tuple(self._links[key] for key in enumerate(faces))
+
+    def facing(self, rotations: Sequence[Array]) -> Faces:
+        """Faces that are turned towards their carriers.
+
+        Args:
+            rotations: Of the body of each contact's points, (d, d).
+        """
+        return tuple(
+            contact.facing(rotation)
+            for contact, rotation in zip(self._contacts, rotations, strict=True)
+        )
+
+    def rotations(self, u: Array) -> list[Array]:
+        """Rotations of the bodies of all contacts' points at a displacement, (d, d) each."""
+        return [self._system.rotation(u, contact.body) for contact in self._contacts]
+
+    def rotations_of(self, state: State) -> list[Array]:
+        """The same for a state, which knows how its bodies have moved."""
+        system = self._system
+        return [
+            system.rotation(state.u, None)
+            if contact.body is None
+            else state.rigid_motion(system, contact.body).rotation
+            for contact in self._contacts
+        ]
+
+    def turn_carriers(self, u: Array) -> None:
+        """Let the frames of all carriers be those at a displacement."""
+        for contact in self._contacts:
+            if contact.carrier is not None:
+                contact.surface.rotate_frame(self._system.rotation(u, contact.carrier))
+
+    def fresh(self, faces: Faces, u: Array) -> list[Memory]:
+        """Memories without contact forces at a displacement."""
+        part = self._system.part
+        return [
+            link.interface.start(part(u, link.body), part(u, link.carrier), rotation)
+            for link, rotation in zip(self.links(faces), self.rotations(u), strict=True)
+        ]
+
+    def energy(self, faces: Faces, contacts: Sequence[Memory]) -> float:
+        """Energy stored in all interfaces, J."""
+        pairs = zip(self.links(faces), contacts, strict=True)
+        return sum(link.interface.energy(memory) for link, memory in pairs)
+
+    def start(self, state: State, faces: Faces, dt: float) -> StepStart:
+        """What a step of length `dt` (s) starts from.
+
+        Faces that have joined since take part from now on, frames are those of the middle of the
+        step, and points of corners are chosen anew.
+
+        Args:
+            state: Left as it is.
+            faces: Those that have joined by now.
+            dt: Step, s.
+        """
+        contacts, exchanged = state.contacts, 0.0
+        if faces != state.faces:
+            before = self.energy(state.faces, contacts)
+            contacts = self._joined(state, faces)
+            exchanged = before - self.energy(faces, contacts)
+        links, part = self.links(faces), self._system.part
+        ahead = state.u
+        if any(link.interface.carrier.turns for link in links):
+            ahead = state.u + 0.5 * dt * state.v
+        found = []
+        for link, memory, rotation in zip(links, contacts, self.rotations_of(state), strict=True):
+            if isinstance(link.interface, CrossingInterface):
+                u, carrier_u = part(ahead, link.body), part(ahead, link.carrier)
+                found.append(link.interface.prepare(memory, u, carrier_u))
+                continue
+            carrier = None
+            if link.carrier is not None and link.interface.carrier.turns:
+                carrier = self._system.rotation(ahead, link.carrier)
+            memory, lost = rotate_frame(link.interface, memory, rotation, carrier)
+            exchanged += lost
+            found.append(memory)
+        return StepStart(faces, found, exchanged)
+
+    def _joined(self, state: State, faces: Faces) -> list[Memory]:
+        """Memories of the interfaces of more faces than a state has."""
+        return [
+            carry_over(memory, old.interface, new.interface, fresh)
+            for memory, old, new, fresh in zip(
+                state.contacts,
+                self.links(state.faces),
+                self.links(faces),
+                self.fresh(faces, state.u),
+                strict=True,
+            )
+        ]

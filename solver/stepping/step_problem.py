@@ -1,0 +1,356 @@
+"""The nonlinear problem of one step: its residual, and a correction that solves contact exactly.
+
+The residual is the exact nonlinear one. The tangent of a meshed body is that of the undeformed one,
+turned with the body's rotation R (K(u) = R K_0 R^T up to terms of the size of the strain), so that
+a correction costs one back substitution and one small contact problem, which couples all bodies:
+
+    du_f = -K^-1 r,    f = solution of the local problem with W = w_c sum over bodies G K^-1 G^T,
+    du = du_f + w_c K^-1 G^T df.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.contact.projection import ContactKinematics
+from solver.law.local_problem import LocalProblem, image
+from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.balance import Balance
+from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
+from solver.stepping.contact_points import REACH, ContactPoints, EdgeWatch, Observed, joined
+from solver.stepping.delassus import (
+    Delassus,
+    DelassusKey,
+    LastDelassus,
+    Softening,
+    assembled,
+)
+from solver.stepping.friction_bounds import FrictionBounds
+from solver.stepping.response import AnyResponse, CandidateSet, FreeMotion
+from solver.stepping.system import System
+from solver.types import Array, Indices, Mask
+
+MOST_FRICTION_ROUNDS = 50
+"""How often a correction looks at the speeds that friction of these speeds leads to."""
+
+PLACED_CORRECTIONS = 2
+"""Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
+
+STEADYING = 0.99
+"""Part of their difference that forces of rigid points keep from step to step where no motion tells
+it (two corners that push against each other): with nothing to hold them back such forces grow until
+their round-off shows, so they become even step by step."""
+
+ASLEEP_REACHES = 5
+"""An interface farther from contact than this many times the reach of its points is left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContactModel:
+    """What all steps share while no face joins.
+
+    Attributes:
+        system: All bodies.
+        points: All contact points.
+        local: Solver of local problems.
+        softening: Of rigid points; None where there are none.
+        turns: Whether a carrier turns with its body.
+    """
+
+    system: System
+    points: ContactPoints
+    local: LocalProblem
+    softening: Softening | None
+    turns: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Tangents:
+    """What bodies offer for one set of tangents.
+
+    Attributes:
+        weights: Weights of the tangent of each body.
+        responses: Responses of all bodies.
+        stiffness: How often the stiffness of bodies was made anew before.
+    """
+
+    weights: tuple[TangentWeights, ...]
+    responses: Sequence[AnyResponse]
+    stiffness: int
+
+
+@dataclass(frozen=True, slots=True)
+class Iterate:
+    """Where everything is at one displacement: u, and what each interface looks like there."""
+
+    u: Array
+    seen: Sequence[Observed]
+
+
+class StepProblem:
+    """A balance as SNES sees it, with the point forces of the iterate.
+
+    Attributes:
+        force: Point forces f of the present iterate, (points, d), N.
+        friction: Bounds of friction.
+        forces: Largest norm of the contact forces so far, N.
+    """
+
+    def __init__(
+        self,
+        model: ContactModel,
+        tangents: Tangents,
+        kept: LastDelassus,
+        balance: Balance,
+        guess: Array,
+        *,
+        number: int,
+    ):
+        """Start from what contact remembers.
+
+        Args:
+            model: Bodies and contact points.
+            tangents: What the bodies offer.
+            kept: The Delassus operator of earlier corrections.
+            balance: What is to be solved.
+            guess: Predicted displacement of all owned unknowns.
+            number: Number of the solve.
+        """
+        self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
+        self._points, self._system = model.points, model.system
+        self._number = number if model.turns else 0
+        memories = balance.contact
+        self.force: Array = np.concatenate([memory.force for memory in memories])
+        self._anchor = joined([memory.anchor for memory in memories])
+        self._may_touch = joined([memory.may_touch for memory in memories])
+        self.friction = FrictionBounds(
+            model.points, memories, step=balance.step, glued=balance.glued
+        )
+        self._softening, self._held = model.softening, None
+        if model.softening is not None and not balance.static:
+            self._softening = model.softening.in_step(model.system, model.points, balance.load)
+            self._held = STEADYING * self.force
+        self._edges = EdgeWatch(model.points.count)
+        self._asleep = [not balance.static and self._far(k, guess) for k in range(len(memories))]
+        self._iterate = Iterate(guess, ())
+        self._configurations: Sequence[Any] = ()
+        self._corrections = 0
+        self.forces = 0.0
+
+    def residual(self, u: Array) -> Array:
+        """Out-of-balance force at u with the current point forces, N."""
+        balance = self._balance
+        residual = balance.smooth_residual(self._system, u)
+        seen: list[Observed] = []
+        for number, memory in enumerate(balance.contact):
+            if self._asleep[number]:
+                seen.append((memory.surface, memory.seat))
+            else:
+                seen.append(self._points.observe(number, u))
+                self._subtract_contact(number, seen[-1], residual)
+        residual[self._system.fixed] = 0.0
+        self._iterate = Iterate(u, seen)
+        return residual
+
+    def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
+        """Subtract the forces of an interface on both its bodies."""
+        points, balance = self._points, self._balance
+        link = points.links[number]
+        increment = ContactIncrement(
+            before=balance.contact[number],
+            surface=seen[0],
+            seat=seen[1],
+            force=self.force[points.own[number]],
+        )
+        weights = balance.weights[link.body or 0]
+        add_contact_forces(
+            self._system,
+            link,
+            increment.in_equilibrium if balance.static else increment,
+            residual,
+            traction_weight=weights.interface,
+            contact_weight=weights.contact,
+            sign=-1.0,
+        )
+
+    def correction(self, residual: Array) -> Array:
+        """Free step, local contact problem, and the response to the change of the point forces."""
+        self._corrections += 1
+        if self._corrections <= PLACED_CORRECTIONS:
+            self._configurations = self._placed()
+        y, beyond = self.augmented()
+        free = self._free(residual, y)
+        near = self.near(y, beyond)
+        changes = [each.change for each in free]
+        if len(near):
+            delassus = self._delassus(near)
+            new = self._solved(delassus, y)
+            change = new - self.force[near]
+            self.force[near] = new
+            weight = self._balance.contact_weight
+            self.forces = max(self.forces, weight * math.sqrt(float(np.vdot(new, new))))
+            for k, response in enumerate(self._tangents.responses):
+                answer = response.respond(
+                    self._configurations[k], delassus.couplings[k], delassus.near, change, weight
+                )
+                if answer is not None:
+                    changes[k] = changes[k] + answer
+        return joined(changes)
+
+    def _placed(self) -> Sequence[Any]:
+        """The configurations of all bodies at the iterate."""
+        return [
+            response.at(self._iterate.u[own], start)
+            for response, own, start in zip(
+                self._tangents.responses,
+                self._system.slices,
+                self._balance.rotations,
+                strict=True,
+            )
+        ]
+
+    def _free(self, residual: Array, y: Array) -> list[FreeMotion]:
+        """The free corrections of all bodies; what they do to augmented positions is added to y."""
+        frames, seats = self._points.frames, self._seats
+        found = []
+        for response, at, own in zip(
+            self._tangents.responses, self._configurations, self._system.slices, strict=True
+        ):
+            free = response.free(at, residual[own])
+            response.read(at, free, y, frames, seats)
+            found.append(free)
+        return found
+
+    @property
+    def _seats(self) -> list[ContactKinematics]:
+        """Seats of all interfaces at the iterate."""
+        return [seat for _, seat in self._iterate.seen]
+
+    def augmented(self) -> tuple[Array, Mask | None]:
+        """Augmented positions of all points at the iterate, and which are beyond an edge.
+
+        All points of interfaces that sleep count as beyond an edge.
+        """
+        points, parts = self._points, []
+        beyond: Mask | None = None
+        for number, (surface, seat) in enumerate(self._iterate.seen):
+            parts.append(points.links[number].interface.augmented(surface, seat))
+            off = True if self._asleep[number] else self._beyond_edge(number, seat)
+            if off is not None and np.any(off):
+                if beyond is None:
+                    beyond = np.zeros(points.count, dtype=bool)
+                beyond[points.own[number]] = off
+        y = parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+        return y, self._edges.settled(beyond)
+
+    def _beyond_edge(self, number: int, seat: ContactKinematics) -> Mask | None:
+        """Points beyond the edge of their carrier, where it has one.
+
+        One that the step begins with stays a point until its end: let go in the middle of a solve,
+        it would lose the friction that keeps it from going.
+        """
+        carrier = self._points.links[number].interface.carrier
+        before = carrier.beyond_edge(self._balance.contact[number].seat)
+        now = carrier.beyond_edge(seat)
+        return None if before is None or now is None else before & now
+
+    def near(self, y: Array, beyond: Mask | None) -> Indices:
+        """Numbers of the points that may be in contact at augmented positions y.
+
+        Those of sleeping interfaces and beyond an edge are put far from their carrier in y,
+        whatever their gap: a foot far beyond an edge goes to and fro with the face.
+        """
+        points = self._points
+        if beyond is not None:
+            y[beyond, 0] = points.size[beyond]
+        touching = (y[:, 0] < points.reach) & self._may_touch | (self.force[:, 0] > 0)
+        return touching.nonzero()[0]
+
+    def _delassus(self, near: Indices) -> Delassus:
+        """The operator at candidate points."""
+        tangents = self._tangents
+        key = DelassusKey(near.tobytes(), tangents.weights, tangents.stiffness, self._number)
+
+        def make() -> Delassus:
+            """Compliances of all bodies as they are at the iterate."""
+            return assembled(
+                key,
+                tangents.responses,
+                self._configurations,
+                CandidateSet(near, self._points.frames_at(near), self._seats),
+                contact_weight=self._balance.contact_weight,
+                softness=self._points.softness,
+                softening=self._softening,
+            )
+
+        return self._kept.get(key, tangents.responses, self._configurations, make)
+
+    def _solved(self, delassus: Delassus, y: Array) -> Array:
+        """Forces of the near points that obey the contact law after the free step to y."""
+        points, near, W = self._points, delassus.near.number, delassus.W
+        force = self.force[near]
+        # W holds the interface's own softness too, which is no part of y.
+        q = y[near] - image(W, force) + force * points.softness[near, None]
+        if self._held is not None:
+            # The softening of rigid points acts on what forces differ by from those of t_n.
+            q += delassus.softening[:, None] * (force - self._held[near])
+        q[:, 1:] -= self._anchor[near]
+        if not force.any():  # nothing tells that a gap of round-off is small
+            q[np.abs(q[:, 0]) < points.round_off[near], 0] = 0.0
+        if not self.friction.steady:
+            slip = y[:, 1:] - self._anchor
+            self.friction.tell(slip + points.softness[:, None] * self.force[:, 1:])
+        for _ in range(MOST_FRICTION_ROUNDS):
+            bounds = self.friction.at(near)
+            force = self._model.local.solve(W, q, force, bounds, delassus.scaling)
+            if not self.friction.follows(near, W, q, force):
+                break
+        return force
+
+    def _far(self, number: int, guess: Array) -> bool:
+        """Whether an interface need not be looked at in this step, far from contact as it is.
+
+        Only those without tractions can sleep: the theta term acts on open points, too.
+        """
+        points = self._points
+        interface = points.links[number].interface
+        if interface.theta or self._balance.contact[number].force.any():
+            return False
+        return self._clearance(number, guess) > ASLEEP_REACHES * REACH * interface.size
+
+    def _clearance(self, number: int, u: Array) -> float:
+        """Smallest gap of an interface's points that may touch, m."""
+        _, seat = self._points.observe(number, u)
+        beyond = self._beyond_edge(number, seat)
+        may_touch = self._balance.contact[number].may_touch
+        may = may_touch if beyond is None else may_touch & ~beyond
+        return float(np.min(seat.place[may, 0], initial=np.inf))
+
+    def continues(self, u: Array) -> bool:
+        """Whether the solution u is none: an interface wakes up, or points break loose in it."""
+        return self._wake(u) or self.friction.break_loose(self.force)
+
+    def _wake(self, u: Array) -> bool:
+        """Whether interfaces that were left out have come into contact after all."""
+        woken = [
+            number
+            for number, asleep in enumerate(self._asleep)
+            if asleep and self._clearance(number, u) < 0
+        ]
+        for number in woken:
+            self._asleep[number] = False
+        return bool(woken)
+
+    def contacts(self, u: Array) -> list[Contact]:
+        """Every interface at the end of the step."""
+        points, found = self._points, []
+        for number, (own, bounds) in enumerate(zip(points.own, self.friction.bounds, strict=True)):
+            asleep = self._asleep[number]
+            surface, seat = points.observe(number, u) if asleep else self._iterate.seen[number]
+            found.append(Contact(surface, seat, self.force[own], bounds))
+        return found
