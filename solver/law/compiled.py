@@ -41,8 +41,9 @@ def _numba() -> ModuleType | None:
 
 NUMBA = _numba()
 
-#: Folders, beside this one's, whose sources make compiled functions that call one another.
-_FOLDERS = ("law", "rigid")
+#: Folders, beside this one's, whose sources make compiled functions that call one another, and the
+#: columns of the history, whose places are constants in them.
+_FOLDERS = ("history", "law", "rigid")
 
 
 def digest(folders: Sequence[Path]) -> str:
