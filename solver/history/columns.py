@@ -100,12 +100,12 @@ TABLE = (
         " that of the lowest point where none touches; 0 at the start, carried on from pivot to"
         " pivot.",
     ),
-    Column("NAME.slip_second_m", "m", "The same along y of the carrier.", 3),
+    Column("NAME.slip_second_m", "m", "Slip along y of the carrier, as along x.", 3),
     Column(
         "NAME.gap_left_m",
         "m",
         "Height of the block's own bottom left corner over the plane of its carrier's top, or over"
-        " level 0 once its centre has fallen below that plane.",
+        " level 0 once the block's centre has fallen below that plane.",
         2,
     ),
     Column("NAME.gap_right_m", "m", "Height of the bottom right corner, measured likewise.", 2),
@@ -113,7 +113,7 @@ TABLE = (
         "NAME.gap_1_m",
         "m",
         "Height of the bottom corner at (-x, -y) of the block's own axes over the plane of its"
-        " carrier's top, or over level 0 once its centre has fallen below that plane.",
+        " carrier's top, or over level 0 once the block's centre has fallen below that plane.",
         3,
     ),
     Column("NAME.gap_2_m", "m", "Height of the corner at (+x, -y), measured likewise.", 3),
@@ -122,8 +122,8 @@ TABLE = (
     Column(
         "NAME.penetration_m",
         "m",
-        "Largest depth to which a contact point of the block is in what carries it or lies below"
-        " it, or a point of that in the block, edges included; 0 where none is.",
+        "Largest depth of a contact point of the block in what carries it or lies below it, or of a"
+        " point of that in the block (edges included); 0 where there is none.",
     ),
     Column("NAME.centre_x_m", "m", "Centre of mass along x."),
     Column("NAME.centre_y_m", "m", "Centre of mass along y."),
@@ -139,7 +139,12 @@ TABLE = (
         "N",
         "Contact force on the block along its carrier, positive towards +x.",
     ),
-    Column("NAME.friction_force_second_N", "N", "The same, positive towards +y.", 3),
+    Column(
+        "NAME.friction_force_second_N",
+        "N",
+        "Contact force on the block along its carrier, positive towards +y.",
+        3,
+    ),
     Column(
         "platform.drift_m",
         "m",
@@ -150,12 +155,24 @@ TABLE = (
     Column(
         "platform.acceleration_m_s2",
         "m/s²",
-        "Increment of this velocity in the step over the length of the step.",
+        "Acceleration along x relative to the ground.",
         needs="platform",
     ),
-    Column("platform.drift_second_m", "m", "Displacement along y.", 3, "platform"),
+    Column(
+        "platform.drift_second_m",
+        "m",
+        "Displacement along y relative to the ground.",
+        3,
+        "platform",
+    ),
     Column("platform.velocity_second_m_s", "m/s", "Rate of this drift.", 3, "platform"),
-    Column("platform.acceleration_second_m_s2", "m/s²", "Acceleration along y.", 3, "platform"),
+    Column(
+        "platform.acceleration_second_m_s2",
+        "m/s²",
+        "Acceleration along y relative to the ground.",
+        3,
+        "platform",
+    ),
     Column("energy.kinetic_J", "J", "Kinetic energy, relative to the ground.", energy="stored"),
     Column("energy.strain_J", "J", "Strain energy of the meshed bodies.", energy="stored"),
     Column(

@@ -58,6 +58,7 @@ class RigidSpec(Checked):
     """The rigid ground: `[foundation]` with kind = "rigid", the default."""
 
     kind: Literal["rigid"] = "rigid"
+    """The ground."""
 
     def in_dimension(self, dimension: Dimension, thickness: float) -> RigidSpec:
         """Itself."""
@@ -69,14 +70,15 @@ class OscillatorSpec(Checked):
     """A rigid platform on a horizontal spring: kind = "oscillator"."""
 
     kind: Literal["oscillator"] = "oscillator"
+    """A rigid platform on a spring."""
     mass: Positive | None = None
-    """kg; or `mass_ratio`."""
+    """Mass of the empty platform, kg. Default: this or `mass_ratio`."""
     mass_ratio: Positive | None = None
-    """Mass of all blocks over that of the platform."""
+    """Mass of all blocks over that of the platform. Default: this or `mass`."""
     period: Positive | None = None
-    """Of the empty platform, s; or `stiffness`."""
+    """T of the empty platform, s. Default: this or `stiffness`."""
     stiffness: Positive | None = None
-    """Of the spring, N/m."""
+    """k of the spring, N/m. Default: this or `period`."""
     damping_ratio: NotNegative = 0.0
     """xi of the empty platform."""
 
@@ -105,36 +107,40 @@ class PlateSpec(Checked):
     """A meshed plate, its top at level 0: kind = "elastic"."""
 
     kind: Literal["elastic"] = "elastic"
+    """A meshed plate."""
     width: Positive
-    """m."""
+    """Along x, m."""
     height: Positive
-    """m."""
+    """Height, m."""
     thickness: Positive = OPEN
-    """m; in 2-D that of the blocks."""
+    """Along y, m; 2-D: no other than that of the blocks. Default: that of the blocks; 3-D:
+    required."""
     mass: Positive | None = None
-    """kg; or `mass_ratio` or `density`."""
+    """Mass of the plate, kg. Default: one of these three."""
     mass_ratio: Positive | None = None
-    """Mass of all blocks over that of the plate."""
+    """Mass of all blocks over that of the plate. Default: one of these three."""
     density: Positive | None = None
-    """rho, kg/m^3."""
+    """rho, kg/m³. Default: one of these three."""
     young: Positive
     """Young's modulus E, Pa."""
     poisson: Ratio
     """Poisson's ratio nu."""
     cells: Cells = OPEN
-    """Along width and height, 24 and 4; 3-D: width, thickness, height, 12, 12, 2."""
+    """Cells along width and height; 3-D: width, thickness, height. Default: `[24, 4]`; 3-D: `[12,
+    12, 2]`."""
     cell: Cell = OPEN
-    """quadrilateral or triangle; in 3-D hexahedron or tetrahedron."""
+    """Shape of the cells. Default: the first of those allowed."""
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
-    """All of it held (the paper's), its bottom held, or its bottom held vertically on a spring."""
+    """What holds the plate, as described above."""
     period: Positive | None = None
-    """With rollers: of the empty plate, taken as rigid, s; or `stiffness`."""
+    """T of the empty plate taken as rigid, s; rollers only. Default: -; rollers: this or
+    `stiffness`."""
     stiffness: Positive | None = None
-    """With rollers: of the spring, N/m."""
+    """k of the spring, N/m; rollers only. Default: -; rollers: this or `period`."""
     damping_ratio: NotNegative = 0.0
-    """With rollers: xi of the empty plate."""
+    """xi of the empty plate; rollers only."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -185,11 +191,12 @@ class DeckSpec(Checked):
     """The deck of a frame: `foundation.deck`."""
 
     width: Positive
-    """m; from outside to outside of the outer columns."""
+    """Along x, from outside to outside of the outer columns, m."""
     height: Positive
-    """m."""
+    """Height, m."""
     thickness: Positive = OPEN
-    """m; in 2-D that of the blocks."""
+    """Along y, m; 2-D: no other than that of the blocks. Default: that of the blocks; 3-D:
+    required."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -197,9 +204,10 @@ class ColumnSpec(Checked):
     """The columns of a frame: `foundation.column`."""
 
     width: Positive
-    """m, along x."""
+    """Along x, m; less than the deck's over the number of columns."""
     thickness: Positive = OPEN
-    """m; in 2-D that of the blocks, in 3-D the width if left out."""
+    """Along y, m; 3-D: less than half of the deck's. Default: that of the blocks; 3-D: the
+    width."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -221,10 +229,13 @@ class FrameSpec(Checked):
     """A meshed deck, its top at level 0, on columns fixed at their feet: kind = "frame"."""
 
     kind: Literal["frame"] = "frame"
+    """A meshed frame."""
     deck: DeckSpec
+    """`[foundation.deck]`."""
     column: ColumnSpec
+    """`[foundation.column]`."""
     bays: Count = 1
-    """Between columns; there is one column more. In 3-D one bay, four columns."""
+    """Spaces between columns; there is one column more. 3-D: 1."""
     storey: Positive
     """Height of the columns, from their feet to the underside of the deck, m."""
     young: Positive
@@ -232,8 +243,9 @@ class FrameSpec(Checked):
     poisson: Ratio
     """Poisson's ratio nu."""
     density: Positive
-    """rho, kg/m^3."""
+    """rho, kg/m³."""
     cells: FrameCellsSpec = field(default_factory=FrameCellsSpec)
+    """`[foundation.cells]`. Default: its defaults."""
     degree: Literal[1, 2] = 2
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
 
