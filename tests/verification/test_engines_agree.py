@@ -115,8 +115,8 @@ SCALES = {"m": 0.1, "m/s": 1.0, "rad": 0.1, "rad/s": 1.0, "m/s²": 1.0}
 the largest that is taken in, dissipated or in motion."""
 
 AT_CHANGES = 0.02
-"""Part of the rows in which forces may differ by more: the time of a change of contact is known to a
-step, and its row has the mean of what is before and after."""
+"""Part of the rows in which forces may differ by more: the time of a change of contact is known to
+a step, and its row has the mean of what is before and after."""
 
 CASES = [
     *((engine, "sliding", law) for engine in ("space", "meshed") for law in LAWS),
