@@ -155,7 +155,7 @@ TABLE = (
     Column(
         "platform.acceleration_m_s2",
         "m/s²",
-        "Acceleration along x relative to the ground.",
+        "Acceleration along x relative to the ground, the mean of the step.",
         needs="platform",
     ),
     Column(
@@ -169,7 +169,7 @@ TABLE = (
     Column(
         "platform.acceleration_second_m_s2",
         "m/s²",
-        "Acceleration along y relative to the ground.",
+        "Acceleration along y relative to the ground, the mean of the step.",
         3,
         "platform",
     ),

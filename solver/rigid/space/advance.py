@@ -106,6 +106,7 @@ def run(
         Number of steps that succeeded, number of rejected solutions.
     """
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
+    speed = state.velocity[-1].copy()
     rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0
     while k < len(rows):
         h, gained = min(h, dt - done), ground[k + 1] - ground[k]
@@ -129,7 +130,9 @@ def run(
             done += h
             if done > dt * (1 - 1e-9):
                 tally /= dt
-                record(model, state, ground[k + 1], seen, tally, layout, rows[k])
+                gained = (state.velocity[-1] - speed) / dt
+                record(model, state, ground[k + 1], seen, tally, gained, layout, rows[k])
                 tally[:, :], done, k = 0.0, 0.0, k + 1
+                speed[:] = state.velocity[-1]
             h, phase = dt - done, LOOKING
     return k, rejected

@@ -92,14 +92,9 @@ def _record_block(
 
 
 @compiled
-def _record_platform(
-    model: SpaceModel, state: SpaceState, ground: Array, pushed: Array, row: Array
-) -> None:
-    """The columns of the platform; `pushed`: mean contact forces on it, N."""
-    n = len(model.mass) - 1
-    drift, velocity = state.place[n], state.velocity[n]
-    force = state.inertia_force + pushed[:2] + model.mass[n] * (model.gravity - ground)[:2]
-    acceleration = (force - model.spring[1] * velocity[:2]) / model.mass[n]
+def _record_platform(state: SpaceState, acceleration: Array, row: Array) -> None:
+    """The columns of the platform; `acceleration`: its mean over the step, m/s2, (3,)."""
+    drift, velocity = state.place[-1], state.velocity[-1]
     row[PLATFORM.drift_m], row[PLATFORM.drift_second_m] = drift[0], drift[1]
     row[PLATFORM.velocity_m_s], row[PLATFORM.velocity_second_m_s] = velocity[0], velocity[1]
     row[PLATFORM.acceleration_m_s2] = acceleration[0]
@@ -129,6 +124,7 @@ def record(
     ground: Array,
     seen: Array,
     tally: Array,
+    acceleration: Array,
     layout: RowLayout,
     row: Array,
 ) -> None:
@@ -139,7 +135,8 @@ def record(
         state: The state.
         ground: Acceleration of the ground, m/s2.
         seen: (n, 4) the last angles, carried on.
-        tally: (n + 1, 3) mean contact forces of the step, see `_watch`.
+        tally: (n + 1, 3) mean contact forces of the step, see `watch`.
+        acceleration: (3,) of the platform, the mean of the step, m/s2.
         layout: Where the parts of the row begin.
         row: The row; its error stands for the energy at the start until the first is taken off.
     """
@@ -154,5 +151,5 @@ def record(
         own[BLOCK.normal_force_N], own[BLOCK.friction_force_N] = tally[b, 0], tally[b, 1]
         own[BLOCK.friction_force_second_N] = tally[b, 2]
     if model.mass[n] > 0:
-        _record_platform(model, state, ground, tally[n], row[layout.platform :])
+        _record_platform(state, acceleration, row[layout.platform :])
     _record_energies(model, state, row[layout.energy :])

@@ -133,7 +133,8 @@ class SpaceSystem:
         still = np.zeros((1, 3))
         run(self._model, state, short, short / 1024, motion, still, seen, layout, trial)
         none = np.zeros((len(self.names) + 1, 3))
-        record(self._model, self._state, motion[0], self._seen, none, layout, row[0])
+        gained = (state.velocity[-1] - self._state.velocity[-1]) / short
+        record(self._model, self._state, motion[0], self._seen, none, gained, layout, row[0])
         forces = [BLOCK.normal_force_N, BLOCK.friction_force_N, BLOCK.friction_force_second_N]
         first = layout.block + layout.stride * np.arange(len(self.names))
         taken = np.append(np.add.outer(first, forces), RUN.contact_points_closed)
