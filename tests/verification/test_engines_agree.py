@@ -118,7 +118,7 @@ SCALES = {"m": 0.1, "m/s": 1.0, "rad": 0.1, "rad/s": 1.0, "m/s²": 1.0}
 """How far and how fast things move in these scenes; forces are measured by the weight, energies by
 the largest that is taken in, dissipated or in motion."""
 
-AT_CHANGES = 0.02
+AT_CHANGES = 0.05
 """Part of the rows in which forces may differ by more: the time of a change of contact is known to
 a step, and its row has the mean of what is before and after."""
 
