@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test lint image energy-grid suite
+.PHONY: help demo test lint image energy-grid suite docs-tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -9,6 +9,7 @@ help:
 	@echo "make lint    ruff and mypy"
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
+	@echo "make docs-tables   the tables of docs/output.md and docs/scene.md, from the code"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
 
 demo:
@@ -35,3 +36,6 @@ energy-grid:
 
 suite:
 	./in-env python3 demos/suite/platform_suite.py
+
+docs-tables:
+	./in-env python3 docs/generate_tables.py

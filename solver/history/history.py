@@ -10,99 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import SceneError
+from solver.history.columns import columns
 from solver.scene import Scene
-
-#: Columns of the run as a whole.
-RUN_COLUMNS = (
-    "time_s",
-    "step_s",
-    "newton_iterations",
-    "contact_points_closed",
-    "base.acceleration_m_s2",
-)
-
-#: Columns of each block in two dimensions, written `NAME.column`.
-BLOCK_COLUMNS = (
-    "angle_rad",
-    "angular_velocity_rad_s",
-    "slip_m",
-    "gap_left_m",
-    "gap_right_m",
-    "penetration_m",
-    "centre_x_m",
-    "centre_y_m",
-    "normal_force_N",
-    "friction_force_N",
-)
-
-#: The same in three: `angle_rad` is the lean in the plane of motion, the others are vectors.
-BLOCK_COLUMNS_3D = (
-    "angle_rad",
-    "angle_x_rad",
-    "angle_y_rad",
-    "angle_z_rad",
-    "angular_velocity_x_rad_s",
-    "angular_velocity_y_rad_s",
-    "angular_velocity_z_rad_s",
-    "slip_m",
-    "slip_second_m",
-    "gap_1_m",
-    "gap_2_m",
-    "gap_3_m",
-    "gap_4_m",
-    "penetration_m",
-    "centre_x_m",
-    "centre_y_m",
-    "centre_z_m",
-    "normal_force_N",
-    "friction_force_N",
-    "friction_force_second_N",
-)
-
-#: Columns of what carries the blocks, where it moves as a whole: along x, in 3-D also along y.
-PLATFORM_COLUMNS = ("drift_m", "velocity_m_s", "acceleration_m_s2")
-PLATFORM_COLUMNS_SECOND = ("drift_second_m", "velocity_second_m_s", "acceleration_second_m_s2")
-
-#: Stored energies: their sum is `energy.total_J`.
-STORED_ENERGIES = ("kinetic", "strain", "gravity", "spring", "interface")
-
-#: What has been dissipated since the start, each from its own formula.
-DISSIPATED_ENERGIES = ("friction", "damping", "contact", "numerical")
-
-ENERGY_COLUMNS = tuple(
-    f"energy.{name}_J"
-    for name in (*STORED_ENERGIES, "input", *DISSIPATED_ENERGIES, "total", "ledger_error")
-)
 
 #: Rows that become text in one go.
 CHUNK = 256
-
-
-def columns(
-    blocks: Sequence[str],
-    *,
-    dimension: int = 2,
-    platform: bool = False,
-    vertical: bool = False,
-    second: bool = False,
-) -> tuple[str, ...]:
-    """Names of all columns of the history of a scene, in their order.
-
-    Args:
-        blocks: Names of the blocks.
-        dimension: 2 or 3.
-        platform: Whether what carries the blocks moves as a whole.
-        vertical: Whether the ground also moves up and down.
-        second: Whether the ground also moves along the second horizontal direction.
-    """
-    spatial = dimension == 3
-    directions = [name for name, there in (("vertical", vertical), ("second", second)) if there]
-    of_ground = [f"base.{name}_acceleration_m_s2" for name in directions]
-    of_block = BLOCK_COLUMNS_3D if spatial else BLOCK_COLUMNS
-    of_blocks = [f"{block}.{column}" for block in blocks for column in of_block]
-    moving = PLATFORM_COLUMNS + (PLATFORM_COLUMNS_SECOND if spatial else ())
-    of_platform = [f"platform.{column}" for column in moving if platform]
-    return (*RUN_COLUMNS, *of_ground, *of_blocks, *of_platform, *ENERGY_COLUMNS)
 
 
 def scene_columns(scene: Scene) -> tuple[str, ...]:

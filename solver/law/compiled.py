@@ -54,8 +54,9 @@ def runs_machine_code() -> bool:
     return NUMBA is not None and not CHOICE.interprets
 
 
-#: Folders, beside this one's, whose sources make compiled functions that call one another.
-_FOLDERS = ("law", "rigid")
+#: Folders, beside this one's, whose sources make compiled functions that call one another, and the
+#: columns of the history, whose places are constants in them.
+_FOLDERS = ("history", "law", "rigid")
 
 
 def digest(folders: Sequence[Path]) -> str:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.history.history import DISSIPATED_ENERGIES
+from solver.history.columns import DISSIPATED_ENERGIES
 from solver.pictures.style import (
     BLUE,
     DASHES,

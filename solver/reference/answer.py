@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 
 from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.history.columns import ordered
 from solver.history.history import History, scene_columns
 from solver.reference.expected import expected_mode
 from solver.reference.rows import ONLY, rock, slide, slide_on_platform
@@ -63,8 +63,7 @@ def reference_history(
     answers = {ROCKING: rock, SLIDING: slide, ON_PLATFORM: slide_on_platform}
     known = answers[name](scene, ground)
     history = History(scene_columns(scene), file)
-    unknown = np.full(len(known["time_s"]), math.nan)
-    table = np.stack([known.get(name, unknown) for name in history.columns], axis=1)
+    table = np.stack(ordered(history.columns, known), axis=1)
     for row in table[:: scene.output.history_every]:
         history.append(row)
     history.flush()

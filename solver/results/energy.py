@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from solver.history.history import DISSIPATED_ENERGIES, STORED_ENERGIES, History
+from solver.history.columns import DISSIPATED_ENERGIES, STORED_ENERGIES
+from solver.history.history import History
 from solver.types import Array
 
 

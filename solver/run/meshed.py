@@ -14,6 +14,7 @@ from mpi4py import MPI
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
+from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, is_kept
 from solver.run.files import Fields
 from solver.run.observer import Observer
@@ -58,15 +59,7 @@ class MeshedRun:
         self.state, remark = initial_state(scene, self.assembly)
         if remark:
             log(remark)
-        motion = scene.motion
-        axes = [0]
-        if motion is not None and motion.vertical is not None:
-            axes.append(scene.dimension - 1)
-        if motion is not None and motion.second is not None:
-            axes.append(1)
-        self._observer = Observer(
-            self.assembly, self.state, platform=scene.carrier_moves, ground=axes
-        )
+        self._observer = Observer(self.assembly, self.state, scene_columns(scene))
         self._steps = self._rejected = self._damped = self._iterations = 0
         self._judge = None
         if scene.time.tolerance is not None:  # adaptive

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -16,11 +16,15 @@ from solver.contact.facet_target import Face
 from solver.contact.interface import Key
 from solver.contact.memory import Memory
 from solver.contact.projection import in_space
+from solver.history.columns import DISSIPATED_ENERGIES, ordered
 from solver.parallel import global_sum
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
 from solver.types import Array, Indices
+
+EXCHANGED = ("input", *DISSIPATED_ENERGIES)
+"""What a step takes in and dissipates: the fields of an `Exchange`."""
 
 LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
@@ -32,77 +36,96 @@ class Observer:
     Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
     """
 
-    def __init__(
-        self,
-        assembly: Assembly,
-        state: State,
-        *,
-        platform: bool = False,
-        ground: Sequence[int] = (0,),
-    ):
+    def __init__(self, assembly: Assembly, state: State, names: Sequence[str]):
         """Start at a state.
 
         Args:
             assembly: Bodies, interfaces, loads.
             state: Where the run starts.
-            platform: Whether what carries the blocks is written down, too.
-            ground: Directions of the ground's acceleration that are written down.
+            names: Columns that are written down.
         """
-        self._stepper, self._ground = assembly.stepper, list(ground)
-        self._blocks = [BlockObserver(member, self._stepper, state) for member in assembly.members]
+        self._stepper, self._names = assembly.stepper, tuple(names)
+        members = {member.spec.name: member for member in assembly.members}
+        self._blocks = {
+            name: BlockObserver(member, self._stepper, state, members.get(member.spec.on))
+            for name, member in members.items()
+        }
         self._platform = None
-        if platform:
+        if "platform.drift_m" in self._names:
             self._platform = PlatformObserver(assembly)
         # The datum of what carries the blocks is where it stands without load.
         self._at_rest = sum(
             member.body.mass * float(self._stepper.gravity @ member.body.centre)
             for member in assembly.members
         )
-        self._exchanged = [0.0] * 5
+        self._exchanged = dict.fromkeys(EXCHANGED, 0.0)
         self._start: float | None = None
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
-        """The values of a history row, in the order of `solver.history.history.columns`."""
-        stepper = self._stepper
+        """The values of a history row, in the order of the columns."""
         closed = sum(int((memory.force[:, 0] > 0).sum()) for memory in state.contacts)
-        ground = stepper.base(state.time)
-        values = [state.time, step, float(exchange.iterations), float(closed)]
-        values += [float(ground[k]) for k in self._ground]
-        for block in self._blocks:
-            values += block.row(state)
+        ground = self._stepper.base(state.time)
+        values = {
+            "time_s": state.time,
+            "step_s": step,
+            "newton_iterations": float(exchange.iterations),
+            "contact_points_closed": float(closed),
+            "base.acceleration_m_s2": float(ground[0]),
+            "base.second_acceleration_m_s2": float(ground[1]),
+            "base.vertical_acceleration_m_s2": float(ground[-1]),
+        }
+        for name, block in self._blocks.items():
+            values |= _named(name, block.columns(state))
         if self._platform is not None:
-            values += self._platform.row(state, step)
-        return values + self._energies(state, exchange)
+            values |= _named("platform", self._platform.columns(state, step))
+        return ordered(self._names, values | _named("energy", self._energies(state, exchange)))
 
-    def _energies(self, state: State, exchange: Exchange) -> list[float]:
+    def _energies(self, state: State, exchange: Exchange) -> dict[str, float]:
         """Stored, taken in and dissipated energy, J."""
         stepper = self._stepper
         system = stepper.system
         moved = global_sum(system.comm, system.directional_mass @ state.u)
-        gravity = -self._at_rest - float(stepper.gravity @ moved)
-        interface = stepper.interface_energy(state)
-        stored = [state.kinetic, state.strain, gravity, state.spring, interface]
-        further = (
-            exchange.input,
-            exchange.friction,
-            exchange.damping,
-            exchange.contact,
-            exchange.numerical,
-        )
-        self._exchanged = [a + b for a, b in zip(self._exchanged, further, strict=True)]
-        total = sum(stored)
+        stored = {
+            "kinetic_J": state.kinetic,
+            "strain_J": state.strain,
+            "gravity_J": -self._at_rest - float(stepper.gravity @ moved),
+            "spring_J": state.spring,
+            "interface_J": stepper.interface_energy(state),
+        }
+        for name in EXCHANGED:
+            self._exchanged[name] += getattr(exchange, name)
+        taken, lost = self._exchanged["input"], [self._exchanged[name] for name in EXCHANGED[1:]]
+        total = sum(stored.values())
         if self._start is None:
             self._start = total
-        error = total - self._start - self._exchanged[0] + sum(self._exchanged[1:])
-        return [float(value) for value in (*stored, *self._exchanged, total, error)]
+        return {
+            **stored,
+            **{f"{name}_J": value for name, value in self._exchanged.items()},
+            "total_J": total,
+            "ledger_error_J": total - self._start - taken + sum(lost),
+        }
+
+
+def _named(owner: str, values: Mapping[str, float]) -> dict[str, float]:
+    """Values by the full names of their columns."""
+    return {f"{owner}.{field}": value for field, value in values.items()}
 
 
 class BlockObserver:
     """Angle, slip, gaps and forces of one block."""
 
-    def __init__(self, member: BlockBody, stepper: Stepper, state: State):
-        """Start at a state."""
-        self._member, self._stepper = member, stepper
+    def __init__(
+        self, member: BlockBody, stepper: Stepper, state: State, carrier: BlockBody | None
+    ):
+        """Start at a state.
+
+        Args:
+            member: The block.
+            stepper: What steps it.
+            state: Where the run starts.
+            carrier: The block that carries it; None: the foundation does.
+        """
+        self._member, self._stepper, self._carrier = member, stepper, carrier
         self._own = stepper.system.slices[member.number]
         self._angle = 0.0
         self._slip = np.zeros(stepper.system.dimension - 1)
@@ -146,19 +169,45 @@ class BlockObserver:
         nodes, places = self._corners
         return places + points.points.layer.gather(u.reshape(-1, body.dimension))[nodes]
 
-    def row(self, state: State) -> list[float]:
+    def columns(self, state: State) -> dict[str, float]:
         """Values of the columns of a block."""
-        angle, spin, centre = self._motion(state)
         link, memory = self._link, state.contacts[self._member.contacts[0]]
         if link.interface is not self._interface:
             self._interface = link.interface
             self._homes = None
             self._corners = self._bottom()
         self._slip = self._slipped(memory)
-        seat = link.interface.carrier.seat(self._corner_positions(state), memory.seat.carrier)
-        sunk = self._penetration(state)
-        values = [*angle, *spin, *self._slip, *seat.place[:, 0], sunk, *centre]
-        return [float(value) for value in (*values, *self._force(state))]
+        lost = self._lost_its_carrier(state)
+        corners = self._corner_positions(state)
+        height = corners[:, -1]
+        if not lost:
+            height = link.interface.carrier.seat(corners, memory.seat.carrier).place[:, 0]
+        spatial = corners.shape[1] == 3
+        ends = ("1", "2", "3", "4") if spatial else ("left", "right")
+        along = ("", "_second") if spatial else ("",)
+        normal, *tangential = self._force(state, lost)
+        return {
+            **self._motion(state),
+            **{f"slip{way}_m": float(slip) for way, slip in zip(along, self._slip, strict=True)},
+            **{f"gap_{end}_m": float(gap) for end, gap in zip(ends, height, strict=True)},
+            "penetration_m": self._penetration(state),
+            "normal_force_N": float(normal),
+            **{
+                f"friction_force{way}_N": float(force)
+                for way, force in zip(along, tangential, strict=True)
+            },
+        }
+
+    def _lost_its_carrier(self, state: State) -> bool:
+        """Whether the centre of the block is below the top of the block that carried it."""
+        if self._carrier is None:
+            return False
+        system = self._stepper.system
+        own = state.rigid_motion(system, self._member.number)
+        below = state.rigid_motion(system, self._carrier.number)
+        centre = self._member.body.centre + own.moved
+        shift = centre - self._carrier.body.centre - below.moved
+        return float(shift @ below.rotation[:, -1]) <= self._carrier.spec.height / 2
 
     def _penetration(self, state: State) -> float:
         """How deep a point of the block or of what carries it is in the other, at most."""
@@ -169,23 +218,39 @@ class BlockObserver:
             deepest = min(deepest, float(np.min(gap, initial=0.0)))
         return max(0.0, -deepest)
 
-    def _motion(self, state: State) -> tuple[Sequence[float], Sequence[float], Array]:
+    def _motion(self, state: State) -> dict[str, float]:
         """Angles, angular velocities and centre."""
         body = self._member.body
         moved, _, spin, rotation = state.rigid_motion(self._stepper.system, self._member.number)
         if body.dimension == 2:
             self._angle = unwrap(lean(rotation), self._angle)
-            turned = [self._angle]
         else:
             self._angle = unwrap(float(np.arctan2(rotation[0, 2], rotation[2, 2])), self._angle)
-            turned = [self._angle, *rotation_vector(rotation)]
-        return turned, list(spin), body.centre + moved
+        values = {"angle_rad": self._angle}
+        if body.dimension == 2:
+            values["angular_velocity_rad_s"] = float(spin[0])
+        else:
+            for axis, angle, rate in zip("xyz", rotation_vector(rotation), spin, strict=True):
+                values[f"angle_{axis}_rad"] = float(angle)
+                values[f"angular_velocity_{axis}_rad_s"] = float(rate)
+        centre = body.centre + moved
+        return values | {f"centre_{x}_m": float(c) for x, c in zip("xyz", centre, strict=False)}
 
-    def _force(self, state: State) -> Array:
-        """Normal and tangential force on the block, in the frame of what carries it."""
+    def _force(self, state: State, lost: bool) -> Array:
+        """Normal and tangential force on the block, in the frame of what carries it, N.
+
+        Args:
+            state: At the end of a step.
+            lost: Whether the block has lost its carrier: the foundation is level.
+        """
         own, *edges = self._member.contacts
         force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)
-        frame = self._stepper.links[own].interface.carrier.frame
+        carrier = self._stepper.links[own].interface.carrier
+        frame = carrier.frame
+        if lost:
+            assert isinstance(carrier, Face)
+            frame = carrier.reference_frame
+            force = frame @ (force @ carrier.frame)
         for number in edges:
             link = self._stepper.links[number]
             pushed = in_space(state.contacts[number].force, link.interface.carrier.frame)
@@ -251,7 +316,7 @@ class PlatformObserver:
         self._own = system.slices[assembly.support.number]
         self._velocity: Array | None = None
 
-    def row(self, state: State, step: float) -> list[float]:
+    def columns(self, state: State, step: float) -> dict[str, float]:
         """Drift, velocity, acceleration along x; in space the same along y.
 
         The acceleration is the increment of velocity over the step, impulses of contact counted in.
@@ -259,8 +324,12 @@ class PlatformObserver:
         drift, velocity = (self._mean(vector[self._own]) for vector in (state.u, state.v))
         before = velocity if self._velocity is None else self._velocity
         self._velocity = velocity
-        columns = zip(drift, velocity, (velocity - before) / step, strict=True)
-        return [float(value) for column in columns for value in column]
+        values = {}
+        for k, way in enumerate(("", "_second")[: len(drift)]):
+            values[f"drift{way}_m"] = float(drift[k])
+            values[f"velocity{way}_m_s"] = float(velocity[k])
+            values[f"acceleration{way}_m_s2"] = float((velocity[k] - before[k]) / step)
+        return values
 
     def _mean(self, vector: Array) -> Array:
         """Horizontal components of the platform's motion: of a meshed one, the mean of its top."""

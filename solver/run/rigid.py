@@ -16,6 +16,7 @@ import numpy as np
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.stepped import SteppedGround
 from solver.fields.rigid_snapshots import RigidSnapshots
+from solver.history.columns import positions
 from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, is_kept, runs_machine_code
 from solver.rigid.outcome import Advance
@@ -64,6 +65,7 @@ class RigidRun:
         if machine_code and not is_kept(rows):
             log("compiling the steps of rigid blocks: less than a minute, kept for later runs")
         # What the scene does not have gets no columns in its history.
+        self._run_columns = positions("run", scene.dimension)
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
         self._steps = self._rejected = self._iterations = 0
         how = "compiled" if machine_code else "interpreted"
@@ -128,7 +130,7 @@ class RigidRun:
         ground = None if self._ground is None else self._ground.between(first, stop)
         outcome = self._advance(stop - first, step, ground)
         rows = outcome.rows
-        rows[:, 0] = np.arange(first + 1, first + 1 + len(rows)) * step
+        rows[:, self._run_columns.time_s] = np.arange(first + 1, first + 1 + len(rows)) * step
         self._steps += len(rows)
         every = self._scene.output.history_every
         ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or outcome.failure
@@ -154,7 +156,7 @@ class RigidRun:
         if self._motion.moves:
             ground = self._motion.accelerations(ends), self._motion.means(ends)
         outcome = self._advance(1, rest, ground)
-        outcome.rows[:, 0] = span.end
+        outcome.rows[:, self._run_columns.time_s] = span.end
         self._steps += len(outcome.rows)
         desk.history.extend(outcome.rows[:, self._columns])
         self._report(desk, outcome)
@@ -168,13 +170,15 @@ class RigidRun:
 
     def _report(self, desk: RunContext, outcome: Advance) -> None:
         """Count, and tell of what went wrong."""
+        run = self._run_columns
         self._rejected += outcome.rejected
-        self._iterations += int(outcome.rows[:, 2].sum())
+        self._iterations += int(outcome.rows[:, run.newton_iterations].sum())
         if outcome.rejected:
             self._log(f"{outcome.rejected} steps halved before t = {self._system.time:.6g} s")
         if len(outcome.rows):
             last = outcome.rows[-1]
-            desk.show(float(last[0]), float(last[1]), int(last[2]))
+            iterations = int(last[run.newton_iterations])
+            desk.show(float(last[run.time_s]), float(last[run.step_s]), iterations)
 
     def cost(self) -> dict[str, Any]:
         """What the run took."""

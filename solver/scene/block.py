@@ -49,47 +49,56 @@ class BlockSpec(Checked):
     """
 
     name: str = "block"
-    """Letters, digits, _ and -; addresses the block in overrides and columns."""
+    """The block's name, different from all others: a letter, then letters, digits, `_` and `-`.
+    Names of tables and columns are taken: foundation, contact, damping, motion, time, output, base,
+    platform, plate, frame, energy."""
     on: str = "foundation"
-    """What carries it: the foundation, or a block's name."""
+    """What carries it: `"foundation"` or the name of another block."""
     width: Positive
-    """B, m."""
+    """B, along x, m."""
     height: Positive
     """H, m."""
     thickness: Positive = 1.0
-    """t, m."""
+    """t, across the plane of motion, along y in 3-D, m."""
     mass: Positive | None = None
-    """m, kg; or `density`."""
+    """Mass m of the whole block, kg. Default: this or `density`."""
     density: Positive | None = None
-    """rho, kg/m^3; or `mass`."""
+    """rho, kg/m³. Default: this or `mass`."""
     model: Literal["elastic", "rigid"] = "elastic"
-    """With a mesh, or with 3 unknowns (6 in 3-D) and without one."""
+    """With a mesh; or with 3 unknowns (6 in 3-D) and without one; among meshed bodies in 3-D one
+    very stiff cell."""
     young: Positive | None = None
-    """Young's modulus E, Pa; of elastic blocks."""
+    """Young's modulus E, Pa. Default: elastic: required."""
     poisson: Ratio | None = None
-    """Poisson's ratio nu; of elastic blocks."""
+    """Poisson's ratio nu. Default: elastic: required."""
     offset: Finite = 0.0
-    """Of its centre from the centre of what carries it, along x, m."""
+    """Distance of its centre from the centre of what carries it, along x, before the tilt, m."""
     offset_second: Finite = 0.0
-    """The same along y, m; 3-D only."""
+    """Distance between these centres along y, m; 3-D only."""
     tilt_deg: Tilt = 0.0
-    """Initial rigid rotation about the bottom corner on that side, positive towards +x, degrees."""
+    """Rigid rotation at the start about the bottom corner on that side, positive towards +x,
+    degrees; against what carries it, which a block on a tilted one is tilted with."""
     tilt_direction_deg: Turn = 0.0
-    """Where it leans to: angle from +x towards +y, degrees; 3-D only."""
+    """Where a positive tilt leans to: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
-    """Of its centre at the start, relative to the ground, m/s."""
+    """Velocity of its centre at the start, relative to the ground, m/s. Default: 0 in every
+    direction."""
     angular_velocity: Rotation = OPEN
-    """At the start, rad/s; in the plane one number, positive when its lean towards +x grows."""
+    """Angular velocity at the start, rad/s; 2-D: positive when a lean towards +x grows; 3-D: about
+    x, y and z by the right-hand rule. Default: 0."""
     cells: Cells = OPEN
-    """Number of cells along width and height, 6 and 16; 3-D: width, thickness, height, 6, 6, 16."""
+    """Cells along width and height; 3-D: width, thickness, height. Default: `[6, 16]`; 3-D: `[6, 6,
+    16]`."""
     cell: Cell = OPEN
-    """quadrilateral or triangle; in 3-D hexahedron or tetrahedron."""
+    """Shape of the cells; each quadrilateral makes two triangles, each hexahedron five tetrahedra.
+    Default: the first of those allowed."""
     degree: Literal[1, 2] = 1
-    """Polynomial degree of the displacement."""
+    """Polynomial degree of the displacement. Tetrahedra of degree 2 need `contact.points =
+    "gauss"`."""
     refinement: Annotated[float, Number(at_least=1)] = 1.0
-    """Longest cell edges over those at the bottom corners."""
+    """Longest cell edges over those at the bottom corners, along each direction."""
     friction: NotNegative | FrictionSpec | None = None
-    """Between it and what carries it; None: that of `[contact]`."""
+    """Between it and what carries it; see [friction](#friction). Default: that of `[contact]`."""
 
     def __post_init__(self) -> None:
         """Check the values."""

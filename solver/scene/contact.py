@@ -20,13 +20,13 @@ class FrictionSpec(Checked):
     static: NotNegative
     """mu_s."""
     dynamic: NotNegative = OPEN
-    """mu_d <= mu_s; left out: mu_s."""
+    """mu_d, no larger than `static`. Default: that of `static`."""
     decay: NotNegative = 0.0
-    """DC, s/m; 0: a jump."""
+    """DC, s/m; 0 is a jump. Only where mu_d < mu_s."""
     cohesion: NotNegative = 0.0
-    """c, Pa."""
+    """c, Pa, over the area of the closed points."""
     cohesion_lost: bool = False
-    """A point that has slipped has no cohesion any more."""
+    """Whether a point that has slipped has lost its cohesion. Only with cohesion."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -51,13 +51,15 @@ class ContactSpec(Checked):
     """Contact: `[contact]`."""
 
     points: Literal["nodes", "gauss"] = "nodes"
-    """Contact points: Gauss-Lobatto, for rocking, or Gauss, for sliding."""
+    """Contact points: at the nodes (Gauss-Lobatto), for rocking, where a block pivots about its
+    very corner; or Gauss points, for sliding."""
     gamma: Annotated[float, Number(at_least=10)] = 100.0
-    """Nondimensional Nitsche parameter: gamma (lambda + 2 mu) degree^2 / h. Below 10 the traction
-    of a cell outweighs its stiffness."""
+    """Nitsche parameter, without dimension; the stiffness is gamma (lambda + 2 mu) degree²/h.
+    [Smaller ones](stability.md#what-is-refused) are not stable."""
     theta: Literal[1, 0, -1] = 1
-    """Nitsche variant: symmetric, plain, skew-symmetric."""
+    """Nitsche variant: symmetric, which has an energy; fewest terms; skew."""
     friction: NotNegative | FrictionSpec = 0.6
-    """Coulomb's mu, or a table; for blocks that do not have their own."""
+    """For blocks that do not have their own; see [friction](#friction)."""
     velocity_solve: bool = True
-    """Second contact solve, for the velocities, after each step."""
+    """Whether contact is solved once more for the velocities after each step; `false` for
+    comparison."""

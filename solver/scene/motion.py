@@ -28,9 +28,9 @@ class Motion(Checked):
     """
 
     vertical: MotionSpec | None = None
-    """Along the vertical, positive upwards: `[motion.vertical]`."""
+    """`[motion.vertical]`: the motion along the vertical, positive upwards. Default: -."""
     second: MotionSpec | None = None
-    """Along y: `[motion.second]`, 3-D only."""
+    """`[motion.second]`: the motion along y; 3-D only. Default: -."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -60,6 +60,7 @@ class StillSpec(Motion):
     """No motion along x, for `[motion.vertical]` or `[motion.second]` alone: kind = "none"."""
 
     kind: Literal["none"] = "none"
+    """Shape of the acceleration; left out where nothing moves along x."""
 
     @property
     def known_peak(self) -> float | None:
@@ -73,13 +74,13 @@ class SineSpec(Motion):
 
     kind: Literal["sine"] = "sine"
     amplitude_g: Finite
-    """Amplitude over 9.81 m/s^2, whatever `gravity` is."""
+    """A, g."""
     period: Positive
-    """s."""
+    """T, s."""
     cycles: Positive | None = None
-    """Number of periods; None: to the end of the run."""
+    """Number of periods. Default: to the end of the run."""
     start: NotNegative = 0.0
-    """s."""
+    """Time at which the motion begins, s."""
 
     @property
     def known_peak(self) -> float | None:
@@ -92,11 +93,11 @@ class _Pulse(Motion):
     """A motion that is over after a while."""
 
     amplitude_g: Finite
-    """Amplitude over 9.81 m/s^2, whatever `gravity` is."""
+    """A, g."""
     duration: Positive
-    """s."""
+    """Duration, s."""
     start: NotNegative = 0.0
-    """s."""
+    """Time at which the motion begins, s."""
 
     @property
     def known_peak(self) -> float | None:
@@ -131,13 +132,14 @@ class RickerSpec(Motion):
 
     kind: Literal["ricker"] = "ricker"
     amplitude_g: Finite
-    """Acceleration in the middle over 9.81 m/s^2, whatever `gravity` is."""
+    """A, the acceleration in the middle, g; before and after it the ground is pushed the other way,
+    by 0.446 A."""
     duration: Positive | None = None
-    """s; or `frequency`. A wavelet of frequency f lasts 3/f: cut off at 1e-8 of its amplitude."""
+    """3/f, s. Default: this or `frequency`."""
     frequency: Positive | None = None
-    """f, where its spectrum is highest, 1/s."""
+    """f, where the spectrum is highest, 1/s. Default: this or `duration`."""
     start: NotNegative = 0.0
-    """s."""
+    """Time at which the motion begins, s."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -156,9 +158,9 @@ class TableSpec(Motion):
 
     kind: Literal["table"] = "table"
     file: Path
-    """Time (s) and acceleration; relative to the folder of the scene."""
+    """Time (s), increasing, and acceleration; relative to the folder of the scene."""
     units: Units = "g"
-    """Of the accelerations; g is 9.81 m/s^2."""
+    """Unit of the accelerations."""
     scale: Finite = 1.0
     """Factor on the accelerations."""
 
@@ -169,19 +171,22 @@ class RecordSpec(Motion):
 
     kind: Literal["record"] = "record"
     file: Path
-    """PEER's .AT2, two columns, or one with `dt`; relative to the folder of the scene."""
+    """Relative to the folder of the scene."""
     scale: Finite = 1.0
     """Factor on the accelerations."""
     units: Units | None = None
-    """Of the accelerations; g is 9.81 m/s^2. None: those that the header names."""
+    """Unit of the accelerations; no other than that of the header. Default: from the header, if it
+    names one."""
     dt: Positive | None = None
-    """Time between samples, s, for files that do not say it."""
+    """Time between samples, s; only for files that do not say it. Default: from the file."""
     window: tuple[NotNegative, Positive] | None = None
-    """First and last time of the part that is used, s from the first sample; None: all."""
+    """First and last time of the part that is used, s from the first sample; the samples between
+    them, both included. Default: all of it."""
     baseline: Literal["none", "constant", "linear", "quadratic"] = "none"
-    """Polynomial taken off the accelerations, so that the velocities become smallest."""
+    """Polynomial of time taken off the accelerations that are used, so that the mean square of the
+    velocity becomes least: after Berg and Housner (1961), who took off a parabola."""
     start: NotNegative = 0.0
-    """When the first sample that is used comes, s."""
+    """Time at which the first sample that is used comes, s."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -196,25 +201,29 @@ class SyntheticSpec(Motion):
 
     kind: Literal["synthetic"] = "synthetic"
     seed: Annotated[int, Number(at_least=0)] = 1
-    """Of the random numbers: one seed, one earthquake and one site."""
+    """One seed stands for one earthquake and one site."""
     component: Count = 1
-    """Which of the directions of one earthquake at one site: each has noise of its own."""
+    """Which of the directions of that earthquake at that site: the same amplitudes, other noise.
+    `[motion.second]` and `[motion.vertical]` take 2 and 3, lest they repeat the first one."""
     magnitude: Annotated[float, Number(at_least=4, at_most=8)] = 6.7
     """Moment magnitude M."""
     distance_km: Annotated[float, Number(at_least=0, at_most=200)] = 25.0
-    """R_JB, to the surface projection of the rupture."""
+    """Joyner and Boore's distance R_JB, from the site to the surface projection of the rupture,
+    km."""
     vs30: Annotated[float, Number(at_least=150, at_most=1500)] = 400.0
     """Mean velocity of shear waves in the upper 30 m, m/s."""
     event_sigma: NotNegative = 0.0
-    """Standard deviation of ln amplitude between earthquakes; 0: the average one."""
+    """Standard deviation, between earthquakes, of the logarithm of the amplitude; 0 is the average
+    earthquake, 0.3 is realistic."""
     site_sigma: NotNegative = 0.0
-    """The same between sites and paths."""
+    """Standard deviation of that logarithm between sites; 0 is the average site, 0.5 is
+    realistic."""
     scale: Finite = 1.0
-    """Factor on the accelerations."""
+    """Factor on the accelerations; along the vertical 0.5 to 0.7 is common."""
     dt: Annotated[float, Number(at_least=0.001, at_most=0.02)] = 0.005
     """Time between samples, s; another one is another motion."""
     start: NotNegative = 0.0
-    """s."""
+    """Time at which the motion begins, s."""
 
 
 MotionSpec: TypeAlias = (

@@ -16,5 +16,6 @@ class OutputSpec(Checked):
     every: Positive = 0.01
     """Time between two snapshots of the fields, s."""
     fields: Literal["vtk", "none"] = "vtk"
+    """For ParaView, or none."""
     history_every: Count = 1
     """Steps between two rows of the history."""

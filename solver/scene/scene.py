@@ -32,20 +32,29 @@ class Scene(Checked):
     """All of a simulation's input, checked; nothing is left open in its parts."""
 
     title: str = ""
+    """Appears in `summary.json` and in `rockslip check`."""
     dimension: Dimension = 2
+    """Dimension of space."""
     plane: Literal["strain", "stress"] = OPEN
-    """2-D only: "strain" if left out; None in 3-D."""
+    """Plane strain or plane stress of all meshed bodies; 2-D only. Default: `"strain"`; 3-D: -."""
     gravity: NotNegative = 9.81
-    """g, m/s^2."""
+    """g, m/s²."""
     gravity_tilt_deg: Tilt = 0.0
-    """Turns gravity towards +x, degrees: an incline."""
+    """Turns gravity towards +x, degrees: an incline that falls towards +x."""
     blocks: tuple[BlockSpec, ...] = field(metadata={"key": "block"})
+    """`[[block]]`, below."""
     foundation: FoundationSpec = field(default_factory=RigidSpec)
+    """`[foundation]`, below. Default: the rigid ground."""
     contact: ContactSpec = field(default_factory=ContactSpec)
+    """`[contact]`, below. Default: its defaults."""
     damping: DampingSpec | None = None
+    """`[damping]`, below. Default: -."""
     motion: MotionSpec | None = None
+    """`[motion]`, below; the ground is still without it. Default: -."""
     time: TimeSpec
+    """`[time]`, below."""
     output: OutputSpec = field(default_factory=OutputSpec)
+    """`[output]`, below. Default: its defaults."""
 
     def __post_init__(self) -> None:
         """Check the values, and fill in what depends on the dimension."""

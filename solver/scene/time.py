@@ -15,23 +15,28 @@ class TimeSpec(Checked):
     """Time stepping: `[time]`."""
 
     end: Positive
-    """s."""
+    """Time at which the run ends, s."""
     step: Positive
-    """dt, s."""
+    """dt, s; no longer than `end`. What it decides: [small steps](method.md#small-steps)."""
     rho_inf: Annotated[float, Number(at_least=0, at_most=1)] = 0.8
-    """Spectral radius of generalized-alpha at infinity."""
+    """Spectral radius that the weights of generalized-alpha come from; smaller ones damp more of
+    the vibration of the blocks."""
     damped_steps: Annotated[int, Number(at_least=0)] = 8
-    """Steps after a change of contact that are taken with rho_inf = 0; none where it is 1."""
+    """Steps after a change of contact (open, stick, slip) that are taken with `rho_inf` = 0, which
+    takes out vibration that the step does not resolve; 0 for none, as with `rho_inf = 1`. All
+    bodies of a scene together; without effect where nothing is meshed."""
     initial: Literal["static", "unstressed"] = "static"
-    """Begin with gravity in equilibrium (blocks that begin closed), or without stress."""
+    """Begin in equilibrium with gravity, where no block is tilted; or without stress."""
     smallest: NotNegative = 0.0
-    """Smallest step to which steps that do not converge are halved, s; 0 becomes step / 1024."""
+    """Smallest step to which steps that do not converge are halved, s; 0 becomes step/1024."""
     adaptive: bool = False
-    """Whether steps are chosen by their error, `step` times powers of two; `step` is the first."""
+    """Whether steps are chosen by their error: `step`, with which the run begins, times powers of
+    two. Not where nothing is meshed: there steps are cut at events anyway."""
     tolerance: Positive | None = None
-    """Adaptive only: error of a step around events, over the half diagonal; None becomes 1e-7."""
+    """Error of a step in the motion of a body, over half its diagonal, around events; ten times
+    that elsewhere. Adaptive only. Default: adaptive: `1e-7`."""
     largest: Positive | None = None
-    """Adaptive only: longest step, s; None becomes 4 `step`."""
+    """Longest step, s. Adaptive only. Default: adaptive: 4 `step`."""
 
     def __post_init__(self) -> None:
         """Check the values."""

@@ -1,228 +1,133 @@
-"""docs/scene.md against the specifications: every key, its default, what is allowed; examples."""
+"""Tables of docs/scene.md and docs/output.md against the code that they come from; examples."""
 
 from __future__ import annotations
 
+import importlib.util
 import re
-from collections.abc import Iterator
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import pytest
 
+from solver.history.columns import TABLE
 from solver.run.describe import describe
-from solver.scene import (
-    BlockSpec,
-    ContactSpec,
-    DampingSpec,
-    FrictionSpec,
-    OutputSpec,
-    Scene,
-    TimeSpec,
-    parse_scene,
-)
-from solver.scene.checking import key_of, shown
-from solver.scene.foundation import (
-    ColumnSpec,
-    DeckSpec,
-    FrameCellsSpec,
-    FrameSpec,
-    OscillatorSpec,
-    PlateSpec,
-    RigidSpec,
-)
-from solver.scene.motion import (
-    HalfSineSpec,
-    OneSineSpec,
-    RecordSpec,
-    RectangularSpec,
-    RickerSpec,
-    SineSpec,
-    StillSpec,
-    SyntheticSpec,
-    TableSpec,
-)
+from solver.scene import Scene, parse_scene
+from solver.scene.checking import Number, shown
 
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "scene.md", ROOT / "README.md"
+OUTPUT = ROOT / "docs" / "output.md"
 
-SECTIONS: dict[str, tuple[Any, ...]] = {
-    "The scene as a whole": (Scene,),
-    "`[[block]]`": (BlockSpec,),
-    "Friction": (FrictionSpec,),
-    "`[contact]`": (ContactSpec,),
-    "`[foundation]` / `kind = \"rigid\"`": (RigidSpec,),
-    "`[foundation]` / `kind = \"oscillator\"`": (OscillatorSpec,),
-    "`[foundation]` / `kind = \"elastic\"`": (PlateSpec,),
-    "`[foundation]` / `kind = \"frame\"`": (FrameSpec,),
-    "`[foundation]` / `[foundation.deck]`": (DeckSpec,),
-    "`[foundation]` / `[foundation.column]`": (ColumnSpec,),
-    "`[foundation]` / `[foundation.cells]`": (FrameCellsSpec,),
-    "`[damping]`": (DampingSpec,),
-    "`[motion]` / `kind = \"none\"`": (StillSpec,),
-    "`[motion]` / `kind = \"sine\"`": (SineSpec,),
-    "`[motion]` / `kind = \"half_sine\"`, `\"one_sine\"`, `\"rectangular\"`": (
-        HalfSineSpec, OneSineSpec, RectangularSpec,
-    ),
-    "`[motion]` / `kind = \"ricker\"`": (RickerSpec,),
-    "`[motion]` / `kind = \"table\"`": (TableSpec,),
-    "`[motion]` / `kind = \"record\"`": (RecordSpec,),
-    "`[motion]` / `kind = \"synthetic\"`": (SyntheticSpec,),
-    "`[time]`": (TimeSpec,),
-    "`[output]`": (OutputSpec,),
-}  # fmt: skip
-
-SHARED = ("kind", "vertical", "second")
-"""Keys that stand once for all kinds, in the table of `[foundation]` or `[motion]` itself."""
-
-Cells = tuple[str, str, str]
-"""Default, what is allowed, meaning."""
+ONCE = ({"RigidSpec", "StillSpec"}, {"OneSineSpec", "RectangularSpec"})
+"""Specifications without keys of their own, and those whose keys are those of a half sine."""
 
 
-def tables() -> dict[str, dict[str, Cells]]:
-    """The rows of the page, by heading and key."""
-    found: dict[str, dict[str, Cells]] = {}
-    above = heading = ""
-    for line in PAGE.read_text(encoding="utf-8").splitlines():
-        if line.startswith("## "):
-            above = heading = line[3:]
-        elif line.startswith("### "):
-            heading = f"{above} / {line[4:]}"
-        found.setdefault(heading, {})
-        row = re.fullmatch(r"\| `(\w+)` \| (.+) \| (.+) \| (.+) \|", line)
-        if row:
-            assert row[1] not in found[heading], f"{heading}: {row[1]} twice"
-            found[heading][row[1]] = (row[2], row[3], row[4])
-        elif line.startswith("|"):
-            assert line in ("| key | default | allowed | meaning |", "|---|---|---|---|"), line
-    return found
+def _generator() -> Any:
+    """The script that writes the tables."""
+    spec = importlib.util.spec_from_file_location(
+        "generate_tables", ROOT / "docs" / "generate_tables.py"
+    )
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-ROWS = tables()
+generator = _generator()
 
 
-def keys_of(cls: Any) -> dict[str, Field[Any]]:
-    """The fields of a specification that stand in its own table, by key."""
-    shared = SHARED if "kind" in {field.name for field in fields(cls)} else ()
-    return {key_of(field): field for field in fields(cls) if field.name not in shared}
+def tables(page: Path) -> dict[str, str]:
+    """The generated tables of a page by their names."""
+    text = page.read_text(encoding="utf-8")
+    return {found["name"]: found[0] for found in generator.MARKED.finditer(text)}
 
 
-CASES = [
-    pytest.param(heading, cls, field, id=f"{cls.__name__}.{key}")
-    for heading, classes in SECTIONS.items()
-    for cls in classes
-    for key, field in keys_of(cls).items()
-]
+@pytest.mark.parametrize("page", [PAGE, OUTPUT], ids=lambda page: page.name)
+def test_the_tables_are_those_that_are_generated(page: Path) -> None:
+    """`make docs-tables` writes them."""
+    text = page.read_text(encoding="utf-8")
+    assert generator.with_tables(text) == text
+    assert text.count("<!-- generated: ") == text.count(generator.END) == len(tables(page))
 
 
-def types_in(hint: Any) -> Iterator[Any]:
-    """The types that a hint is made of, without None."""
-    origin = get_origin(hint)
-    if origin in (Union, UnionType, tuple):
-        for part in get_args(hint):
-            yield from types_in(part)
-    elif hint not in (NoneType, Ellipsis):
-        yield hint
-
-
-def specifications(cls: Any, found: set[Any]) -> set[Any]:
+def specifications(hint: Any, found: set[Any]) -> set[Any]:
     """A specification and all that may stand inside it."""
-    if cls not in found:
-        found.add(cls)
-        for hint in get_type_hints(cls, include_extras=True).values():
-            for part in types_in(hint):
-                if is_dataclass(part):
-                    specifications(part, found)
+    if is_dataclass(hint) and hint not in found:
+        found.add(hint)
+        for part in get_type_hints(hint, include_extras=True).values():
+            specifications(part, found)
+    elif get_origin(hint) is not Annotated:
+        for part in get_args(hint):
+            specifications(part, found)
     return found
-
-
-def allowed(hint: Any, key: str) -> Iterator[str]:
-    """What the page has to say about a type."""
-    origin = get_origin(hint)
-    if is_dataclass(hint):
-        yield "table"
-    elif origin is Literal:
-        yield from (f"`{shown(word)}`" for word in get_args(hint))
-    elif origin is Annotated:
-        kind, rule = get_args(hint)
-        if kind is int:
-            yield "whole number"
-        words = rule.words(key).removeprefix(f"{key} ")
-        yield words if words == "a finite number" else f"`{words}`"
-    else:
-        yield from {bool: ("`true`", "`false`"), str: ("text",), Path: ("file",)}[hint]
 
 
 def test_every_table_of_a_scene_has_its_section() -> None:
-    assert specifications(Scene, set()) == {cls for part in SECTIONS.values() for cls in part}
-    with_keys = {heading for heading, rows in ROWS.items() if rows}
-    assert with_keys <= {*SECTIONS, "`[foundation]`", "`[motion]`"}
-
-
-@pytest.mark.parametrize("heading", SECTIONS)
-def test_the_keys_are_those_of_the_specification(heading: str) -> None:
-    """In the same order; none missing, none that does not exist."""
-    for cls in SECTIONS[heading]:
-        assert list(ROWS[heading]) == list(keys_of(cls))
-
-
-@pytest.mark.parametrize(("heading", "first"), [("foundation", RigidSpec), ("motion", StillSpec)])
-def test_what_all_kinds_share(heading: str, first: Any) -> None:
-    rows, above = ROWS[f"`[{heading}]`"], f"`[{heading}]` / `kind = "
-    assert set(rows) == {field.name for field in fields(first)}  # the first kind has nothing else
-    classes = [cls for name in SECTIONS if name.startswith(above) for cls in SECTIONS[name]]
-    kinds = [shown(next(f.default for f in fields(cls) if f.name == "kind")) for cls in classes]
-    default, words, _ = rows["kind"]
-    assert words == ", ".join(f"`{kind}`" for kind in kinds)
-    assert default == f"`{kinds[0]}`"
-    named = [word for name in ROWS if name.startswith(above) for word in re.findall('"\\w+"', name)]
-    assert named == kinds
-
-
-@pytest.mark.parametrize(("heading", "cls", "field"), CASES)
-def test_defaults(heading: str, cls: Any, field: Field[Any]) -> None:
-    """As the code has them; what the scene fills in is said in words."""
-    default = ROWS[heading][key_of(field)][0]
-    if field.default is MISSING and field.default_factory is MISSING:
-        assert default == "required"
-    elif field.default is MISSING or field.default is None:
-        assert default != "required"
-    else:
-        assert default == f"`{shown(field.default)}`"
-
-
-@pytest.mark.parametrize(("heading", "cls", "field"), CASES)
-def test_what_is_allowed(heading: str, cls: Any, field: Field[Any]) -> None:
-    key = key_of(field)
-    text = ROWS[heading][key][1]
-    expected = {
-        word
-        for part in types_in(get_type_hints(cls, include_extras=True)[field.name])
-        for word in allowed(part, key)
+    """No specification without its keys on the page, but those that share a table."""
+    named = {name.removeprefix("keys of ") for name in tables(PAGE) if "keys of" in name}
+    assert named == {cls.__name__ for cls in specifications(Scene, set())} - ONCE[0] - ONCE[1]
+    assert {name for name in tables(PAGE) if "kinds of" in name} == {
+        "kinds of foundation",
+        "kinds of motion",
     }
-    marked = {word for word in expected if word.startswith("`")}
-    assert marked == set(re.findall("`[^`]+`", text))
-    assert all(word in text for word in expected - marked)
+    half_sine = generator.generated("keys of HalfSineSpec")
+    for cls in ONCE[1]:
+        assert generator.generated(f"keys of {cls}") == half_sine
+    for cls in ONCE[0]:
+        assert generator.generated(f"keys of {cls}").count("\n") == 2  # the head alone
+
+
+def test_every_kind_has_its_section() -> None:
+    """In the order of the table, under a heading that names it."""
+    text = PAGE.read_text(encoding="utf-8")
+    for part in ("foundation", "motion"):
+        (row,) = re.findall(r"\| `kind` \|.*", generator.generated(f"kinds of {part}"))
+        kinds = re.findall(r'`"(\w+)"`', row.split(" | ")[2])
+        section = text.split(f"\n## `[{part}]`\n")[1].split("\n## ")[0]
+        headings = re.findall(r"^### `kind = .*", section, re.MULTILINE)
+        assert [kind for line in headings for kind in re.findall(r'"(\w+)"', line)] == kinds
+
+
+def test_every_column_is_on_the_page_of_output() -> None:
+    text = "".join(tables(OUTPUT).values())
+    for column in TABLE:
+        assert f"| `{column.name}` | {column.unit} | {column.meaning} |" in text
+
+
+@dataclass(frozen=True, kw_only=True)
+class Silent:
+    """A specification of which a table cannot be made."""
+
+    length: Annotated[float, Number(above=0)]
+    mass: Annotated[float, Number(above=0)] | None = None
+    """Mass, kg."""
+
+
+def test_a_field_that_says_too_little_is_named() -> None:
+    """Without a meaning, or without a word on what happens where it is left out."""
+    length, mass = fields(Silent)
+    with pytest.raises(ValueError, match=r"Silent\.length: no text"):
+        generator.key_row(Silent, length)
+    with pytest.raises(ValueError, match=r'Silent\.mass: no "Default'):
+        generator.key_row(Silent, mass)
 
 
 def test_numbers_of_cells_are_those_that_are_filled_in() -> None:
-    for heading, cls in (
-        ("`[[block]]`", BlockSpec),
-        ('`[foundation]` / `kind = "elastic"`', PlateSpec),
-    ):
-        plane, space = re.findall(r"`(\[[\d, ]+\])`", ROWS[heading]["cells"][0])
+    for name in ("BlockSpec", "PlateSpec"):
+        (row,) = re.findall(r"\| `cells` \|.*", generator.generated(f"keys of {name}"))
+        plane, space = re.findall(r"`(\[[\d, ]+\])`", row)
         for dimension, text in ((2, plane), (3, space)):
-            assert shown(filled(cls, dimension).cells) == text
+            assert shown(filled(name, dimension).cells) == text
 
 
-def filled(cls: Any, dimension: int) -> Any:
+def filled(name: str, dimension: int) -> Any:
     """A block or a plate in a scene that says nothing of its cells."""
     block = "width = 1.0\nheight = 1.0\ndensity = 1.0\nyoung = 1.0e9\npoisson = 0.2"
     plate = 'kind = "elastic"\nthickness = 1.0'
     text = f"dimension = {dimension}\n[[block]]\n{block}\n[foundation]\n{plate}\n{block}"
     scene = parse_scene(f"{text}\n[time]\nend = 1.0\nstep = 0.1")
-    return scene.blocks[0] if cls is BlockSpec else scene.foundation
+    return scene.blocks[0] if name == "BlockSpec" else scene.foundation
 
 
 def examples(page: Path) -> list[str]:

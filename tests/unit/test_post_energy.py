@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from solver.history.history import History, columns
+from solver.history.columns import columns
+from solver.history.history import History
 from solver.results import energy
 
 

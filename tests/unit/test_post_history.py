@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from solver.errors import SceneError
-from solver.history.history import History, columns, scene_columns
+from solver.history.columns import columns
+from solver.history.history import History, scene_columns
 from solver.scene import parse_scene
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from scenes import BLOCK
 
-from solver.history.history import History, columns
+from solver.history.columns import columns
+from solver.history.history import History
 from solver.results.summary import summarise, write_json
 from solver.scene import Scene, parse_scene
 

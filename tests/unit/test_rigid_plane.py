@@ -107,8 +107,8 @@ def test_columns_are_those_of_the_history() -> None:
     given = scene()
     names = PlaneSystem.from_scene(given).columns
     assert [name for name in names if name in scene_columns(given)] == list(scene_columns(given))
-    blocks = 2 * plane_rows.BLOCK
-    assert len(names) == plane_rows.RUN + blocks + plane_rows.PLATFORM + plane_rows.ENERGY
+    blocks, run = 2 * len(plane_rows.BLOCK), len(plane_rows.RUN)
+    assert len(names) == run + blocks + len(plane_rows.PLATFORM) + len(plane_rows.ENERGY)
 
 
 def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 
+from solver.history.columns import RowLayout, positions
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.advance import full_step
 from solver.rigid.plane.contact import TOP, distance, local_place, nearest_face
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
 from solver.types import Array
 
-#: Columns of the run with that of the vertical ground motion, of a block, a platform, the energies.
-RUN, BLOCK, PLATFORM, ENERGY = 6, 10, 3, 12
+RUN, BLOCK = positions("run", 2), positions("block", 2)
+"""Places of the columns of the run and of a block within their parts of a row."""
+
+PLATFORM, ENERGY = positions("platform", 2), positions("energy", 2)
+"""Places of the columns of the platform and of the energies."""
 
 
 @compiled
@@ -71,26 +75,31 @@ def write_block(
 ) -> None:
     """The columns of a block; forces are the means of the step, in the frame of what carries it."""
     q, carrier = state.q, still_carried(system, state.q, b)
-    row[0], row[1], row[2] = q[3 * b + 2], state.v[3 * b + 2], state.slip[b]
-    row[3] = height_over(system, q, b, 0, carrier)
-    row[4] = height_over(system, q, b, 1, carrier)
-    row[5] = penetration(system, q, b)
-    row[6], row[7] = q[3 * b], q[3 * b + 1]
+    row[BLOCK.angle_rad] = q[3 * b + 2]
+    row[BLOCK.angular_velocity_rad_s] = state.v[3 * b + 2]
+    row[BLOCK.slip_m] = state.slip[b]
+    row[BLOCK.gap_left_m] = height_over(system, q, b, 0, carrier)
+    row[BLOCK.gap_right_m] = height_over(system, q, b, 1, carrier)
+    row[BLOCK.penetration_m] = penetration(system, q, b)
+    row[BLOCK.centre_x_m], row[BLOCK.centre_y_m] = q[3 * b], q[3 * b + 1]
     angle = q[3 * carrier + 2] if carrier >= 0 else 0.0
     cosine, sine = math.cos(angle), math.sin(angle)
     x, y = work.impulse[b, 0] / dt, work.impulse[b, 1] / dt
-    row[8], row[9] = sine * x + cosine * y, cosine * x - sine * y
+    row[BLOCK.normal_force_N] = sine * x + cosine * y
+    row[BLOCK.friction_force_N] = cosine * x - sine * y
 
 
 @compiled
 def write_energies(system: PlaneModel, state: PlaneState, start: float, row: Array) -> None:
     """The columns of the energies; `start`: total energy at the start of the run, J."""
     kinetic, gravity, spring = stored_energy(system, state)
-    total = kinetic + gravity + spring
-    row[0], row[1], row[2], row[3], row[4] = kinetic, 0.0, gravity, spring, 0.0
-    row[5:10] = state.exchanged
-    row[10] = total
-    row[11] = total - start - state.exchanged[0] + state.exchanged[1:].sum()
+    total, exchanged = kinetic + gravity + spring, state.exchanged
+    row[ENERGY.kinetic_J], row[ENERGY.strain_J], row[ENERGY.gravity_J] = kinetic, 0.0, gravity
+    row[ENERGY.spring_J], row[ENERGY.interface_J] = spring, 0.0
+    row[ENERGY.input_J], row[ENERGY.friction_J] = exchanged[0], exchanged[1]
+    row[ENERGY.damping_J], row[ENERGY.contact_J] = exchanged[2], exchanged[3]
+    row[ENERGY.numerical_J], row[ENERGY.total_J] = exchanged[4], total
+    row[ENERGY.ledger_error_J] = total - start - exchanged[0] + exchanged[1:].sum()
 
 
 @compiled
@@ -101,17 +110,17 @@ def write_row(
     dt: float,
     acceleration: float,
     start: float,
+    layout: RowLayout,
     row: Array,
 ) -> None:
-    """What follows the columns of the run."""
-    blocks = len(system.half)
-    for b in range(blocks):
-        write_block(system, state, work, b, dt, row[RUN + BLOCK * b :])
-    place = RUN + BLOCK * blocks
+    """The columns of the blocks, of the platform and of the energies."""
+    for b in range(len(system.half)):
+        write_block(system, state, work, b, dt, row[layout.block + layout.stride * b :])
     if len(state.q) % 3:
-        row[place], row[place + 1], row[place + 2] = state.q[-1], state.v[-1], acceleration
-        place += PLATFORM
-    write_energies(system, state, start, row[place:])
+        moving = row[layout.platform :]
+        moving[PLATFORM.drift_m], moving[PLATFORM.velocity_m_s] = state.q[-1], state.v[-1]
+        moving[PLATFORM.acceleration_m_s2] = acceleration
+    write_energies(system, state, start, row[layout.energy :])
 
 
 @compiled
@@ -125,6 +134,7 @@ def advance(
     ground: Array,
     shift: Array,
     start: float,
+    layout: RowLayout,
     rows: Array,
 ) -> tuple[int, int]:
     """Take one step for each row; times are left to the caller.
@@ -139,7 +149,8 @@ def advance(
         ground: Acceleration of the ground at the ends of the steps, m/s2, (rows + 1, 2).
         shift: What its mean over each step has beyond that of its ends, m/s2, (rows, 2).
         start: Total energy at the start of the run, J.
-        rows: Written, in the order of `solver.history.history.columns`.
+        layout: Where the parts of a row begin.
+        rows: Written, in the order of `solver.history.columns.columns`.
 
     Returns:
         Number of steps that succeeded (all, or up to the one that failed) and of rejected ones.
@@ -159,7 +170,10 @@ def advance(
             return i, rejected
         rejected += outcome
         row = rows[i]
-        row[1], row[2] = dt, work.counts[1] - iterations
-        row[3], row[4], row[5] = memory.closed.sum(), ground[i + 1, 0], ground[i + 1, 1]
-        write_row(system, state, work, dt, (state.v[-1] - speed) / dt, start, row)
+        row[RUN.step_s], row[RUN.newton_iterations] = dt, work.counts[1] - iterations
+        row[RUN.contact_points_closed] = memory.closed.sum()
+        row[RUN.base_acceleration_m_s2] = ground[i + 1, 0]
+        row[RUN.base_vertical_acceleration_m_s2] = ground[i + 1, 1]
+        gained = (state.v[-1] - speed) / dt
+        write_row(system, state, work, dt, gained, start, layout, row)
     return len(rows), rejected

@@ -15,11 +15,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solver.history.history import columns
+from solver.history.columns import check_filled, columns, row_layout
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.plane.model import new_memory, new_work
-from solver.rigid.plane.rows import advance, stored_energy, write_row
+from solver.rigid.plane.rows import RUN, advance, stored_energy, write_row
 from solver.rigid.plane.start import PlaneBlock, PlanePlatform, state_of, system_of
 from solver.scene import Scene
 from solver.scene.places import poses
@@ -63,6 +63,7 @@ class PlaneSystem:
         self._memory = new_memory(points)
         self._work = new_work(points, len(self._state.q), len(blocks))
         self._first = float(sum(stored_energy(self._system, self._state)))
+        self._layout = row_layout(len(blocks), dimension=2, platform=platform is not None)
 
     @classmethod
     def from_scene(cls, scene: Scene) -> PlaneSystem:
@@ -116,13 +117,15 @@ class PlaneSystem:
                 not those of its ends.
         """
         motion, shift = ground_of_steps(count, 2, ground, mean)
-        rows = np.zeros((count, len(self.columns)))
+        rows = np.full((count, len(self.columns)), np.nan)
         smallest = smallest or dt / 1024
         system, state, memory, work = self._system, self._state, self._memory, self._work
+        start, layout = self._first, self._layout
         done, rejected = advance(
-            system, state, memory, work, dt, smallest, motion, shift, self._first, rows
+            system, state, memory, work, dt, smallest, motion, shift, start, layout, rows
         )
-        rows[:done, 0] = self.time + dt * np.arange(1, done + 1)
+        rows[:done, RUN.time_s] = self.time + dt * np.arange(1, done + 1)
+        check_filled(self.columns, rows[:done])
         self.time += dt * done
         failure = None
         if done < count:
@@ -137,14 +140,18 @@ class PlaneSystem:
             ground: Acceleration of the ground, m/s2.
         """
         state, memory, work = copy.deepcopy((self._state, self._memory, self._work))
-        trial, row = np.zeros((1, len(self.columns))), np.zeros(len(self.columns))
+        trial, row = np.full((2, 1, len(self.columns)), np.nan)
         motion, short = np.array([ground, ground], dtype=np.float64), TRIAL * dt
-        none = np.zeros((1, 2))
-        advance(self._system, state, memory, work, short, short, motion, none, self._first, trial)
+        none, start, layout = np.zeros((1, 2)), self._first, self._layout
+        advance(self._system, state, memory, work, short, short, motion, none, start, layout, trial)
         gained = (float(state.v[-1]) - float(self._state.v[-1])) / short
-        write_row(self._system, self._state, work, short, gained, self._first, row)
-        row[0], row[1], row[3], row[4:6] = self.time, dt, trial[0, 3], ground
-        return row
+        write_row(self._system, self._state, work, short, gained, start, layout, row[0])
+        row[0, RUN.time_s], row[0, RUN.step_s], row[0, RUN.newton_iterations] = self.time, dt, 0
+        row[0, RUN.contact_points_closed] = trial[0, RUN.contact_points_closed]
+        row[0, RUN.base_acceleration_m_s2] = ground[0]
+        row[0, RUN.base_vertical_acceleration_m_s2] = ground[1]
+        check_filled(self.columns, row)
+        return row[0]
 
     @property
     def drift(self) -> float:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from solver.history.columns import RowLayout
 from solver.law.compiled import compiled
 from solver.rigid.space.contact import contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import touched
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import changes, mean_motion
-from solver.rigid.space.rows import record
+from solver.rigid.space.rows import RUN, record
 from solver.rigid.space.solve import solve
 from solver.rigid.space.step import take
 from solver.rigid.space.velocity import correct_velocity
@@ -83,6 +84,7 @@ def run(
     ground: Array,
     shift: Array,
     seen: Array,
+    layout: RowLayout,
     rows: Array,
 ) -> tuple[int, int]:
     """As many steps as there are rows; times and errors are left to the caller.
@@ -97,19 +99,21 @@ def run(
         ground: (steps + 1, 3) accelerations of the ground, m/s2; linear in between.
         shift: (steps, 3) what its mean over each step has beyond that of its ends, m/s2.
         seen: (n, 4) the last angles, carried on.
+        layout: Where the parts of a row begin.
         rows: (steps, columns) filled in.
 
     Returns:
         Number of steps that succeeded, number of rejected solutions.
     """
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
-    rows[:, 1], rows[:, 2] = dt, 0.0
+    speed = state.velocity[-1].copy()
+    rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0
     while k < len(rows):
         h, gained = min(h, dt - done), ground[k + 1] - ground[k]
         first = ground[k] + shift[k]
         start, end = first + gained * (done / dt), first + gained * ((done + h) / dt)
         s = solve(model, state, h, start, end, phase != TIMING)
-        rows[k, 2] += s.iterations
+        rows[k, RUN.newton_iterations] += s.iterations
         if phase == TIMING:
             part = _landing(model, state, s, end) if s.settled else 1.0
             if part < 1 and part * h > GRAVE * dt:
@@ -126,7 +130,9 @@ def run(
             done += h
             if done > dt * (1 - 1e-9):
                 tally /= dt
-                record(model, state, ground[k + 1], seen, tally, rows[k])
+                gained = (state.velocity[-1] - speed) / dt
+                record(model, state, ground[k + 1], seen, tally, gained, layout, rows[k])
                 tally[:, :], done, k = 0.0, 0.0, k + 1
+                speed[:] = state.velocity[-1]
             h, phase = dt - done, LOOKING
     return k, rejected

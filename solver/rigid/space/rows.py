@@ -6,16 +6,19 @@ import math
 
 import numpy as np
 
+from solver.history.columns import RowLayout, positions
 from solver.law.compiled import compiled
-from solver.rigid.space.boxes import corner
+from solver.rigid.space.boxes import corner, points_between
 from solver.rigid.space.contact import rotations
 from solver.rigid.space.model import SpaceModel, SpaceState
 from solver.rigid.space.rotation import rotation_vector, to_body, to_space
 from solver.types import Array
 
-# How many columns `solver.history.history` has: of the run, with all directions of the ground's
-# acceleration; of a block in space; of a platform in one direction.
-RUN, BLOCK, PLATFORM = 7, 20, 3
+RUN, BLOCK = positions("run", 3), positions("block", 3)
+"""Places of the columns of the run and of a block within their parts of a row."""
+
+PLATFORM, ENERGY = positions("platform", 3), positions("energy", 3)
+"""Places of the columns of the platform and of the energies."""
 
 
 @compiled
@@ -32,38 +35,98 @@ def stored_energies(model: SpaceModel, state: SpaceState) -> Array:
 
 
 @compiled
+def still_carried(model: SpaceModel, state: SpaceState, frames: Array, block: int) -> int:
+    """The body that carries a block now.
+
+    It is the ground once the centre of the block is below the top of its carrier.
+    """
+    carrier = model.lower[model.carried[block]]
+    height = to_body(frames[carrier], state.place[block] - state.place[carrier])[2]
+    return carrier if height > model.half[carrier, 2] else len(model.mass) - 1
+
+
+@compiled
+def _penetration(model: SpaceModel, state: SpaceState, frames: Array, block: int) -> float:
+    """How deep a contact point is where a block is the upper one, m."""
+    deepest = 0.0
+    for pair in range(len(model.upper)):
+        if model.upper[pair] != block:
+            continue
+        if model.lower[pair] == len(model.mass) - 1:
+            for k in range(8):
+                arm = to_space(frames[block], corner(model.half[block], k))
+                deepest = max(deepest, -(state.place[block, 2] + arm[2]))
+        else:
+            found = points_between(model, state, frames, pair, 0.0)[3]
+            deepest = max(deepest, -np.min(found[:, 0]))
+    return deepest
+
+
+@compiled
 def _record_block(
     model: SpaceModel, state: SpaceState, frames: Array, block: int, seen: Array, row: Array
 ) -> None:
     """The columns of a block but for its forces; `seen`: its last angles, to go on from."""
-    carrier, frame = model.lower[model.carried[block]], frames[block]
+    carrier, frame = still_carried(model, state, frames, block), frames[block]
     lean = math.atan2(frame[0, 2], frame[2, 2])
     seen[0] = lean + 2 * math.pi * np.round((seen[0] - lean) / (2 * math.pi))
     seen[1:] = rotation_vector(state.quaternion[block], seen[1:])
-    row[:4] = seen
-    row[4:7] = to_space(frame, state.spin[block])
-    row[7:9] = state.slip[block]
-    shift = state.place[block] - state.place[carrier]
+    row[BLOCK.angle_rad] = seen[0]
+    row[BLOCK.angle_x_rad] = seen[1]
+    row[BLOCK.angle_y_rad], row[BLOCK.angle_z_rad] = seen[2], seen[3]
+    spin = to_space(frame, state.spin[block])
+    row[BLOCK.angular_velocity_x_rad_s] = spin[0]
+    row[BLOCK.angular_velocity_y_rad_s] = spin[1]
+    row[BLOCK.angular_velocity_z_rad_s] = spin[2]
+    row[BLOCK.slip_m], row[BLOCK.slip_second_m] = state.slip[block, 0], state.slip[block, 1]
+    shift, gap = state.place[block] - state.place[carrier], np.empty(4)
     for k in range(4):
         arm = to_space(frame, corner(model.half[block], k))
-        row[9 + k] = to_body(frames[carrier], shift + arm)[2] - model.half[carrier, 2]
-    row[14:17] = state.place[block]
+        gap[k] = to_body(frames[carrier], shift + arm)[2] - model.half[carrier, 2]
+    row[BLOCK.gap_1_m], row[BLOCK.gap_2_m] = gap[0], gap[1]
+    row[BLOCK.gap_3_m], row[BLOCK.gap_4_m] = gap[2], gap[3]
+    row[BLOCK.penetration_m] = _penetration(model, state, frames, block)
+    centre = state.place[block]
+    row[BLOCK.centre_x_m], row[BLOCK.centre_y_m] = centre[0], centre[1]
+    row[BLOCK.centre_z_m] = centre[2]
 
 
 @compiled
-def _penetrations(model: SpaceModel, state: SpaceState, rows: Array) -> None:
-    """The depth of the points that bear, as their forces and the added diagonal left it."""
-    for b in range(len(rows)):
-        depth = 0.0
-        if model.lower[model.carried[b]] == len(rows):
-            for k in range(4):
-                depth = max(depth, -rows[b, 9 + k])
-        rows[b, 13] = depth
+def _record_platform(state: SpaceState, acceleration: Array, row: Array) -> None:
+    """The columns of the platform; `acceleration`: its mean over the step, m/s2, (3,)."""
+    drift, velocity = state.place[-1], state.velocity[-1]
+    row[PLATFORM.drift_m], row[PLATFORM.drift_second_m] = drift[0], drift[1]
+    row[PLATFORM.velocity_m_s], row[PLATFORM.velocity_second_m_s] = velocity[0], velocity[1]
+    row[PLATFORM.acceleration_m_s2] = acceleration[0]
+    row[PLATFORM.acceleration_second_m_s2] = acceleration[1]
+
+
+@compiled
+def _record_energies(model: SpaceModel, state: SpaceState, row: Array) -> None:
+    """The columns of the energies; the total at the start is still in the error of the ledger."""
+    energies, exchanged = stored_energies(model, state), state.exchanged
+    row[ENERGY.kinetic_J], row[ENERGY.strain_J], row[ENERGY.gravity_J] = (
+        energies[0],
+        0.0,
+        energies[1],
+    )
+    row[ENERGY.spring_J], row[ENERGY.interface_J] = energies[2], 0.0
+    row[ENERGY.input_J], row[ENERGY.friction_J] = exchanged[0], exchanged[1]
+    row[ENERGY.damping_J], row[ENERGY.contact_J] = exchanged[2], exchanged[3]
+    row[ENERGY.numerical_J], row[ENERGY.total_J] = exchanged[4], np.sum(energies)
+    row[ENERGY.ledger_error_J] = np.sum(energies) - exchanged[0] + np.sum(exchanged[1:])
 
 
 @compiled
 def record(
-    model: SpaceModel, state: SpaceState, ground: Array, seen: Array, tally: Array, row: Array
+    model: SpaceModel,
+    state: SpaceState,
+    ground: Array,
+    seen: Array,
+    tally: Array,
+    acceleration: Array,
+    layout: RowLayout,
+    row: Array,
 ) -> None:
     """Fill in a row from a state, but for the time, the step and the counts of iterations.
 
@@ -72,29 +135,21 @@ def record(
         state: The state.
         ground: Acceleration of the ground, m/s2.
         seen: (n, 4) the last angles, carried on.
-        tally: (n + 1, 3) mean contact forces of the step, see `_watch`.
+        tally: (n + 1, 3) mean contact forces of the step, see `watch`.
+        acceleration: (3,) of the platform, the mean of the step, m/s2.
+        layout: Where the parts of the row begin.
         row: The row; its error stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
-    row[3] = np.sum(state.memory[:, :, 2] > 0)
-    row[4], row[5], row[6] = ground[0], ground[2], ground[1]  # horizontal, vertical, second
-    rows = row[RUN : RUN + n * BLOCK].reshape((n, BLOCK))
+    row[RUN.contact_points_closed] = np.sum(state.memory[:, :, 2] > 0)
+    row[RUN.base_acceleration_m_s2] = ground[0]
+    row[RUN.base_second_acceleration_m_s2] = ground[1]
+    row[RUN.base_vertical_acceleration_m_s2] = ground[2]
     for b in range(n):
-        _record_block(model, state, frames, b, seen[b], rows[b])
-        rows[b, 17:20] = tally[b]
-    _penetrations(model, state, rows)
-    at = RUN + n * BLOCK
+        own = row[layout.block + layout.stride * b :]
+        _record_block(model, state, frames, b, seen[b], own)
+        own[BLOCK.normal_force_N], own[BLOCK.friction_force_N] = tally[b, 0], tally[b, 1]
+        own[BLOCK.friction_force_second_N] = tally[b, 2]
     if model.mass[n] > 0:
-        for axis in range(2):
-            pushed = state.inertia_force[axis] + tally[n, axis]
-            pushed += model.mass[n] * (model.gravity[axis] - ground[axis])
-            pushed -= model.spring[1] * state.velocity[n, axis]
-            row[at], row[at + 1] = state.place[n, axis], state.velocity[n, axis]
-            row[at + 2] = pushed / model.mass[n]
-            at += PLATFORM
-    energies = stored_energies(model, state)
-    row[at : at + 5] = 0.0
-    row[at], row[at + 2], row[at + 3] = energies[0], energies[1], energies[2]
-    row[at + 5 : at + 10] = state.exchanged
-    row[at + 10] = np.sum(energies)
-    row[at + 11] = np.sum(energies) - state.exchanged[0] + np.sum(state.exchanged[1:])
+        _record_platform(state, acceleration, row[layout.platform :])
+    _record_energies(model, state, row[layout.energy :])

@@ -12,13 +12,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solver.history.history import columns
+from solver.history.columns import check_filled, columns, row_layout
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space.advance import run
 from solver.rigid.space.model import SpaceState
 from solver.rigid.space.rotation import rotation_of
-from solver.rigid.space.rows import record, stored_energies
+from solver.rigid.space.rows import BLOCK, ENERGY, RUN, record, stored_energies
 from solver.rigid.space.start import (
     SpaceBlock,
     SpacePlatform,
@@ -62,6 +62,8 @@ class SpaceSystem:
         self._state = state_of(blocks, self._model, platform)
         self._seen = np.zeros((len(blocks), 4))
         self._first = float(stored_energies(self._model, self._state).sum())
+        moves = platform is not None
+        self._layout = row_layout(len(blocks), dimension=3, platform=moves)
 
     @classmethod
     def from_scene(cls, scene: Scene) -> SpaceSystem:
@@ -105,13 +107,14 @@ class SpaceSystem:
                 not those of its ends.
         """
         motion, shift = ground_of_steps(count, 3, ground, mean)
-        rows = np.empty((count, len(self.columns)))
-        smallest = smallest or dt / 1024
+        rows = np.full((count, len(self.columns)), np.nan)
+        smallest, layout = smallest or dt / 1024, self._layout
         done, rejected = run(
-            self._model, self._state, dt, smallest, motion, shift, self._seen, rows
+            self._model, self._state, dt, smallest, motion, shift, self._seen, layout, rows
         )
-        rows[:done, 0] = self.time + dt * np.arange(1, done + 1)
-        rows[:, -1] -= self._first
+        rows[:done, RUN.time_s] = self.time + dt * np.arange(1, done + 1)
+        rows[:, layout.energy + ENERGY.ledger_error_J] -= self._first
+        check_filled(self.columns, rows[:done])
         self.time += dt * done
         failure = f"no solution of a step at {self.time:.6g} s" if done < count else None
         return Advance(rows=rows[:done], rejected=rejected, failure=failure)
@@ -123,17 +126,23 @@ class SpaceSystem:
             dt: The step that follows, s.
             ground: Acceleration of the ground, m/s2.
         """
-        n, at = len(self.names), len(self.columns)
-        trial, row, seen = np.zeros((1, at)), np.zeros(at), self._seen.copy()
+        trial, row = np.full((2, 1, len(self.columns)), np.nan)
+        seen, layout = self._seen.copy(), self._layout
         state = SpaceState(*(part.copy() for part in self._state))
         motion, short = np.array([ground, ground], dtype=np.float64), TRIAL * dt
-        run(self._model, state, short, short / 1024, motion, np.zeros((1, 3)), seen, trial)
-        record(self._model, self._state, motion[0], self._seen, np.zeros((n + 1, 3)), row)
-        for name in self.columns:
-            if name.endswith(("_force_N", "_force_second_N", "points_closed")):
-                row[self.columns.index(name)] = trial[0, self.columns.index(name)]
-        row[0], row[1], row[-1] = self.time, dt, row[-1] - self._first
-        return row
+        still = np.zeros((1, 3))
+        run(self._model, state, short, short / 1024, motion, still, seen, layout, trial)
+        none = np.zeros((len(self.names) + 1, 3))
+        gained = (state.velocity[-1] - self._state.velocity[-1]) / short
+        record(self._model, self._state, motion[0], self._seen, none, gained, layout, row[0])
+        forces = [BLOCK.normal_force_N, BLOCK.friction_force_N, BLOCK.friction_force_second_N]
+        first = layout.block + layout.stride * np.arange(len(self.names))
+        taken = np.append(np.add.outer(first, forces), RUN.contact_points_closed)
+        row[:, taken] = trial[:, taken]
+        row[0, RUN.time_s], row[0, RUN.step_s], row[0, RUN.newton_iterations] = self.time, dt, 0
+        row[0, layout.energy + ENERGY.ledger_error_J] -= self._first
+        check_filled(self.columns, row)
+        return row[0]
 
     @property
     def drift(self) -> Array:

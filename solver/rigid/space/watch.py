@@ -10,6 +10,7 @@ from solver.rigid.space.contact import rotations, rows_of
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import mean_motion
 from solver.rigid.space.rotation import cross, to_body, to_space
+from solver.rigid.space.rows import still_carried
 from solver.types import Array
 
 
@@ -37,8 +38,8 @@ def watch(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) 
         model: The bodies.
         state: Still that at its start.
         s: The step.
-        tally: (n + 1, 3) impulses, normal and tangential to what carries the block, N s; of the
-            platform: in space.
+        tally: (n + 1, 3) impulses, normal and tangential to what still carries the block, N s; of
+            the platform: in space.
     """
     n, frames = len(state.slip), rotations(state.quaternion)
     mean, shift = mean_motion(state, frames, s.moved, s.turned)
@@ -48,7 +49,8 @@ def watch(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) 
         u = model.upper[s.contacts.pair[q]]
         carrier = model.lower[model.carried[u]]
         sign = 1.0 if s.contacts.body[q] == u else -1.0
-        push = to_body(mean[carrier], sign * s.pushed[q])
+        presses = still_carried(model, state, frames, u)
+        push = to_body(mean[presses], sign * s.pushed[q])
         tally[u] += s.dt * push[np.array([2, 0, 1])]
         if s.contacts.base[q] == n:
             tally[n] -= s.dt * s.pushed[q]

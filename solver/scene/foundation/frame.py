@@ -19,11 +19,12 @@ class DeckSpec(Checked):
     """The deck of a frame: `foundation.deck`."""
 
     width: Positive
-    """m; from outside to outside of the outer columns."""
+    """Along x, from outside to outside of the outer columns, m."""
     height: Positive
-    """m."""
+    """Height, m."""
     thickness: Positive = OPEN
-    """m; in 2-D that of the blocks."""
+    """Along y, m; 2-D: no other than that of the blocks. Default: that of the blocks; 3-D:
+    required."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,9 +32,10 @@ class ColumnSpec(Checked):
     """The columns of a frame: `foundation.column`."""
 
     width: Positive
-    """m, along x."""
+    """Along x, m; less than the deck's over the number of columns."""
     thickness: Positive = OPEN
-    """m; in 2-D that of the blocks, in 3-D the width if left out."""
+    """Along y, m; 3-D: less than half of the deck's. Default: that of the blocks; 3-D: the
+    width."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,10 +57,13 @@ class FrameSpec(Foundation):
     """A meshed deck, its top at level 0, on columns fixed at their feet: kind = "frame"."""
 
     kind: Literal["frame"] = "frame"
+    """A meshed frame."""
     deck: DeckSpec
+    """`[foundation.deck]`."""
     column: ColumnSpec
+    """`[foundation.column]`."""
     bays: Count = 1
-    """Between columns; there is one column more. In 3-D one bay, four columns."""
+    """Spaces between columns; there is one column more. 3-D: 1."""
     storey: Positive
     """Height of the columns, from their feet to the underside of the deck, m."""
     young: Positive
@@ -66,8 +71,9 @@ class FrameSpec(Foundation):
     poisson: Ratio
     """Poisson's ratio nu."""
     density: Positive
-    """rho, kg/m^3."""
+    """rho, kg/m³."""
     cells: FrameCellsSpec = field(default_factory=FrameCellsSpec)
+    """`[foundation.cells]`. Default: its defaults."""
     degree: Literal[1, 2] = 2
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
 

@@ -13,3 +13,4 @@ class RigidSpec(Foundation):
     """The rigid ground: `[foundation]` with kind = "rigid", the default."""
 
     kind: Literal["rigid"] = "rigid"
+    """The ground."""

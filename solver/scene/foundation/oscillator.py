@@ -16,14 +16,15 @@ class OscillatorSpec(Foundation):
     """A rigid platform on a horizontal spring: kind = "oscillator"."""
 
     kind: Literal["oscillator"] = "oscillator"
+    """A rigid platform on a spring."""
     mass: Positive | None = None
-    """kg; or `mass_ratio`."""
+    """Mass of the empty platform, kg. Default: this or `mass_ratio`."""
     mass_ratio: Positive | None = None
-    """Mass of all blocks over that of the platform."""
+    """Mass of all blocks over that of the platform. Default: this or `mass`."""
     period: Positive | None = None
-    """Of the empty platform, s; or `stiffness`."""
+    """T of the empty platform, s. Default: this or `stiffness`."""
     stiffness: Positive | None = None
-    """Of the spring, N/m."""
+    """k of the spring, N/m. Default: this or `period`."""
     damping_ratio: NotNegative = 0.0
     """xi of the empty platform."""
 

@@ -34,36 +34,40 @@ class PlateSpec(Foundation):
     """A meshed plate, its top at level 0: kind = "elastic"."""
 
     kind: Literal["elastic"] = "elastic"
+    """A meshed plate."""
     width: Positive
-    """m."""
+    """Along x, m."""
     height: Positive
-    """m."""
+    """Height, m."""
     thickness: Positive = OPEN
-    """m; in 2-D that of the blocks."""
+    """Along y, m; 2-D: no other than that of the blocks. Default: that of the blocks; 3-D:
+    required."""
     mass: Positive | None = None
-    """kg; or `mass_ratio` or `density`."""
+    """Mass of the plate, kg. Default: one of these three."""
     mass_ratio: Positive | None = None
-    """Mass of all blocks over that of the plate."""
+    """Mass of all blocks over that of the plate. Default: one of these three."""
     density: Positive | None = None
-    """rho, kg/m^3."""
+    """rho, kg/m³. Default: one of these three."""
     young: Positive
     """Young's modulus E, Pa."""
     poisson: Ratio
     """Poisson's ratio nu."""
     cells: Cells = OPEN
-    """Along width and height, 24 and 4; 3-D: width, thickness, height, 12, 12, 2."""
+    """Cells along width and height; 3-D: width, thickness, height. Default: `[24, 4]`; 3-D: `[12,
+    12, 2]`."""
     cell: Cell = OPEN
-    """quadrilateral or triangle; in 3-D hexahedron or tetrahedron."""
+    """Shape of the cells. Default: the first of those allowed."""
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
-    """All of it held (the paper's), its bottom held, or its bottom held vertically on a spring."""
+    """What holds the plate, as described above."""
     period: Positive | None = None
-    """With rollers: of the empty plate, taken as rigid, s; or `stiffness`."""
+    """T of the empty plate taken as rigid, s; rollers only. Default: -; rollers: this or
+    `stiffness`."""
     stiffness: Positive | None = None
-    """With rollers: of the spring, N/m."""
+    """k of the spring, N/m; rollers only. Default: -; rollers: this or `period`."""
     damping_ratio: NotNegative = 0.0
-    """With rollers: xi of the empty plate."""
+    """xi of the empty plate; rollers only."""
 
     def __post_init__(self) -> None:
         """Check the values."""

@@ -1,0 +1,87 @@
+"""The table of columns: names, places in the rows of engines, what happens to one left out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.history.columns import TABLE, check_filled, columns, ordered, positions, row_layout
+from solver.rigid.plane.system import PlaneSystem
+from solver.rigid.space.system import SpaceSystem
+from solver.scene import Scene, parse_scene
+
+
+def scene(dimension: int) -> Scene:
+    blocks = [
+        {"name": "a", "width": 1.0, "height": 0.5, "density": 2400.0, "model": "rigid"},
+        {"name": "b", "width": 0.4, "height": 0.4, "density": 2400.0, "model": "rigid", "on": "a"},
+    ]
+    time = {"end": 0.1, "step": 1e-3}
+    return parse_scene({"dimension": dimension, "block": blocks, "time": time})
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("platform", [False, True])
+def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) -> None:
+    """Every name of a row is reached by its part and its field, and no other."""
+    blocks = ["a", "b", "c"]
+    names = columns(
+        blocks, dimension=dimension, platform=platform, vertical=True, second=dimension == 3
+    )
+    layout = row_layout(3, dimension=dimension, platform=platform)
+    assert layout.stride == len(positions("block", dimension))
+    starts = {"run": [0], "platform": [layout.platform] * platform, "energy": [layout.energy]}
+    starts["block"] = [layout.block + layout.stride * b for b in range(3)]
+    found = {}
+    for column in TABLE:
+        if column.dimension not in (None, dimension):
+            continue
+        place = getattr(positions(column.part, dimension), column.field)
+        for start, name in zip(starts[column.part], blocks, strict=False):
+            found[start + place] = column.name.replace("NAME", name)
+    assert tuple(found[k] for k in sorted(found)) == names
+
+
+def test_every_name_ends_with_its_unit() -> None:
+    ends = {"m": "_m", "m/s": "_m_s", "m/s²": "_m_s2", "rad": "_rad", "rad/s": "_rad_s"}
+    ends |= {"N": "_N", "J": "_J", "s": "_s", "-": ""}
+    for column in TABLE:
+        assert column.name.endswith(ends[column.unit])
+        assert column.meaning.endswith(".")
+
+
+def test_values_are_brought_into_the_order_of_the_columns() -> None:
+    assert ordered(["b", "a"], {"a": 1.0, "b": 2.0, "c": 3.0}) == [2.0, 1.0]
+    with pytest.raises(ValueError, match="no value for the columns b, d"):
+        ordered(["a", "b", "d"], {"a": 1.0})
+
+
+def test_columns_that_are_nan_throughout_are_named() -> None:
+    """A number that is none in some row is a result; no rows are no columns left out."""
+    rows = np.array([[0.0, np.nan, np.nan], [1.0, np.nan, 2.0]])
+    with pytest.raises(ValueError, match=r"no value for the columns slip$"):
+        check_filled(["time", "slip", "gap"], rows)
+    check_filled(["time", "slip", "gap"], rows[:0])
+
+
+@pytest.mark.parametrize(
+    ("dimension", "system", "engine"),
+    [(2, PlaneSystem, "plane.system.advance"), (3, SpaceSystem, "space.system.run")],
+)
+def test_an_engine_that_leaves_a_column_out_is_noticed(
+    dimension: int, system: Any, engine: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By its name, in the first rows already."""
+    given = system.from_scene(scene(dimension))
+
+    def forgets(*arguments: Any) -> tuple[int, int]:
+        rows = arguments[-1]
+        rows[:] = 0.0
+        rows[:, given.columns.index("b.slip_m")] = np.nan
+        return len(rows), 0
+
+    monkeypatch.setattr(f"solver.rigid.{engine}", forgets)
+    with pytest.raises(ValueError, match=r"no value for the columns b\.slip_m$"):
+        given.advance(3, 1e-3)
