@@ -18,9 +18,9 @@ from textwrap import dedent
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from solver import scene as specifications
+from solver import scene
 from solver.history.columns import TABLE, Column
-from solver.scene import Scene
+from solver.scene import Scene, foundation, motion
 from solver.scene.cells import SHAPES
 from solver.scene.checking import key_of, shown
 from solver.scene.ranges import Cell
@@ -163,13 +163,18 @@ def kinds_table(field: str) -> str:
     return table(("key", "default", "allowed", "meaning"), iter([first, *rows]))
 
 
+def specification(name: str) -> Any:
+    """A class of a scene's tables by its name."""
+    return next(getattr(home, name) for home in (scene, foundation, motion) if hasattr(home, name))
+
+
 def generated(name: str) -> str:
     """A table by the name that its comment gives it."""
     if name in COLUMNS:
         return columns_table(name)
     if name.startswith("kinds of "):
         return kinds_table(name.removeprefix("kinds of "))
-    return keys_table(getattr(specifications, name.removeprefix("keys of ")))
+    return keys_table(specification(name.removeprefix("keys of ")))
 
 
 def with_tables(text: str) -> str:
