@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.history.history import History, scene_columns
 from solver.reference.expected import expected_mode
@@ -43,7 +43,7 @@ def reference_name(scene: Scene, ground: GroundMotion | None = None) -> str:
         raise SceneError(f"{block.name}.velocity", got, f"[0, 0] {ONLY}")
     if ground.up is not None:
         if mode not in ("rest", "slide"):
-            raise SceneError("motion.vertical", f"a block that may {mode}", f"nothing {ONLY}")
+            raise Statement("motion.vertical", f"has no rigid-body reference if blocks may {mode}")
         return SLIDING
     return SLIDING if mode == "slide" else ROCKING
 

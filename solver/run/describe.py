@@ -99,7 +99,7 @@ def _foundation(scene: Scene) -> Lines:
 
 
 def _computed_period(scene: Scene) -> float:
-    """Of the meshed foundation alone, s; the one part of `check` that needs dolfinx."""
+    """Natural period of the meshed foundation alone, s; all that `check` needs dolfinx for."""
     try:
         from solver.build.foundation import natural_period
     except ImportError as error:

@@ -33,7 +33,7 @@ RESERVED = (
     *("base", "platform", "plate", "frame", "energy"),
 )
 
-#: What a block without elasticity has to say.
+#: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
 
 #: Numbers of cells where a scene says nothing.
@@ -69,15 +69,15 @@ class BlockSpec(Checked):
     poisson: Ratio | None = None
     """Poisson's ratio nu; of elastic blocks."""
     offset: Finite = 0.0
-    """Of its centre from the centre of what carries it, along x, m."""
+    """Distance of its centre from the centre of what carries it, along x, m."""
     offset_second: Finite = 0.0
-    """The same along y, m; 3-D only."""
+    """Distance along y, m; 3-D only."""
     tilt_deg: Tilt = 0.0
     """Initial rigid rotation about the bottom corner on that side, positive towards +x, degrees."""
     tilt_direction_deg: Turn = 0.0
     """Where it leans to: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
-    """Of its centre at the start, relative to the ground, m/s."""
+    """Velocity of its centre at the start, relative to the ground, m/s."""
     angular_velocity: Rotation = OPEN
     """At the start, rad/s; in the plane one number, positive when its lean towards +x grows."""
     cells: Cells = OPEN
@@ -121,7 +121,7 @@ class BlockSpec(Checked):
         )._without_depth(dimension)
 
     def _without_depth(self, dimension: Dimension) -> BlockSpec:
-        """Itself, unless it asks in the plane for what is there in 3-D only."""
+        """The block, unless it uses keys in the plane that exist in 3-D only."""
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key) != 0:
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")

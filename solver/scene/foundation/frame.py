@@ -81,17 +81,17 @@ class FrameSpec(Foundation):
 
     @property
     def needs_mesh_engine(self) -> bool:
-        """Always."""
+        """A frame is always meshed."""
         return True
 
     @property
     def moves_as_a_whole(self) -> bool:
-        """Always: the deck sways on its columns."""
+        """The deck sways on its columns."""
         return True
 
     @property
     def has_period_of_mesh(self) -> bool:
-        """Always."""
+        """A frame always has one."""
         return True
 
     @property

@@ -21,9 +21,9 @@ class OscillatorSpec(Foundation):
     mass_ratio: Positive | None = None
     """Mass of all blocks over that of the platform."""
     period: Positive | None = None
-    """Of the empty platform, s; or `stiffness`."""
+    """Natural period of the empty platform, s; or `stiffness`."""
     stiffness: Positive | None = None
-    """Of the spring, N/m."""
+    """Stiffness of the spring, N/m."""
     damping_ratio: NotNegative = 0.0
     """xi of the empty platform."""
 
@@ -35,12 +35,12 @@ class OscillatorSpec(Foundation):
 
     @property
     def on_spring(self) -> bool:
-        """Always."""
+        """An oscillator always is."""
         return True
 
     @property
     def depth(self) -> float | None:
-        """None: a scene gives a platform no size."""
+        """A scene gives a platform no size: None."""
         return None
 
     def platform(self, carried: float) -> Platform:

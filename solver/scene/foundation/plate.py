@@ -59,9 +59,9 @@ class PlateSpec(Foundation):
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
     """All of it held (the paper's), its bottom held, or its bottom held vertically on a spring."""
     period: Positive | None = None
-    """With rollers: of the empty plate, taken as rigid, s; or `stiffness`."""
+    """With rollers: natural period of the empty plate, taken as rigid, s; or `stiffness`."""
     stiffness: Positive | None = None
-    """With rollers: of the spring, N/m."""
+    """With rollers: stiffness of the spring, N/m."""
     damping_ratio: NotNegative = 0.0
     """With rollers: xi of the empty plate."""
 
@@ -78,7 +78,7 @@ class PlateSpec(Foundation):
 
     @property
     def needs_mesh_engine(self) -> bool:
-        """Always, also for a plate that is held everywhere: blocks may fall over its edge."""
+        """Also a plate that is held everywhere does: blocks may fall over its edge."""
         return True
 
     @property
