@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 from solver.errors import SceneError
 from solver.scene.cells import SHAPES, mesh_size_in_words
@@ -54,6 +54,8 @@ class FrameCellsSpec(Checked):
 class FrameSpec(Foundation):
     """A meshed deck, its top at level 0, on columns fixed at their feet: kind = "frame"."""
 
+    needs_mesh_engine: ClassVar[bool] = True
+
     kind: Literal["frame"] = "frame"
     deck: DeckSpec
     column: ColumnSpec
@@ -80,18 +82,8 @@ class FrameSpec(Foundation):
             raise SceneError("column.width", shown(self.column.width), allowed)
 
     @property
-    def needs_mesh_engine(self) -> bool:
-        """A frame is always meshed."""
-        return True
-
-    @property
     def moves_as_a_whole(self) -> bool:
         """The deck sways on its columns."""
-        return True
-
-    @property
-    def has_period_of_mesh(self) -> bool:
-        """A frame always has one."""
         return True
 
     @property
