@@ -69,15 +69,15 @@ class BlockSpec(Checked):
     poisson: Ratio | None = None
     """Poisson's ratio nu; of elastic blocks."""
     offset: Finite = 0.0
-    """Distance of its centre from the centre of what carries it, along x, m."""
+    """Of its centre from the centre of what carries it, along x, m."""
     offset_second: Finite = 0.0
-    """Distance along y, m; 3-D only."""
+    """The same along y, m; 3-D only."""
     tilt_deg: Tilt = 0.0
     """Initial rigid rotation about the bottom corner on that side, positive towards +x, degrees."""
     tilt_direction_deg: Turn = 0.0
     """Where it leans to: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
-    """Velocity of its centre at the start, relative to the ground, m/s."""
+    """Of its centre at the start, relative to the ground, m/s."""
     angular_velocity: Rotation = OPEN
     """At the start, rad/s; in the plane one number, positive when its lean towards +x grows."""
     cells: Cells = OPEN

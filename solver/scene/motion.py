@@ -158,7 +158,7 @@ class TableSpec(Motion):
     file: Path
     """Time (s) and acceleration; relative to the folder of the scene."""
     units: Units = "g"
-    """Units of the accelerations; g is 9.81 m/s^2."""
+    """Of the accelerations; g is 9.81 m/s^2."""
     scale: Finite = 1.0
     """Factor on the accelerations."""
 
@@ -173,7 +173,7 @@ class RecordSpec(Motion):
     scale: Finite = 1.0
     """Factor on the accelerations."""
     units: Units | None = None
-    """Units of the accelerations; g is 9.81 m/s^2. None: those that the header names."""
+    """Of the accelerations; g is 9.81 m/s^2. None: those that the header names."""
     dt: Positive | None = None
     """Time between samples, s, for files that do not say it."""
     window: tuple[NotNegative, Positive] | None = None
@@ -196,7 +196,7 @@ class SyntheticSpec(Motion):
 
     kind: Literal["synthetic"] = "synthetic"
     seed: Annotated[int, Number(at_least=0)] = 1
-    """Seed of the random numbers: one seed, one earthquake and one site."""
+    """Of the random numbers: one seed, one earthquake and one site."""
     component: Count = 1
     """Which of the directions of one earthquake at one site: each has noise of its own."""
     magnitude: Annotated[float, Number(at_least=4, at_most=8)] = 6.7
@@ -208,7 +208,7 @@ class SyntheticSpec(Motion):
     event_sigma: NotNegative = 0.0
     """Standard deviation of ln amplitude between earthquakes; 0: the average one."""
     site_sigma: NotNegative = 0.0
-    """Standard deviation of ln amplitude between sites and paths."""
+    """The same between sites and paths."""
     scale: Finite = 1.0
     """Factor on the accelerations."""
     dt: Annotated[float, Number(at_least=0.001, at_most=0.02)] = 0.005

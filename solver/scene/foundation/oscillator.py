@@ -21,9 +21,9 @@ class OscillatorSpec(Foundation):
     mass_ratio: Positive | None = None
     """Mass of all blocks over that of the platform."""
     period: Positive | None = None
-    """Natural period of the empty platform, s; or `stiffness`."""
+    """Of the empty platform, s; or `stiffness`."""
     stiffness: Positive | None = None
-    """Stiffness of the spring, N/m."""
+    """Of the spring, N/m."""
     damping_ratio: NotNegative = 0.0
     """xi of the empty platform."""
 

@@ -62,9 +62,9 @@ class PlateSpec(Foundation):
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
     """All of it held (the paper's), its bottom held, or its bottom held vertically on a spring."""
     period: Positive | None = None
-    """With rollers: natural period of the empty plate, taken as rigid, s; or `stiffness`."""
+    """With rollers: of the empty plate, taken as rigid, s; or `stiffness`."""
     stiffness: Positive | None = None
-    """With rollers: stiffness of the spring, N/m."""
+    """With rollers: of the spring, N/m."""
     damping_ratio: NotNegative = 0.0
     """With rollers: xi of the empty plate."""
 
