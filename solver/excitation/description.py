@@ -19,13 +19,14 @@ from solver.types import Array
 Lines = list[tuple[str, str]]
 
 PERIODS = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
-"""Of the spectrum, s."""
+"""Periods of the spectrum, s."""
 
-COARSE = 0.01
-"""Samples that are further apart, or not equally far, are measured at this distance or less, s."""
+LARGEST_SPACING = 0.01
+"""Samples that are further apart than twice this, or not equally far, are resampled at this spacing
+or a finer one before they are measured, s."""
 
-MOST = 10**6
-"""Samples that are measured at the most."""
+LARGEST_COUNT = 10**6
+"""Largest number of samples after resampling."""
 
 
 def describe_motion(motion: BaseMotion | None, step: float | None) -> Lines:
@@ -80,10 +81,10 @@ def _measures(motion: SampledMotion) -> Lines:
 
 def _even(motion: SampledMotion) -> tuple[Array, float]:
     """Samples at equal distances, fine enough for the spectrum, and the distance, s."""
-    if motion.step is not None and motion.step <= 2 * COARSE:
+    if motion.step is not None and motion.step <= 2 * LARGEST_SPACING:
         return motion.value, motion.step
-    finest = min(float(np.diff(motion.time).min()), COARSE)
-    count = int(min(np.ceil(motion.duration / finest), MOST)) + 1
+    finest = min(float(np.diff(motion.time).min()), LARGEST_SPACING)
+    count = int(min(np.ceil(motion.duration / finest), LARGEST_COUNT)) + 1
     times = np.linspace(motion.time[0], motion.time[-1], count)
     return motion.accelerations(times), motion.duration / (count - 1)
 

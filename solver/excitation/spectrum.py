@@ -70,7 +70,7 @@ def _advance(step: float, frequency: float, damping: float) -> tuple[Samples, Sa
 
 
 def velocity_and_displacement(acceleration: Samples, step: float) -> tuple[Samples, Samples]:
-    """Of the ground at the samples, from rest, m/s and m; exact for the broken line."""
+    """Velocity and displacement of the ground at the samples, m/s and m; exact from rest."""
     a = np.asarray(acceleration, dtype=float)
     velocity = np.concatenate(([0.0], np.cumsum(a[1:] + a[:-1]) * (step / 2)))
     moved = velocity[:-1] * step + (2 * a[:-1] + a[1:]) * (step**2 / 6)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.history.columns import ordered
 from solver.history.history import History, scene_columns
@@ -43,7 +43,7 @@ def reference_name(scene: Scene, ground: GroundMotion | None = None) -> str:
         raise SceneError(f"{block.name}.velocity", got, f"[0, 0] {ONLY}")
     if ground.up is not None:
         if mode not in ("rest", "slide"):
-            raise SceneError("motion.vertical", f"a block that may {mode}", f"nothing {ONLY}")
+            raise Statement("motion.vertical", f"has no rigid-body reference if blocks may {mode}")
         return SLIDING
     return SLIDING if mode == "slide" else ROCKING
 
@@ -72,15 +72,15 @@ def reference_history(
 
 def _refuse(scene: Scene, ground: GroundMotion) -> None:
     """Refuse a scene that no reference answers, in one line."""
-    block, foundation = scene.blocks[0], scene.foundation
+    block = scene.blocks[0]
     if scene.dimension != 2:
         raise SceneError("dimension", "3", f"2 {ONLY}")
     if len(scene.blocks) != 1:
         raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
     if scene.gravity == 0:
         raise SceneError("gravity", "0", f"gravity > 0 {ONLY}")
-    if not (foundation.is_firm or foundation.on_spring):
-        raise SceneError("foundation.kind", shown(foundation.kind), f"any other kind {ONLY}")
+    if scene.carrier_moves and not scene.has_platform:
+        raise SceneError("foundation.kind", shown(scene.foundation.kind), f"any other kind {ONLY}")
     if block.angular_velocity:
         raise SceneError(
             f"{block.name}.angular_velocity", shown(block.angular_velocity), f"0 {ONLY}"

@@ -32,11 +32,12 @@ def demand(scene: Scene, ground: GroundMotion) -> float:
 
 def has_expected_mode(scene: Scene) -> bool:
     """Whether there is a criterion: one block on ground that does not give way, and gravity."""
-    block, firm = scene.blocks[0], scene.foundation.is_firm
+    block = scene.blocks[0]
     moves = [*block.velocity[1:], *_numbers(block.angular_velocity)]
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
-    return len(scene.blocks) == 1 and scene.gravity > 0 and firm and in_plane and not any(moves)
+    firm_and_alone = len(scene.blocks) == 1 and scene.gravity > 0 and not scene.carrier_moves
+    return firm_and_alone and in_plane and not any(moves)
 
 
 def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:

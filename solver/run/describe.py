@@ -93,13 +93,13 @@ def _foundation(scene: Scene) -> Lines:
             ("  damping", f"{damping:.6g} N s/m, {100 * platform.damping_ratio:.3g} % of critical"),
             ("  natural period", f"{platform.period:.4g} s (empty, rigid)"),
         ]
-    if scene.foundation.has_period_of_mesh:
+    if scene.carrier_moves and scene.foundation.needs_mesh_engine:
         lines.append(("  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"))
     return lines
 
 
 def _computed_period(scene: Scene) -> float:
-    """Of the meshed foundation alone, s; the one part of `check` that needs dolfinx."""
+    """Natural period of the meshed foundation alone, s; all that `check` needs dolfinx for."""
     try:
         from solver.build.foundation import natural_period
     except ImportError as error:

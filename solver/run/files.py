@@ -54,7 +54,7 @@ class RunFiles:
         comm.Barrier()
 
     def __enter__(self) -> RunFiles:
-        """Nothing more to open."""
+        """The files are open already."""
         return self
 
     def __exit__(

@@ -84,7 +84,7 @@ class RigidRun:
         return SpaceSystem.from_scene(self._scene)
 
     def _first_acceleration(self) -> tuple[float, ...]:
-        """Of the ground at t = 0, m/s2."""
+        """Acceleration of the ground at t = 0, m/s2."""
         return tuple(self._motion.acceleration(0.0))
 
     def first_row(self) -> Array:

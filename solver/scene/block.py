@@ -33,7 +33,7 @@ RESERVED = (
     *("base", "platform", "plate", "frame", "energy"),
 )
 
-#: What a block without elasticity has to say.
+#: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
 
 #: Numbers of cells where a scene says nothing.
@@ -130,7 +130,7 @@ class BlockSpec(Checked):
         )._without_depth(dimension)
 
     def _without_depth(self, dimension: Dimension) -> BlockSpec:
-        """Itself, unless it asks in the plane for what is there in 3-D only."""
+        """The block, unless it uses keys in the plane that exist in 3-D only."""
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key) != 0:
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")

@@ -15,28 +15,30 @@ if TYPE_CHECKING:
     from solver.scene.scene import Scene
 
 LARGEST_STRAIN = 0.05
-"""Of a meshed body under the weight that it carries and the inertia of that under a pulse of the
-ground. Impacts strain it several times as much, and St. Venant-Kirchhoff's law softens under
-pressure until it fails at 0.4."""
+"""Largest strain of a meshed body under the weight that it carries and the inertia of that weight
+at the peak acceleration of the ground. Impacts strain it several times as much, and St.
+Venant-Kirchhoff's law softens under pressure until it fails at a strain of 0.4."""
 
 LARGEST_CORNER_STRAIN = 0.25
-"""The same in the cell at a bottom corner, where a block that rocks stands on that corner alone."""
+"""Largest strain of the cell at a bottom corner when a rocking block stands on it alone."""
 
-SQUEEZED_CORNER = 30.0
-"""That strain times (lambda + 2 mu)/mu: what the tangent of the undeformed body misses of one whose
-volume hardly changes, over what it knows. At 28 iterations converged, at 270 they did not."""
+LARGEST_SQUEEZE = 30.0
+"""Largest strain of that cell times (lambda + 2 mu)/mu: for a material whose volume hardly changes,
+the stiffness that the tangent of the undeformed body leaves out, over the stiffness that it has.
+Iterations converged at 28 and did not at 270."""
 
 MOST_CELLS_A_STEP = 1e5
-"""Cells that sound crosses in a step: where a body turns, the iteration loses as many digits twice
-over. Bodies as stiff as that are rigid for all that such steps show."""
+"""Largest number of cells that sound crosses in a step. Where a body turns, the iteration loses
+twice as many digits as this number has; bodies as stiff as that show no deformation anyway."""
 
-LONGEST_CELL = 100.0
-"""Length of a cell at a bottom corner over its width: force that goes from one face of such a
-corner to the other meets another stiffness, and gains energy."""
+LARGEST_ASPECT = 100.0
+"""Largest length over width of the cell at a bottom corner. When the contact force moves from one
+face of a longer cell to the other, the stiffness jumps so much that energy is gained."""
 
-PRESSED_WITHOUT_ENERGY = 2e-5
-"""For theta 0 and -1: energy that a corner stores when all stands on it, over the least scale that
-gains are measured by, 1e-3 m g H. A block that rocks gained up to .28 of that energy."""
+LARGEST_CONTACT_ENERGY = 2e-5
+"""For theta 0 and -1, largest energy of contact of a corner on which all the weight stands, over
+the smallest scale that gains are measured by, 1e-3 m g H. A rocking block gained up to 0.28 of that
+energy."""
 
 
 def refuse_beyond(scene: Scene, shaking: float) -> None:
@@ -120,10 +122,10 @@ def _refuse_soft_corner(
         raise SceneError(f"{block.name}.young", got, allowed)
     strain = load / _bottom_of(cell, block)
     squeezed = strain * material.longitudinal / material.shear
-    if squeezed > SQUEEZED_CORNER:
+    if squeezed > LARGEST_SQUEEZE:
         got = f"{material.young:g}, strained by {strain:.2g} on a corner cell alone"
         got += f" at poisson {material.poisson:g}"
-        least = material.young * squeezed / SQUEEZED_CORNER
+        least = material.young * squeezed / LARGEST_SQUEEZE
         allowed = f"young >= {least:.3g}, a smaller poisson, or larger cells"
         raise SceneError(f"{block.name}.young", got, allowed)
 
@@ -140,14 +142,14 @@ def _refuse_without_energy(
     weight = _bottom_of(cell, block) / 2 ** (scene.dimension - 1)
     load = pressure * _bottom(block)
     share = load / (2 * gamma_h * weight) / (1e-3 * block.height)
-    if share > PRESSED_WITHOUT_ENERGY:
+    if share > LARGEST_CONTACT_ENERGY:
         got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
-        least = contact.gamma * share / PRESSED_WITHOUT_ENERGY
+        least = contact.gamma * share / LARGEST_CONTACT_ENERGY
         raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
 
 
 def _longest_step(scene: Scene) -> float:
-    """Of a run, s."""
+    """The longest step that a run may take, s."""
     return scene.time.largest or scene.time.step
 
 
@@ -192,10 +194,10 @@ def _corner_cell(block: BlockSpec, dimension: int) -> list[float]:
 def _refuse_long(block: BlockSpec, cell: Sequence[float]) -> None:
     """Refuse a block whose corner cells, of these edges (m), are far longer than wide."""
     times = max(cell) / min(cell)
-    if times > LONGEST_CELL:
+    if times > LARGEST_ASPECT:
         graded = f" and refinement {block.refinement:g}" if block.refinement != 1 else ""
         got = f"{list(block.cells)}{graded}, at bottom corners {times:.3g} times as long as wide"
-        raise SceneError(f"{block.name}.cells", got, f"at most {LONGEST_CELL:g} times")
+        raise SceneError(f"{block.name}.cells", got, f"at most {LARGEST_ASPECT:g} times")
 
 
 def _refuse_stiff(

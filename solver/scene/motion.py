@@ -17,7 +17,7 @@ from solver.scene.ranges import Count, Finite, NotNegative, Positive
 from solver.scene.units import G_UNIT
 
 Units: TypeAlias = Literal["g", "m/s2", "cm/s2"]
-"""Of accelerations in files."""
+"""Units of accelerations in files."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +64,7 @@ class StillSpec(Motion):
 
     @property
     def known_peak(self) -> float | None:
-        """Zero."""
+        """No motion has no peak: 0."""
         return 0.0
 
 

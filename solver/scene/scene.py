@@ -79,8 +79,7 @@ class Scene(Checked):
         refuse_beyond(self, self.known_shaking)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
-            allowed = "false where nothing is meshed"
-            raise SceneError("time.adaptive", "true", allowed)
+            raise not_applicable("time.adaptive", "scenes with meshed bodies only")
 
     def _check_names(self) -> None:
         """Every block has a name of its own and stands on something that is there."""

@@ -221,7 +221,7 @@ def test_friction_laws_and_vertical_motion() -> None:
         ),
         (
             {"motion": SHAKING | {"vertical": SHAKING}},
-            "motion.vertical: got a block that may rock, allowed nothing",
+            "motion.vertical has no rigid-body reference if blocks may rock",
         ),
     ],
 )

@@ -90,7 +90,7 @@ def test_random_scenes_that_gained_energy(
     foot is held while it falls: 8e-3 where inertia forces turn with its spin at the start of a
     step. In the last a block lands on one that turns by 9 degrees in the step.
     """
-    monkeypatch.setattr(limits, "PRESSED_WITHOUT_ENERGY", math.inf)
+    monkeypatch.setattr(limits, "LARGEST_CONTACT_ENERGY", math.inf)
     verdict = judge(draw(number + 1, seed)[number], 60.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6

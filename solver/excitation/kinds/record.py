@@ -23,8 +23,8 @@ COUNTED = "NPTS= number of values, DT= time between them in s"
 
 TIMELESS = "files that do not say the time between their values"
 
-HEADER = 20
-"""Lines in which a header of PEER names the number of values."""
+HEADER_LINES = 20
+"""Number of lines among which a header of PEER names the number of values."""
 
 _NUMBER = r"(\d*\.?\d+(?:[eEdD][-+]?\d+)?|\d+\.)"
 _NPTS = re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
@@ -47,7 +47,9 @@ def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
         SceneError: The file cannot be read, or is not what the scene says; names file and line.
     """
     lines = read_lines(spec.file, f"{where}.file", EXPECTED)
-    counted = next((i for i, line in enumerate(lines[:HEADER]) if "npts" in line.lower()), None)
+    counted = next(
+        (i for i, line in enumerate(lines[:HEADER_LINES]) if "npts" in line.lower()), None
+    )
     if counted is not None or spec.file.suffix.lower() == ".at2":
         header, step, values = _peer(spec, where, lines, counted)
     else:

@@ -15,7 +15,7 @@ from solver.scene.units import G_UNIT
 from solver.types import Array
 
 REFERENCE_VS30 = 760.0
-"""Of the sites whose factor is 1, m/s."""
+"""Shear-wave velocity of the sites whose factor is 1, m/s."""
 
 _NAMES = ("T", "Mh", "e0", "e4", "e5", "e6", "c1", "c2", "c3", "h", "c", "Vc", "f4", "f5")
 # A row for each period, s; the first is that of the peak ground acceleration.

@@ -66,7 +66,7 @@ def effective_distance(magnitude: float, distance_km: float) -> float:
 
 
 def duration(magnitude: float, distance_km: float) -> float:
-    """Of the strong shaking, s: 1/(2 f_a) at the source and what the path adds."""
+    """Duration of the strong shaking, s: 1/(2 f_a) at the source and what the path adds."""
     away_km = effective_distance(magnitude, distance_km) / 1e3
     path = float(np.interp(away_km, *_PATH)) + _PATH_SLOPE * max(away_km - _PATH[0][-1], 0.0)
     return 0.5 / _corners(magnitude)[0] + path

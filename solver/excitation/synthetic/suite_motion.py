@@ -17,12 +17,12 @@ from solver.excitation.synthetic.point_source import duration, fourier_amplitude
 from solver.scene.motion import SyntheticSpec
 from solver.types import Array
 
-LONGEST = 10.0
+HIGH_PASS_PERIOD = 10.0
 """Period of the high-pass filter's corner, s; at 4 s it takes 1.3 % of the amplitude away."""
 ENVELOPE_PEAK = 0.2
 """Time of the envelope's peak over its nominal length (Saragoni and Hart 1974; Boore 2003)."""
 ENVELOPE_END = 0.05
-"""Of the peak, what is left of the envelope after its nominal length."""
+"""Height of the envelope after its nominal length, over its peak."""
 LENGTH = 2.0
 """Nominal length of the envelope over the duration of the strong shaking."""
 CODA = 1.5
@@ -91,7 +91,7 @@ def _transfer(spec: SyntheticSpec, size: int) -> NDArray[np.complex128]:
     amplitude = fourier_amplitude(frequency, spec.magnitude, spec.distance_km, spec.vs30)
     displacement = minimum_phase(amplitude / (2 * np.pi * frequency) ** 2)
     turning = 2j * np.pi * np.fft.rfftfreq(size, spec.dt)
-    corner = 2 * np.pi / LONGEST
+    corner = 2 * np.pi / HIGH_PASS_PERIOD
     high_pass = turning**2 / (turning**2 + math.sqrt(2) * corner * turning + corner**2)
     return turning**2 * displacement * high_pass
 

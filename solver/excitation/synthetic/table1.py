@@ -11,7 +11,7 @@ from solver.scene.motion import SyntheticSpec
 MAGNITUDES = (6.5, 6.9)
 DISTANCES_KM = (20.0, 30.0)
 VS30 = (180.0, 760.0)
-"""Of NEHRP's classes D and C, m/s."""
+"""Range of shear-wave velocities of NEHRP's classes D and C, m/s."""
 
 EVENT_SIGMA = 0.30
 """Standard deviation between earthquakes, ln: BSSA14's tau, 0.21 to 0.35."""

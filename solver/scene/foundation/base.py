@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal, NamedTuple, TypeVar
+from typing import ClassVar, Literal, NamedTuple, TypeVar
 
 from solver.errors import SceneError, missing_key
 from solver.scene.checking import Checked, shown
@@ -54,10 +54,8 @@ class Foundation(Checked):
 
     __slots__ = ()
 
-    @property
-    def needs_mesh_engine(self) -> bool:
-        """Whether even a scene of rigid blocks has to run with meshed bodies."""
-        return False
+    needs_mesh_engine: ClassVar[bool] = False
+    """Whether even a scene of rigid blocks has to run with meshed bodies."""
 
     @property
     def on_spring(self) -> bool:
@@ -68,16 +66,6 @@ class Foundation(Checked):
     def moves_as_a_whole(self) -> bool:
         """Whether the history shows a motion of what carries the blocks, relative to the ground."""
         return self.on_spring
-
-    @property
-    def is_firm(self) -> bool:
-        """Whether rigid-body criteria hold: it neither moves nor gives way appreciably."""
-        return not self.moves_as_a_whole
-
-    @property
-    def has_period_of_mesh(self) -> bool:
-        """Whether `rockslip check` computes the natural period of the mesh."""
-        return False
 
     @property
     def depth(self) -> float | None:

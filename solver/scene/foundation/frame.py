@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 from solver.errors import SceneError
 from solver.scene.cells import SHAPES, mesh_size_in_words
@@ -56,6 +56,8 @@ class FrameCellsSpec(Checked):
 class FrameSpec(Foundation):
     """A meshed deck, its top at level 0, on columns fixed at their feet: kind = "frame"."""
 
+    needs_mesh_engine: ClassVar[bool] = True
+
     kind: Literal["frame"] = "frame"
     """A meshed frame."""
     deck: DeckSpec
@@ -86,18 +88,8 @@ class FrameSpec(Foundation):
             raise SceneError("column.width", shown(self.column.width), allowed)
 
     @property
-    def needs_mesh_engine(self) -> bool:
-        """Always."""
-        return True
-
-    @property
     def moves_as_a_whole(self) -> bool:
-        """Always: the deck sways on its columns."""
-        return True
-
-    @property
-    def has_period_of_mesh(self) -> bool:
-        """Always."""
+        """The deck sways on its columns."""
         return True
 
     @property

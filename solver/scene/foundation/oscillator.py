@@ -36,12 +36,12 @@ class OscillatorSpec(Foundation):
 
     @property
     def on_spring(self) -> bool:
-        """Always."""
+        """An oscillator always is."""
         return True
 
     @property
     def depth(self) -> float | None:
-        """None: a scene gives a platform no size."""
+        """A scene gives a platform no size: None."""
         return None
 
     def platform(self, carried: float) -> Platform:

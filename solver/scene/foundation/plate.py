@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 from geometry.block import Block
 from solver.errors import not_applicable
@@ -32,6 +32,9 @@ SUPPORTS = {"fixed": "held everywhere", "bottom": "held at its bottom", "rollers
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlateSpec(Foundation):
     """A meshed plate, its top at level 0: kind = "elastic"."""
+
+    needs_mesh_engine: ClassVar[bool] = True
+    """Also for a plate that is held everywhere: blocks may fall over its edge."""
 
     kind: Literal["elastic"] = "elastic"
     """A meshed plate."""
@@ -81,19 +84,9 @@ class PlateSpec(Foundation):
                 raise not_applicable(key, 'a plate with support = "rollers" only')
 
     @property
-    def needs_mesh_engine(self) -> bool:
-        """Always, also for a plate that is held everywhere: blocks may fall over its edge."""
-        return True
-
-    @property
     def on_spring(self) -> bool:
         """Whether it is on rollers."""
         return self.support == "rollers"
-
-    @property
-    def has_period_of_mesh(self) -> bool:
-        """Whether it is on rollers."""
-        return self.on_spring
 
     @property
     def depth(self) -> float | None:

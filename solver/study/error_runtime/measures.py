@@ -108,8 +108,7 @@ def before_impact(scene: Scene, block: BlockSpec) -> float:
     Nine tenths of the rigid block's way to its first impact (Housner 1963), for a block alone on
     firm ground that does not move.
     """
-    ground = scene.foundation
-    firm = ground.is_firm and not ground.needs_mesh_engine
+    firm = not scene.carrier_moves and not scene.foundation.needs_mesh_engine
     alone = len(scene.blocks) == 1 and firm
     still = scene.motion is None and scene.gravity_tilt_deg == 0 and scene.gravity > 0
     if not (alone and still and 0 < abs(block.tilt) < block.shape.slenderness):
