@@ -76,7 +76,7 @@ def record(
         row: The row; its error stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
-    row[3] = np.sum(state.memory[:, :, 2] > 0)
+    row[3] = np.sum(state.memory.force[:, :, 0] > 0)
     row[4], row[5], row[6] = ground[0], ground[2], ground[1]  # horizontal, vertical, second
     rows = row[RUN : RUN + n * BLOCK].reshape((n, BLOCK))
     for b in range(n):

@@ -8,6 +8,7 @@ and `space_solve`.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,7 +17,6 @@ from solver.history.history import columns
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space.advance import run
-from solver.rigid.space.model import SpaceState
 from solver.rigid.space.rotation import rotation_of
 from solver.rigid.space.rows import record, stored_energies
 from solver.rigid.space.start import (
@@ -125,7 +125,7 @@ class SpaceSystem:
         """
         n, at = len(self.names), len(self.columns)
         trial, row, seen = np.zeros((1, at)), np.zeros(at), self._seen.copy()
-        state = SpaceState(*(part.copy() for part in self._state))
+        state = copy.deepcopy(self._state)
         motion, short = np.array([ground, ground], dtype=np.float64), TRIAL * dt
         run(self._model, state, short, short / 1024, motion, np.zeros((1, 3)), seen, trial)
         record(self._model, self._state, motion[0], self._seen, np.zeros((n + 1, 3)), row)

@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.space_friction import settle
+from solver.rigid.loss import shares_of_loss
 from solver.rigid.space.contact import chosen, moved_on, rotations, rows_of
 from solver.rigid.space.friction import slips
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
@@ -94,8 +95,9 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> 
         normal = -np.sum(work[0::3])
         tangential = -np.sum(work) - normal
         if settled and normal + tangential >= 0:
-            state.exchanged[3] += normal
-            state.exchanged[1] += tangential
+            contact, friction = shares_of_loss(normal, tangential)
+            state.exchanged[3] += contact
+            state.exchanged[1] += friction
             force, moment, _ = act(shut, rows, added.reshape((m, 3)), len(frames))
             state.velocity[:, :] += yields * force
             for b in range(len(frames) - 1):
