@@ -73,6 +73,8 @@ class SpaceState(NamedTuple):
     """Of the contact points."""
     slip: Array
     """(n, 2) slip on what carries the block, m."""
+    settled: Indices
+    """(5,) number of local problems by what settled them (`solver.law.space_friction`)."""
     exchanged: Array
     """(5,) work of the ground; dissipated by friction, damping, contact, time integration, J."""
 
@@ -97,7 +99,7 @@ class SpaceContacts(NamedTuple):
     gap: Array
     """(m,) gap counted from `rest`, m."""
     rest: Array
-    """(m,) gap at which a point is held, of one that bore before or was found sunk in; else 0, m."""
+    """(m,) gap at which a point that bore before, or was found sunk in, is held; else 0, m."""
     way: Array
     """(m, 3) of a crossing the direction of the edge in the point's body; 0 for others."""
     foot: Array

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.space_friction import settle
+from solver.law.space_friction import UNSETTLED, settle
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import follow_law, friction_at_start, recalled, slides, touched
 from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceSolution, SpaceState
@@ -76,8 +76,8 @@ def _linear(
     law: tuple[Array, Array],
     held: Array,
     force: Array,
-) -> tuple[bool, Array, Array]:
-    """Contact forces with given rows; returns whether they were found, D, and cohesion that acts.
+) -> tuple[int, Array, Array]:
+    """Contact forces with given rows; returns what found them, D, and the cohesion that acts.
 
     Args:
         contacts: m points.
@@ -119,7 +119,7 @@ def _error(size: float, moved: Array, turned: Array, whole: Array) -> float:
 def solve(
     model: SpaceModel, state: SpaceState, dt: float, before: Array, after: Array, shut: bool
 ) -> SpaceSolution:
-    """A step of length `dt` from a state, which stays as it is.
+    """A step of length `dt` from a state, which stays as it is but for the counts `settled`.
 
     Args:
         model: The bodies.
@@ -143,7 +143,9 @@ def solve(
         mean, shift = mean_motion(state, frames, moved, turned)
         rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
         still, soft = (free, hat), (yields, turning)
-        found, softness, cohesion = _linear(points, rows, still, soft, (mu, most), held, force)
+        method, softness, cohesion = _linear(points, rows, still, soft, (mu, most), held, force)
+        found = method != UNSETTLED
+        state.settled[method] += 1
         total, moment, pushed = act(points, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)

@@ -176,5 +176,6 @@ def state_of(
         inertia_force=inertia_force,
         memory=new_memory(pairs),
         slip=np.zeros((n, 2)),
+        settled=np.zeros(5, dtype=np.int64),
         exchanged=np.zeros(5),
     )

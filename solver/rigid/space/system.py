@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.history.history import columns
+from solver.law.space_friction import PROXIMAL, SWEEPS, TOUCHING
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space.advance import run
@@ -30,6 +31,9 @@ from solver.rigid.space.start import (
 from solver.scene import Scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array
+
+RESCUES = {PROXIMAL: "proximal", SWEEPS: "sweeps", TOUCHING: "touching"}
+"""Names of the methods behind Newton's."""
 
 TRIAL = 0.1
 """Forces at the start are those of a trial step of this part of the first one."""
@@ -84,6 +88,12 @@ class SpaceSystem:
         """Names of the columns of the rows: those of a history with all motions of the ground."""
         moves = bool(self._model.mass[-1] > 0)
         return columns(self.names, dimension=3, platform=moves, vertical=True, second=True)
+
+    @property
+    def rescued(self) -> dict[str, int]:
+        """How many local contact problems Newton's method left to which other method."""
+        counts = {name: int(self._state.settled[at]) for at, name in RESCUES.items()}
+        return {name: count for name, count in counts.items() if count}
 
     def advance(
         self,
