@@ -33,6 +33,9 @@ from solver.types import Array, Indices
 TOLERANCE = 1e-10
 """Of phi, relative to the largest force."""
 
+UNSETTLED, NEWTON, PROXIMAL, SWEEPS, TOUCHING = 0, 1, 2, 3, 4
+"""What settled a local problem: `TOUCHING` is cohesion that grows over the first forces."""
+
 LOOSE = 1e-8
 """The same when all else has failed: forces that balance each other within a body, which the added
 diagonal alone decides, are then still on their way, and move nothing."""
@@ -243,8 +246,8 @@ def _proximal(W: Array, q: Array, f: Array, discs: Discs, softness: float) -> bo
 
 
 @compiled
-def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
-    """Solve the local problem, f being the guess and the answer; False where no method settled it.
+def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> int:
+    """Solve the local problem, f being the guess and the answer; returns what settled it.
 
     All cohesion at once may lift its own point, and then there is no solution: it grows over the
     first forces instead, and `cohesion` becomes what acts.
@@ -257,24 +260,23 @@ def settle(W: Array, q: Array, f: Array, mu: Array, cohesion: Array) -> bool:
         cohesion: Cohesive forces (m,), N.
     """
     guess = f.copy()
-    if settle_with(W, q, f, Discs(mu, cohesion, np.inf)):
-        return True
-    if not np.any(cohesion > 0):
-        return False
+    method = settle_with(W, q, f, Discs(mu, cohesion, np.inf))
+    if method != UNSETTLED or not np.any(cohesion > 0):
+        return method
     f[:] = guess
-    settled = settle_with(W, q, f, Discs(mu, cohesion, TOUCHING_SLOPE))
+    method = settle_with(W, q, f, Discs(mu, cohesion, TOUCHING_SLOPE))
     cohesion[:] = np.minimum(cohesion, TOUCHING_SLOPE * f[::3])
-    return settled
+    return TOUCHING if method != UNSETTLED else UNSETTLED
 
 
 @compiled
-def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> bool:
+def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> int:
     """The same with one law of friction: Newton's method, then all the slower ones."""
     if _newton_twice(W, q, f, discs, _strict(20)):
-        return True
+        return NEWTON
     for softness in (1e-5, 1e-4, 1e-6):
         if _proximal(W, q, f, discs, softness):
-            return True
+            return PROXIMAL
     patience, projected, swept = _strict(10), f.copy(), f.copy()
     factors = np.array([1.2, 0.5, 1.0, 1.5])
     for k in range(60):
@@ -289,5 +291,5 @@ def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> bool:
                 sweep(W, q, swept, discs)
             f[:] = swept
         if _newton_twice(W, q, f, discs, patience):
-            return True
-    return False
+            return SWEEPS
+    return UNSETTLED

@@ -182,7 +182,6 @@ class RigidRun:
 
     def cost(self) -> dict[str, Any]:
         """What the run took."""
-        rescued = self._system.rescued if isinstance(self._system, PlaneSystem) else {}
         return {
             "steps": self._steps,
             "rejected_steps": self._rejected,
@@ -190,5 +189,5 @@ class RigidRun:
             "factorizations": 0,
             "unknowns": self._system.unknowns,
             "ranks": self._ranks,
-            "local_problems_rescued": rescued,
+            "local_problems_rescued": self._system.rescued,
         }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from solver.law.compiled import compiled
 from solver.law.few_points import OPEN, solve
+from solver.rigid.loss import shares_of_loss
 from solver.rigid.plane.contact import compliance, write_rows
 from solver.rigid.plane.friction import bounds_of
 from solver.rigid.plane.model import PlaneModel, PlaneState, PlaneWork
@@ -50,8 +51,9 @@ def correct_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, dt:
             tangential -= q[2 * i + 1] * mean[2 * i + 1]
         if normal + tangential >= -ROUND_OFF * abs(impulse @ velocity):
             state.v[:] += change
-            state.exchanged[3] += normal
-            state.exchanged[1] += tangential
+            contact, friction = shares_of_loss(normal, tangential)
+            state.exchanged[3] += contact
+            state.exchanged[1] += friction
             add_impulses(system, work, q)
             return
 

@@ -35,7 +35,7 @@ def _lands(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> bool:
     """Whether a point that was open, and not by a hair, touches in a step."""
     old, hair = touched(state, s.contacts), HAIR * np.max(model.half)
     for q in range(len(old)):
-        if old[q] == 0 and s.force[q, 0] > 0 and s.contacts.start[q, 0] > hair:
+        if old[q] == 0 and s.force[q, 0] > 0 and s.contacts.gap[q] > hair:
             return True
     return False
 
@@ -58,7 +58,7 @@ def _landing(model: SpaceModel, state: SpaceState, s: SpaceSolution, ground: Arr
     change = changes(points, rows, s.moved, s.turned)
     first = 1.0
     for q in range(len(change)):
-        gap = points.start[q, 0]
+        gap = points.gap[q]
         if old[q] == 0 and gap > hair and change[q, 0] < -gap:
             first = min(first, -gap / change[q, 0])
     return first

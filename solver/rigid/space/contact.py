@@ -17,7 +17,7 @@ from solver.rigid.space.boxes import (
     points_on_face,
 )
 from solver.rigid.space.edge_crossings import moved_along, no_crossings, normal_between
-from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceState
+from solver.rigid.space.model import SpaceContacts, SpaceMemory, SpaceModel, SpaceState
 from solver.rigid.space.rotation import cross, rotation_of, to_space
 from solver.types import Array
 
@@ -44,18 +44,26 @@ def _approach(model: SpaceModel, state: SpaceState, pair: int, dt: float, pull: 
 
 
 @compiled
-def _rest(kept: Array, face: int, gap: float, crossing: bool) -> float:
-    """Gap at which a point that was found sunk in is held: to push it out would gain energy.
+def _rest(memory: SpaceMemory, k: int, slot: int, face: int, gap: float) -> float:
+    """Gap at which a point is held: the one that it bears at, or that it was found sunk in at.
+
+    A point that bore in the last step has closed its gap then. What is left of it is round-off of
+    places: points that hold each other would make forces of it, the larger the shorter the step.
+    To push out what has sunk in would gain energy. A crossing of edges is another place in each
+    step.
 
     Args:
-        kept: What is remembered of the point.
-        face: The face that it may touch now.
+        memory: Of all points.
+        k: Pair.
+        slot: Place in the pair's memory.
+        face: The face that the point may touch now.
         gap: m.
-        crossing: Whether edges cross there: that is another place in each step.
     """
-    if crossing or kept[6] != face + 1:
+    if slot >= CORNERS or memory.face[k, slot] != face:
         return min(gap, 0.0)
-    return min(max(kept[7], gap), 0.0)
+    if memory.force[k, slot, 0] > 0:
+        return gap
+    return min(max(memory.rest[k, slot], gap), 0.0)
 
 
 @compiled
@@ -74,7 +82,7 @@ def contacts_of(
     n, most, m = len(model.half) - 1, SLOTS * len(model.upper), 0
     pull = math.sqrt(np.sum((model.gravity - ground) ** 2))
     whole = np.empty((most, 5), dtype=np.int64)
-    arm, axes, start = np.empty((most, 3)), np.empty((most, 3, 3)), np.empty((most, 3))
+    arm, axes, gap = np.empty((most, 3)), np.empty((most, 3, 3)), np.empty(most)
     rest, edges = np.empty(most), no_crossings(most)
     for k in range(len(model.upper)):
         u, c, reach = model.upper[k], model.lower[k], _approach(model, state, k, dt, pull)
@@ -95,19 +103,19 @@ def contacts_of(
             body, base, face = (c, u, above) if lower else (u, c, below)
             whole[m, 0], whole[m, 1], whole[m, 2], whole[m, 3] = k, slot, body, base
             whole[m, 4] = face
-            arm[m], start[m], axes[m] = places[slot], found[slot], face_axes(face)
+            arm[m], axes[m] = places[slot], face_axes(face)
             end = slot - CORNERS
             if end >= 0 and np.any(crossings.way[end] != 0):
                 axes[m], edges.way[m] = crossings.axes[end], crossings.way[end]
                 edges.foot[m], edges.border[m] = crossings.foot[end], crossings.border[end]
-            rest[m] = _rest(state.memory[k, slot], face, start[m, 0], end >= 0)
-            start[m, 0] -= rest[m]
+            rest[m] = _rest(state.memory, k, slot, face, found[slot, 0])
+            gap[m] = found[slot, 0] - rest[m]
             m += 1
     pair, slots, bodies = whole[:m, 0].copy(), whole[:m, 1].copy(), whole[:m, 2].copy()
     bases, faces = whole[:m, 3].copy(), whole[:m, 4].copy()
     sides = edges.way[:m], edges.foot[:m], edges.border[:m]
     return SpaceContacts(
-        pair, slots, bodies, bases, faces, arm[:m], axes[:m], start[:m], rest[:m], *sides
+        pair, slots, bodies, bases, faces, arm[:m], axes[:m], gap[:m], rest[:m], *sides
     )
 
 
@@ -123,7 +131,7 @@ def chosen(contacts: SpaceContacts, mask: Array) -> SpaceContacts:
         contacts.face[kept],
         contacts.arm[kept],
         contacts.axes[kept],
-        contacts.start[kept],
+        contacts.gap[kept],
         contacts.rest[kept],
         contacts.way[kept],
         contacts.foot[kept],
@@ -157,7 +165,7 @@ def moved_on(contacts: SpaceContacts, frames: Array, place: Array, share: float)
         contacts.face,
         arm,
         contacts.axes,
-        contacts.start,
+        contacts.gap,
         contacts.rest,
         contacts.way,
         foot,

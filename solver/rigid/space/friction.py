@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.rigid.space.boxes import CORNERS
 from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceState
 from solver.rigid.space.motion import REGULAR
 from solver.types import Array
@@ -20,27 +19,23 @@ block holds how much; it ends neither static friction nor cohesion."""
 @compiled
 def touched(state: SpaceState, contacts: SpaceContacts) -> Array:
     """1 for the points that bore on the same face in the last step, else 0."""
-    mask = np.zeros(len(contacts.body))
+    mask, memory = np.zeros(len(contacts.body)), state.memory
     for q in range(len(mask)):
-        kept = state.memory[contacts.pair[q], contacts.slot[q]]
-        if kept[6] == contacts.face[q] + 1 and kept[2] > 0:
+        k, slot = contacts.pair[q], contacts.slot[q]
+        if memory.face[k, slot] == contacts.face[q] and memory.force[k, slot, 0] > 0:
             mask[q] = 1.0
     return mask
 
 
 @compiled
-def recalled(state: SpaceState, contacts: SpaceContacts) -> tuple[Array, Array]:
-    """Forces (m, 3) of the last step and anchors (m, 2); where it was away from the face: none."""
-    m = len(contacts.body)
-    force, anchor = np.zeros((m, 3)), contacts.start[:, 1:].copy()
-    for q in range(m):
-        kept = state.memory[contacts.pair[q], contacts.slot[q]]
-        if kept[6] == contacts.face[q] + 1:
-            force[q] = kept[2:5]
-            # Crossings of edges wander along both bodies: they hold what is there.
-            if contacts.slot[q] < CORNERS:
-                anchor[q] = kept[:2]
-    return force, anchor
+def recalled(state: SpaceState, contacts: SpaceContacts) -> Array:
+    """Forces (m, 3) of the last step, N; 0 where a point was away from its face."""
+    force, memory = np.zeros((len(contacts.body), 3)), state.memory
+    for q in range(len(force)):
+        k, slot = contacts.pair[q], contacts.slot[q]
+        if memory.face[k, slot] == contacts.face[q]:
+            force[q] = memory.force[k, slot]
+    return force
 
 
 @compiled
@@ -61,10 +56,10 @@ def friction_at_start(
     mu, cohesion = np.empty(m), np.empty(m)
     for q in range(m):
         k, slot = contacts.pair[q], contacts.slot[q]
-        law, kept = model.law[k], state.memory[k, slot]
-        same = kept[6] == contacts.face[q] + 1
-        mu[q] = coefficient(law, kept[5] if same else 0.0)
-        cohesion[q] = 0.0 if state.broken[k, slot] == 1 and law[4] == 1 else law[3]
+        law, memory = model.law[k], state.memory
+        same = memory.face[k, slot] == contacts.face[q]
+        mu[q] = coefficient(law, memory.rate[k, slot] if same else 0.0)
+        cohesion[q] = 0.0 if memory.broken[k, slot] == 1 and law[4] == 1 else law[3]
     return mu, cohesion
 
 

@@ -10,6 +10,9 @@ from typing import NamedTuple
 
 from solver.types import Array, Indices
 
+AWAY = -1
+"""Number of the face of a point that is near none."""
+
 
 class SpaceModel(NamedTuple):
     """What does not change in a run. n blocks, k pairs."""
@@ -38,6 +41,21 @@ class SpaceModel(NamedTuple):
     """Whether contact is also solved at velocity level."""
 
 
+class SpaceMemory(NamedTuple):
+    """What the places for contact points of k pairs remember from step to step."""
+
+    force: Array
+    """(k, SLOTS, 3) contact forces of the last step, normal and two tangential, N."""
+    face: Indices
+    """(k, SLOTS) number of the face that a point was near in the last step; `AWAY` if none."""
+    rest: Array
+    """(k, SLOTS) gap that a point is held at, m."""
+    rate: Array
+    """(k, SLOTS) rate of slip, m/s; 0 where a point stuck."""
+    broken: Array
+    """(k, SLOTS) 1 where the cohesion is lost."""
+
+
 class SpaceState(NamedTuple):
     """What a step changes, in place."""
 
@@ -51,13 +69,12 @@ class SpaceState(NamedTuple):
     """(n + 1, 3) angular velocities W in the body, rad/s."""
     inertia_force: Array
     """p, the inertia of the platform against its spring, N, (2,)."""
-    memory: Array
-    """(k, SLOTS, 8): anchor (2), force (3), slip rate (m/s, 0: stuck), 1 + number of its face
-    (0: away), the gap that it is held at (m, 0 or below)."""
-    broken: Array
-    """(k, SLOTS) 1 where the cohesion is lost."""
+    memory: SpaceMemory
+    """Of the contact points."""
     slip: Array
     """(n, 2) slip on what carries the block, m."""
+    settled: Indices
+    """(5,) number of local problems by what settled them (`solver.law.space_friction`)."""
     exchanged: Array
     """(5,) work of the ground; dissipated by friction, damping, contact, time integration, J."""
 
@@ -79,10 +96,10 @@ class SpaceContacts(NamedTuple):
     """(m, 3) place in its body, m."""
     axes: Array
     """(m, 3, 3) rows normal and two tangential, in the body of the face; of a crossing in space."""
-    start: Array
-    """(m, 3) gap, from `rest` on, and place along the face, m."""
+    gap: Array
+    """(m,) gap counted from `rest`, m."""
     rest: Array
-    """(m,) gap of a point that was found sunk in and is held there; 0 for others, m."""
+    """(m,) gap at which a point that bore before, or was found sunk in, is held; else 0, m."""
     way: Array
     """(m, 3) of a crossing the direction of the edge in the point's body; 0 for others."""
     foot: Array

@@ -141,7 +141,7 @@ def record(
         row: The row; its error stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
-    row[RUN.contact_points_closed] = np.sum(state.memory[:, :, 2] > 0)
+    row[RUN.contact_points_closed] = np.sum(state.memory.force[:, :, 0] > 0)
     row[RUN.base_acceleration_m_s2] = ground[0]
     row[RUN.base_second_acceleration_m_s2] = ground[1]
     row[RUN.base_vertical_acceleration_m_s2] = ground[2]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.space_friction import settle
+from solver.law.space_friction import UNSETTLED, settle
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import follow_law, friction_at_start, recalled, slides, touched
 from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceSolution, SpaceState
@@ -73,26 +73,27 @@ def _linear(
     rows: tuple[Array, Array, Array],
     free: tuple[Array, Array],
     yields: tuple[Array, Array],
-    law: tuple[Array, Array, Array, Array],
+    law: tuple[Array, Array],
+    held: Array,
     force: Array,
-) -> tuple[bool, Array, Array]:
-    """Contact forces with given rows; returns whether they were found, D, and cohesion that acts.
+) -> tuple[int, Array, Array]:
+    """Contact forces with given rows; returns what found them, D, and the cohesion that acts.
 
     Args:
         contacts: m points.
         rows: Of `rows_of`.
         free: Increments of centres and rotations without contact.
         yields: What forces and moments add to them.
-        law: Anchors, coefficients of friction, cohesive forces, forces of the last step.
+        law: Coefficients of friction, cohesive forces.
+        held: (m, 3) forces that the added diagonal D holds on to, N.
         force: (m, 3) guess and answer, N.
     """
     W = compliance(contacts, rows, yields[0], yields[1])
     softness = regularise(W)
-    q = contacts.start + changes(contacts, rows, free[0], free[1])
-    q -= softness * law[3]
-    q[:, 1:] -= law[0]
-    flat, cohesion = force.reshape(force.size), law[2].copy()
-    return settle(W, q.reshape(q.size), flat, law[1], cohesion), softness, cohesion
+    q = changes(contacts, rows, free[0], free[1]) - softness * held
+    q[:, 0] += contacts.gap
+    flat, cohesion = force.reshape(force.size), law[1].copy()
+    return settle(W, q.reshape(q.size), flat, law[0], cohesion), softness, cohesion
 
 
 @compiled
@@ -118,7 +119,7 @@ def _error(size: float, moved: Array, turned: Array, whole: Array) -> float:
 def solve(
     model: SpaceModel, state: SpaceState, dt: float, before: Array, after: Array, shut: bool
 ) -> SpaceSolution:
-    """A step of length `dt` from a state, which stays as it is.
+    """A step of length `dt` from a state, which stays as it is but for the counts `settled`.
 
     Args:
         model: The bodies.
@@ -132,7 +133,7 @@ def solve(
     points = _points(model, state, frames, dt, after, shut)
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
-    force, anchor = recalled(state, points)
+    force = recalled(state, points)
     mu, most = friction_at_start(model, state, points)
     held = force * np.array([EVENING, 1.0, 1.0])
     moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
@@ -141,18 +142,23 @@ def solve(
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
         rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
-        still, soft, law = (free, hat), (yields, turning), (anchor, mu, most, held)
-        found, softness, cohesion = _linear(points, rows, still, soft, law, force)
+        still, soft = (free, hat), (yields, turning)
+        method, softness, cohesion = _linear(points, rows, still, soft, (mu, most), held, force)
+        found = method != UNSETTLED
+        state.settled[method] += 1
         total, moment, pushed = act(points, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)
         change, yielded = changes(points, rows, moved, turned), softness * (force - held)
-        slip = points.start[:, 1:] + change[:, 1:] + yielded[:, 1:] - anchor
+        slip = change[:, 1:] + yielded[:, 1:]
         slid = slides(force, slip, softness, mu, cohesion)
         again = follow_law(model, points, slid, slip, dt, mu)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)
-        done = bool(found and not again and left <= ROUND_OFF * size)
+        centred = rounds > 1 or np.sum(np.abs(yielded)) <= ROUND_OFF * size
+        if rounds == 1:
+            held[:] = force
+        done = bool(found and not again and centred and left <= ROUND_OFF * size)
         if done or not found or rounds == ITERATIONS:
             break
     return SpaceSolution(

@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrangement import Pose
 from geometry.block import Block
 from solver.rigid.space.boxes import SLOTS
-from solver.rigid.space.model import SpaceModel, SpaceState
+from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
 from solver.rigid.space.rotation import quaternion_of, rotation_of
 from solver.scene import FrictionSpec, Scene
 from solver.scene.places import poses
@@ -139,6 +139,18 @@ def model_of(
     )
 
 
+def new_memory(pairs: int) -> SpaceMemory:
+    """The memory of points that have touched nothing yet."""
+    size = pairs, SLOTS
+    return SpaceMemory(
+        force=np.zeros((*size, 3)),
+        face=np.full(size, AWAY, dtype=np.int64),
+        rest=np.zeros(size),
+        rate=np.zeros(size),
+        broken=np.zeros(size),
+    )
+
+
 def state_of(
     blocks: Sequence[SpaceBlock],
     model: SpaceModel,
@@ -162,8 +174,8 @@ def state_of(
         velocity=velocity,
         spin=spin,
         inertia_force=inertia_force,
-        memory=np.zeros((pairs, SLOTS, 8)),
-        broken=np.zeros((pairs, SLOTS)),
+        memory=new_memory(pairs),
         slip=np.zeros((n, 2)),
+        settled=np.zeros(5, dtype=np.int64),
         exchanged=np.zeros(5),
     )

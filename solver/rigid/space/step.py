@@ -8,8 +8,8 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.rigid.space.contact import rotations
-from solver.rigid.space.friction import recalled, slips
-from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
+from solver.rigid.space.friction import slips
+from solver.rigid.space.model import AWAY, SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.rotation import advanced, to_body
 from solver.types import Array
 
@@ -38,24 +38,24 @@ def _take_centres(
 
 @compiled
 def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
-    """Stick memory of all points, and what contact and friction took."""
-    _, anchor = recalled(state, s.contacts)
-    state.memory[:, :, 2:] = 0.0
+    """Memory of all points, and what contact and friction took.
+
+    Friction takes the work on the slip y_t of the law, to which f_t is opposite: never less than 0.
+    """
+    memory = state.memory
+    memory.force[:], memory.face[:], memory.rest[:], memory.rate[:] = 0.0, AWAY, 0.0, 0.0
     for q in range(len(s.mu)):
+        k, slot = s.contacts.pair[q], s.contacts.slot[q]
         force, change = s.force[q], s.change[q]
-        kept = state.memory[s.contacts.pair[q], s.contacts.slot[q]]
-        place = s.contacts.start[q, 1:] + change[1:]
-        moved = place + s.yielded[q, 1:] - anchor[q]
-        slipping = slips(force, s.mu[q], s.cohesion[q])
-        if force[0] > 0 and not slipping:
-            moved = np.zeros(2)
-        kept[:2] = anchor[q] + moved if force[0] > 0 else place
-        kept[2:5] = force
-        kept[6], kept[7] = s.contacts.face[q] + 1.0, s.contacts.rest[q]
+        memory.force[k, slot], memory.face[k, slot] = force, s.contacts.face[q]
+        memory.rest[k, slot] = s.contacts.rest[q]
+        slip = np.zeros(2)
+        if slips(force, s.mu[q], s.cohesion[q]):
+            slip = change[1:] + s.yielded[q, 1:]
         if s.sliding[q] == 1:
-            kept[5] = math.hypot(moved[0], moved[1]) / s.dt
-            state.broken[s.contacts.pair[q], s.contacts.slot[q]] = 1.0
-        rubbed = -(force[1] * moved[0] + force[2] * moved[1])
+            memory.rate[k, slot] = math.hypot(slip[0], slip[1]) / s.dt
+            memory.broken[k, slot] = 1.0
+        rubbed = -(force[1] * slip[0] + force[2] * slip[1])
         work = force[0] * change[0] + force[1] * change[1] + force[2] * change[2]
         state.exchanged[1] += rubbed
         state.exchanged[3] -= work + rubbed

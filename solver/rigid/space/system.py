@@ -8,15 +8,16 @@ and `space_solve`.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
 
 from solver.history.columns import check_filled, columns, row_layout
+from solver.law.space_friction import PROXIMAL, SWEEPS, TOUCHING
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space.advance import run
-from solver.rigid.space.model import SpaceState
 from solver.rigid.space.rotation import rotation_of
 from solver.rigid.space.rows import BLOCK, ENERGY, RUN, record, stored_energies
 from solver.rigid.space.start import (
@@ -30,6 +31,9 @@ from solver.rigid.space.start import (
 from solver.scene import Scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array
+
+RESCUES = {PROXIMAL: "proximal", SWEEPS: "sweeps", TOUCHING: "touching"}
+"""Names of the methods behind Newton's."""
 
 TRIAL = 0.1
 """Forces at the start are those of a trial step of this part of the first one."""
@@ -87,6 +91,12 @@ class SpaceSystem:
         moves = bool(self._model.mass[-1] > 0)
         return columns(self.names, dimension=3, platform=moves, vertical=True, second=True)
 
+    @property
+    def rescued(self) -> dict[str, int]:
+        """How many local contact problems Newton's method left to which other method."""
+        counts = {name: int(self._state.settled[at]) for at, name in RESCUES.items()}
+        return {name: count for name, count in counts.items() if count}
+
     def advance(
         self,
         count: int,
@@ -128,7 +138,7 @@ class SpaceSystem:
         """
         trial, row = np.full((2, 1, len(self.columns)), np.nan)
         seen, layout = self._seen.copy(), self._layout
-        state = SpaceState(*(part.copy() for part in self._state))
+        state = copy.deepcopy(self._state)
         motion, short = np.array([ground, ground], dtype=np.float64), TRIAL * dt
         still = np.zeros((1, 3))
         run(self._model, state, short, short / 1024, motion, still, seen, layout, trial)

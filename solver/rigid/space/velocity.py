@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.space_friction import settle
+from solver.law.space_friction import UNSETTLED, settle
+from solver.rigid.loss import shares_of_loss
 from solver.rigid.space.contact import chosen, moved_on, rotations, rows_of
 from solver.rigid.space.friction import slips
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
@@ -39,8 +40,11 @@ def _mobility(model: SpaceModel, frames: Array) -> tuple[Array, Array]:
 @compiled
 def _total_impulse(
     W: Array, velocity: Array, impulse: Array, held: Array, mu: Array, cohesion: Array
-) -> tuple[bool, Array]:
-    """Impulses (3 m,) that make the velocities right; points `held` keep their tangential part."""
+) -> tuple[int, Array]:
+    """What settled them, and impulses (3 m,) that make the velocities right.
+
+    Points that are `held` keep their tangential part.
+    """
     W, free = W.copy(), velocity - W @ impulse
     for i in range(len(mu)):
         if held[i] == 0:
@@ -58,11 +62,11 @@ def _total_impulse(
     for i in range(len(mu)):
         if held[i] == 1:
             total[3 * i + 1 : 3 * i + 3] = 0.0
-    settled = settle(W, free, total, mu, cohesion.copy())
+    method = settle(W, free, total, mu, cohesion.copy())
     for i in range(len(mu)):
         if held[i] == 1:
             total[3 * i + 1 : 3 * i + 3] = impulse[3 * i + 1 : 3 * i + 3]
-    return settled, total
+    return method, total
 
 
 @compiled
@@ -88,14 +92,16 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> 
     for i in range(m):
         held[i] = 1.0 if slips(s.force[kept[i]], mu[i], s.cohesion[kept[i]]) else 0.0
     for _ in range(2):
-        settled, total = _total_impulse(W, velocity, impulse, held, mu, cohesion)
+        method, total = _total_impulse(W, velocity, impulse, held, mu, cohesion)
         added = total - impulse
         work = added * (velocity + 0.5 * (W @ added))
         normal = -np.sum(work[0::3])
         tangential = -np.sum(work) - normal
-        if settled and normal + tangential >= 0:
-            state.exchanged[3] += normal
-            state.exchanged[1] += tangential
+        if method != UNSETTLED and normal + tangential >= 0:
+            state.settled[method] += 1
+            contact, friction = shares_of_loss(normal, tangential)
+            state.exchanged[3] += contact
+            state.exchanged[1] += friction
             force, moment, _ = act(shut, rows, added.reshape((m, 3)), len(frames))
             state.velocity[:, :] += yields * force
             for b in range(len(frames) - 1):
