@@ -22,7 +22,7 @@ from solver.contact.body_points import SurfaceState
 from solver.contact.interface import Memory
 from solver.contact.nitsche_points import same
 from solver.contact.projection import ContactKinematics
-from solver.law.local_problem import LocalProblem, NoContactSolution, image, row_sum_scaling
+from solver.law.local_problem import LocalProblem, NoContactSolution, image
 from solver.parallel import global_sum
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.contact_points import AllPoints, Contact
@@ -277,7 +277,7 @@ class ContactSolve:
         near = points.near(y)
         if len(near):
             force = points.force[near]
-            W, scaling = self._delassus(near, seats)
+            W = self._delassus(near, seats)
             near = self._near  # the same numbers, known by the same array
             # W holds the interface's own softness too, which is no part of y.
             q = y[near] - image(W, force) + force * points.softness[near, None]
@@ -287,7 +287,7 @@ class ContactSolve:
             q[:, 1:] -= points.anchor[near]
             if not force.any():  # nothing tells that a gap of round-off is small
                 q[np.abs(q[:, 0]) < points.round_off[near], 0] = 0.0
-            new = self._solve_with_friction(W, q, force, y, scaling)
+            new = self._solve_with_friction(W, q, force, y)
             points.force[near] = new
             for k, response in enumerate(self._response):
                 change = response.respond(self._place, new - force, self._contact_weight)
@@ -295,14 +295,12 @@ class ContactSolve:
                     free[k] = free[k] + change
         return free[0] if len(free) == 1 else np.concatenate(free)
 
-    def _solve_with_friction(
-        self, W: Array, q: Array, force: Array, y: Array, scaling: Array
-    ) -> Array:
+    def _solve_with_friction(self, W: Array, q: Array, force: Array, y: Array) -> Array:
         """Forces of the near points, of a friction that fits the slip they allow."""
         points, near = self._points, self._near
         bounds = points.bounds_at(near, y)
         for _ in range(FOLLOWED):
-            force = self.local.solve(W, q, force, bounds, scaling)
+            force = self.local.solve(W, q, force, bounds)
             following = points.follow(near, q, W, force)
             if following is None:
                 break
@@ -314,8 +312,8 @@ class ContactSolve:
         """w_c, the same for all bodies."""
         return self._balance.weights[0].contact
 
-    def _delassus(self, near: Indices, seats: Sequence[ContactKinematics]) -> tuple[Array, Array]:
-        """W (m, d, m, d) with the interface's softness, and its scaling."""
+    def _delassus(self, near: Indices, seats: Sequence[ContactKinematics]) -> Array:
+        """W (m, d, m, d) with the interface's softness."""
         points = self._points
         if same(near, self._near):
             near = self._near  # known by the same array
@@ -335,7 +333,7 @@ class ContactSolve:
             number = np.arange(m)
             for k in range(d):
                 W[number, k, number, k] += soft
-            self._near, self._turned, self._stale = near, (W, row_sum_scaling(W)), False
+            self._near, self._turned, self._stale = near, W, False
             self._coupled = self._response
         return self._turned
 

@@ -13,7 +13,7 @@ from solver.contact.nitsche_points import same
 from solver.contact.projection import in_frames
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem
-from solver.law.velocity import VelocityContact
+from solver.law.velocity import impulse_correction
 from solver.stepping.contact_points import Contact, frames_at, joined
 from solver.stepping.response import CandidateSet, DenseResponse
 from solver.stepping.state import State
@@ -36,7 +36,7 @@ class VelocityImpulses:
     def __init__(self, system: System, links: Sequence[Link], local: LocalProblem):
         """Factorize the masses."""
         self.system, self.links = system, tuple(links)
-        self._contact = VelocityContact(local)
+        self._local = local
         self._responses = []
         for number, body in enumerate(system.bodies):
             factor: Factorization | Array
@@ -67,7 +67,7 @@ class VelocityImpulses:
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
         bounds = Bounds(mu[closed], dt * cohesion[closed])
         velocity = self._velocity(state, contacts)[closed]
-        found = self._contact.correct(velocity, W, dt * force[closed], bounds)
+        found = impulse_correction(self._local, velocity, W, dt * force[closed], bounds)
         if found is None:
             return None
         parts = []

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from solver.law.friction import FrictionLaws
 from solver.types import Array, Indices
 
 
@@ -26,8 +27,10 @@ class SpaceModel(NamedTuple):
     """(k,) lower body of each pair."""
     carried: Indices
     """(n,) the pair of each block with what carries it."""
-    law: Array
-    """(k, 5) friction: static, dynamic, decay (s/m), cohesive force of a point (N), 1 if lost."""
+    law: FrictionLaws
+    """(k,) friction of each pair."""
+    area: Array
+    """(k,) that cohesion acts on at a point, m2."""
     spring: Array
     """(2,) stiffness (N/m) and damping (N s/m) of the platform, alike along x and y."""
     gravity: Array

@@ -11,9 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.space_friction import settle
+from solver.law.friction import Bounds
+from solver.law.local_problem import METHODS, OUTCOMES
+from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
-from solver.rigid.space.friction import follow_law, friction_at_start, recalled, slides, touched
+from solver.rigid.space.friction import follow_law, friction_at_start, recalled, sliding_of, touched
 from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import (
     act,
@@ -75,8 +77,8 @@ def _linear(
     yields: tuple[Array, Array],
     law: tuple[Array, Array, Array, Array],
     force: Array,
-) -> tuple[bool, Array, Array]:
-    """Contact forces with given rows; returns whether they were found, D, and cohesion that acts.
+) -> tuple[bool, Array]:
+    """Contact forces with given rows; returns whether they were found, and D.
 
     Args:
         contacts: m points.
@@ -91,8 +93,10 @@ def _linear(
     q = contacts.start + changes(contacts, rows, free[0], free[1])
     q -= softness * law[3]
     q[:, 1:] -= law[0]
-    flat, cohesion = force.reshape(force.size), law[2].copy()
-    return settle(W, q.reshape(q.size), flat, law[1], cohesion), softness, cohesion
+    flat, bounds = force.reshape(force.size), Bounds(law[1], law[2], np.inf)
+    states, counts = np.empty(len(q), np.int64), np.zeros(len(OUTCOMES), np.int64)
+    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts, METHODS)
+    return found, softness
 
 
 @compiled
@@ -133,7 +137,7 @@ def solve(
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
     force, anchor = recalled(state, points)
-    mu, most = friction_at_start(model, state, points)
+    mu, cohesion = friction_at_start(model, state, points)
     held = force * np.array([EVENING, 1.0, 1.0])
     moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
     rounds = 0
@@ -141,14 +145,14 @@ def solve(
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
         rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
-        still, soft, law = (free, hat), (yields, turning), (anchor, mu, most, held)
-        found, softness, cohesion = _linear(points, rows, still, soft, law, force)
+        still, soft, law = (free, hat), (yields, turning), (anchor, mu, cohesion, held)
+        found, softness = _linear(points, rows, still, soft, law, force)
         total, moment, pushed = act(points, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)
         change, yielded = changes(points, rows, moved, turned), softness * (force - held)
         slip = points.start[:, 1:] + change[:, 1:] + yielded[:, 1:] - anchor
-        slid = slides(force, slip, softness, mu, cohesion)
+        slid = sliding_of(force, slip, softness, mu, cohesion)
         again = follow_law(model, points, slid, slip, dt, mu)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)

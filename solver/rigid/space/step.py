@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.rigid.space.contact import rotations
-from solver.rigid.space.friction import recalled, slips
+from solver.rigid.space.friction import at_limit, recalled
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.rotation import advanced, to_body
 from solver.types import Array
@@ -46,7 +46,7 @@ def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
         kept = state.memory[s.contacts.pair[q], s.contacts.slot[q]]
         place = s.contacts.start[q, 1:] + change[1:]
         moved = place + s.yielded[q, 1:] - anchor[q]
-        slipping = slips(force, s.mu[q], s.cohesion[q])
+        slipping = at_limit(s.force, s.mu, s.cohesion, q)
         if force[0] > 0 and not slipping:
             moved = np.zeros(2)
         kept[:2] = anchor[q] + moved if force[0] > 0 else place
