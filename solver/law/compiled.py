@@ -163,15 +163,20 @@ def _intrinsic() -> Any:
     from numba.extending import intrinsic
 
     def borrow(context: Any, arrays: Any) -> Any:
+        def without_counts(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+            if isinstance(kind, types.Array):
+                array = context.make_array(kind)(context, builder, value)
+                array.meminfo = cgutils.get_null_value(array.meminfo.type)
+                return array._getvalue()
+            if isinstance(kind, types.BaseTuple):
+                items = zip(kind, cgutils.unpack_tuple(builder, value), strict=True)
+                return context.make_tuple(
+                    builder, kind, [without_counts(context, builder, *item) for item in items]
+                )
+            return value
+
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            items = []
-            for item, kind in zip(cgutils.unpack_tuple(builder, values[0]), arrays, strict=True):
-                if isinstance(kind, types.Array):
-                    array = context.make_array(kind)(context, builder, item)
-                    array.meminfo = cgutils.get_null_value(array.meminfo.type)
-                    item = array._getvalue()
-                items.append(item)
-            return context.make_tuple(builder, arrays, items)
+            return without_counts(context, builder, arrays, values[0])
 
         return arrays(arrays), generate
 

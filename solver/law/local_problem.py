@@ -1,94 +1,144 @@
-"""The condensed contact problem: Signorini and Coulomb at points coupled by a small dense matrix.
+"""The local contact problem: Signorini and Coulomb at points coupled by a small dense matrix.
 
-Unknown are the point forces f = (normal, tangential) of m points with
-
-    y = q + W f,   0 <= f_n  complementary to  y_n >= 0,   |f_t| <= c + mu f_n,  y_t opposite to f_t
-    where |f_t| is at its bound and 0 elsewhere,
-
-and f_t = 0 where f_n = 0: cohesion needs contact. In 3-D |f_t| is the length of two components. A
-Newton method settles nearly all problems; behind it stands a chain of slower methods, and `rescues`
-counts what each one settled.
+`solver.law.newton` states the problem. Newton's method settles nearly all of them; behind it stands
+a chain of slower methods, and the names of those that settled a problem are counted.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from itertools import islice
 
 import numpy as np
 
-from solver.law.friction import Bounds
-from solver.law.local_disc import DiscSolver
-from solver.law.local_plane import PlaneSolver
-from solver.law.local_system import (
-    LocalSystem,
-    NoContactSolution,
-    diagonal_scaling,
-    image,
-    row_sum_scaling,
-)
-from solver.types import Array
+from solver.law.compiled import compiled
+from solver.law.friction import TOUCHING_SLOPE, Bounds
+from solver.law.newton import Local, newton, row_sums
+from solver.law.rescues import RESCUES, ROUNDS, rescue
+from solver.types import Array, Indices
 
-__all__ = ["LocalProblem", "NoContactSolution", "image", "row_sum_scaling"]
+#: What can become of a local problem, as counted.
+OUTCOMES = ("Newton", "touching", *RESCUES, "velocity solve left out")
+#: All of the slower methods.
+METHODS = len(RESCUES)
+
+
+class NoContactSolution(Exception):
+    """None of the methods settled the local problem; a smaller time step is the remedy."""
+
+
+def new_counts() -> Indices:
+    """Room to count outcomes."""
+    return np.zeros(len(OUTCOMES), dtype=np.int64)
+
+
+def named(counts: Indices) -> Counter[str]:
+    """What was needed besides Newton's method, by name."""
+    return Counter({name: int(n) for name, n in zip(OUTCOMES[1:], counts[1:], strict=True) if n})
+
+
+def image(W: Array, f: Array) -> Array:
+    """W f for points (m, d)."""
+    return (W.reshape(f.size, f.size) @ f.ravel()).reshape(f.shape)
+
+
+@compiled
+def solve(
+    d: int,
+    W: Array,
+    q: Array,
+    bounds: Bounds,
+    f: Array,
+    states: Indices,
+    counts: Indices,
+    patience: int,
+) -> bool:
+    """Solve a local problem; False where no method settled it.
+
+    Args:
+        d: Rows of a point: 3 in space, 2 in the plane.
+        W: Compliance, (d m, d m), m/N.
+        q: Free values, (d m,), m.
+        bounds: Of friction; where none of the points has any, tangential rows are dropped.
+        f: Guess and answer, (d m,), N.
+        states: Left as those of the answer, `OPEN`, `STICK` or else slip, (m,).
+        counts: Of outcomes, see `OUTCOMES`.
+        patience: How many of the slower methods may be tried.
+    """
+    if not (np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0)):
+        normal = f[::d].copy()
+        local = Local(1, W[::d, ::d].copy(), q[::d].copy(), bounds)
+        settled = _settle(local, normal, states, counts, patience)
+        f[:] = 0.0
+        f[::d] = normal
+        return settled
+    return _settle(Local(d, W, q, bounds), f, states, counts, patience)
+
+
+@compiled
+def _settle(local: Local, f: Array, states: Indices, counts: Indices, patience: int) -> bool:
+    """Newton's method, then the slower ones.
+
+    All cohesion at once may lift its own point, and then there is no solution: behind the first
+    try it is built up over the first pressure instead.
+    """
+    guess, r = f.copy(), row_sums(local.d, local.W)
+    if newton(local, r, f, states, ROUNDS + 2 * len(states), 0):
+        counts[0] += 1
+        return True
+    if patience > 0 and np.any(local.bounds.cohesion > 0.0):
+        touching = Bounds(local.bounds.mu, local.bounds.cohesion, TOUCHING_SLOPE)
+        local = Local(local.d, local.W, local.q, touching)
+        f[:] = guess
+        if newton(local, r, f, states, ROUNDS + 2 * len(states), 0):
+            counts[1] += 1
+            return True
+    for method in range(patience):
+        f[:] = guess
+        if rescue(method, local, f, states):
+            counts[2 + method] += 1
+            return True
+    return False
 
 
 class LocalProblem:
-    """Solver of local problems; remembers the last states."""
+    """Solver of local problems of points with d rows each, as arrays (m, d)."""
 
-    def __init__(self, dimension: int = 2, *, patience: int | None = None):
-        """Set up.
+    def __init__(self, dimension: int = 2, *, patience: int = METHODS):
+        """Let what is compiled be compiled, or read what was kept, before time counts.
 
         Args:
             dimension: 2 or 3.
-            patience: How many of the methods behind Newton's may be tried; None for all.
+            patience: How many of the slower methods may be tried.
         """
-        self._dimension, self._patience = dimension, patience
-        self.rescues: Counter[str] = Counter()
-        self._plane, self._disc = PlaneSolver(), DiscSolver()
-        (self._plane if dimension == 2 else self._disc).get_ready()
+        self.patience, self.counts = 0, new_counts()
+        ones = np.ones((1, dimension))
+        self.solve(
+            np.eye(dimension).reshape(1, dimension, 1, -1), ones, ones, Bounds.uniform(0.5, 1)
+        )
+        self.patience, self.counts = patience, new_counts()
 
-    def solve(
-        self,
-        W: Array,
-        q: Array,
-        start: Array,
-        bounds: Bounds,
-        scaling: Array | None = None,
-    ) -> Array:
+    @property
+    def rescues(self) -> Counter[str]:
+        """How many problems needed what besides Newton's method."""
+        return named(self.counts)
+
+    def solve(self, W: Array, q: Array, start: Array, bounds: Bounds) -> Array:
         """Forces (m, d) for compliance W (m, d, m, d), free values q (m, d) and a guess (m, d).
 
         Args:
             W: Compliance.
             q: Free values.
             start: Guess.
-            bounds: Of friction; where all are zero, tangential unknowns are dropped.
-            scaling: `row_sum_scaling(W)`, where it is at hand; not used with friction in 3-D.
+            bounds: Of friction.
 
         Raises:
             NoContactSolution: Where every method failed.
         """
-        if not len(q):
+        m, d = q.shape
+        if not m:
             return np.zeros_like(q)
-        if self._dimension == 3 and not bounds.frictionless:
-            return self._settled(self._disc, LocalSystem(W, q, diagonal_scaling(W), bounds), start)
-        scaling = row_sum_scaling(W) if scaling is None else scaling
-        if self._dimension == 2:
-            return self._settled(self._plane, LocalSystem(W, q, scaling, bounds), start)
-        # Without friction the second tangential direction is as idle as the first.
-        smooth = LocalSystem(W[:, :2, :, :2], q[:, :2], scaling[:, :2], bounds)
-        return np.pad(self._settled(self._plane, smooth, start[:, :2]), ((0, 0), (0, 1)))
-
-    def _settled(
-        self, solver: PlaneSolver | DiscSolver, system: LocalSystem, start: Array
-    ) -> Array:
-        """The solution by the fast method, or by the first that finds it."""
-        found = solver.fast(system, start)
-        if found is not None:
-            return found
-        slower = solver.cohesive if system.bounds.cohesion.any() else solver.rescues
-        for name, method in islice(slower.items(), self._patience):
-            found = method(system, start)
-            if found is not None:
-                self.rescues[name] += 1
-                return found
-        raise NoContactSolution(f"the local contact problem of {len(start)} points did not settle")
+        flat, free = W.reshape(d * m, d * m), q.reshape(d * m)
+        force, states = start.flatten(), np.empty(m, dtype=np.int64)
+        if not solve(d, flat, free, bounds, force, states, self.counts, self.patience):
+            raise NoContactSolution(f"the local contact problem of {m} points did not settle")
+        return force.reshape(m, d)

@@ -7,121 +7,134 @@ corrected such that
     0 <= P_n  complementary to  v_n >= 0,   |P_t| <= dt c + mu P_n, v_t = 0 inside the bound,
     P = dt f + q,
 
-with v <- v + M^-1 G^T q. Kinetic energy can only fall.
+with v <- v + M^-1 G^T q. Kinetic energy must not rise. Where the bound shrinks with P_n, giving
+back friction could accelerate: then points that slip keep their friction, then all do, and else the
+velocities stay as they are.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 
-from solver.law.friction import Bounds
-from solver.law.local_problem import (
-    LocalProblem,
-    NoContactSolution,
-    image,
-    row_sum_scaling,
-)
-from solver.types import Array, Indices, Mask
+from solver.law.compiled import compiled
+from solver.law.friction import Bounds, at_bound
+from solver.law.local_problem import LocalProblem, solve
+from solver.types import Array, Indices
+
+#: Relative diagonal added to W: closed points may outnumber the unknowns, W is singular then.
+REGULAR = 1e-8
+#: Gains of kinetic energy below this part of the power of the impulses are round-off.
+ENERGY_ROUND_OFF = 1e-14
 
 
-@dataclass(frozen=True, slots=True)
-class ImpulseCorrection:
-    """Change of the impulses and the energy that it takes (per metre of thickness in 2-D).
+@compiled
+def _slipping(d: int, impulse: Array, bounds: Bounds) -> Indices:
+    """1 for the points whose impulse is at its bound, (m,)."""
+    found = np.zeros(len(bounds.mu), np.int64)
+    for i in range(len(found)):
+        tangential = 0.0
+        for k in range(d * i + 1, d * i + d):
+            tangential = math.hypot(tangential, impulse[k])
+        if at_bound(bounds, i, impulse[d * i], tangential):
+            found[i] = 1
+    return found
 
-    Attributes:
-        q: Of the closed points in their frames, (m, d), N s.
-        contact: Energy taken in the normal directions, J.
-        friction: In the tangential ones, J.
+
+@compiled
+def friction_share(tangential: float, lost: float) -> float:
+    """Friction's share of the kinetic energy that impulses take, J.
+
+    Normal and tangential impulses of a body act on each other: the work in one direction may be
+    negative, though their sum is a loss. A loss through friction cannot be negative: where the
+    tangential impulses give energy back, the normal ones took it before, and it is contact's.
+
+    Args:
+        tangential: Energy taken in the tangential directions, J.
+        lost: Energy taken in all, J.
     """
+    return min(max(tangential, 0.0), max(lost, 0.0))
+
+
+@compiled
+def correct_impulses(
+    d: int,
+    W: Array,
+    velocity: Array,
+    impulse: Array,
+    bounds: Bounds,
+    counts: Indices,
+    patience: int,
+) -> tuple[bool, Array, float, float]:
+    """Correct the impulses of closed points.
+
+    Args:
+        d: Rows of a point.
+        W: G M^-1 G^T of the closed points, (d m, d m), 1/kg.
+        velocity: Of the points after the step, (d m,), m/s.
+        impulse: dt f of the step, (d m,), N s.
+        bounds: Of the impulses: mu and dt c.
+        counts: Of outcomes of local problems.
+        patience: How many of the slower methods may be tried for each of them.
+
+    Returns:
+        Whether a correction was found, it (d m,), and the energy that it takes: contact's and
+        friction's share, J.
+    """
+    m, regular = len(bounds.mu), W.copy()
+    for k in range(len(W)):
+        regular[k, k] *= 1.0 + REGULAR
+    states, slipping = np.empty(m, np.int64), _slipping(d, impulse, bounds)
+    for keep in range(3):
+        # Points whose friction is kept have none that is unknown.
+        kept, mu, cohesion = np.zeros_like(impulse), bounds.mu.copy(), bounds.cohesion.copy()
+        for i in range(m):
+            if keep + slipping[i] > 1:
+                mu[i], cohesion[i] = 0.0, 0.0
+                kept[d * i + 1 : d * i + d] = impulse[d * i + 1 : d * i + d]
+        total = impulse - kept
+        free = velocity - regular @ total
+        left = Bounds(mu, cohesion, bounds.slope)
+        if not solve(d, regular, free, left, total, states, counts, patience):
+            continue
+        q = total + kept - impulse
+        work = q * (velocity + 0.5 * (W @ q))
+        normal, lost = -np.sum(work[::d]), -np.sum(work)
+        if lost >= -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
+            friction = friction_share(lost - normal, lost)
+            return True, q, lost - friction, friction
+    counts[-1] += 1
+    return False, np.zeros_like(impulse), 0.0, 0.0
+
+
+class ImpulseCorrection(NamedTuple):
+    """Change of the impulses and the energy that it takes."""
 
     q: Array
+    """Of the closed points in their frames, (m, d), N s."""
     contact: float
+    """Energy lost in contact, J."""
     friction: float
+    """Energy lost in friction, J."""
 
 
-class VelocityContact:
-    """Solves the contact problem of velocities at the closed points."""
+def impulse_correction(
+    local: LocalProblem, velocity: Array, W: Array, impulse: Array, bounds: Bounds
+) -> ImpulseCorrection | None:
+    """The correction after a step, or None where no point is closed or none was found.
 
-    def __init__(self, local: LocalProblem):
-        """Take the solver of local problems, which also counts the solves left out."""
-        self._local = local
-        self._last: tuple[Array, Array, Array] | None = None
-
-    def correct(
-        self, velocity: Array, W: Array, impulse: Array, bounds: Bounds
-    ) -> ImpulseCorrection | None:
-        """The correction after a step, or None where no point is closed or none was found.
-
-        Args:
-            velocity: Of the closed points in their frames, (m, d), m/s.
-            W: G M^-1 G^T of these points, (m, d, m, d), 1/kg.
-            impulse: dt f of the step, (m, d), N s.
-            bounds: Of the impulses: mu and dt c.
-        """
-        if not len(velocity):
-            return None
-        regular, scaling = self._regular(W)
-        size = np.sqrt((impulse[:, 1:] ** 2).sum(axis=1))
-        slipping = size >= (bounds.mu * impulse[:, 0] + bounds.cohesion) * (1 - 1e-9)
-        # Where the bound shrinks with P_n, giving back friction could accelerate: then points that
-        # slip keep their friction, then all do.
-        for hold in (np.zeros_like, np.asarray, np.ones_like):
-            held = hold(slipping)
-            try:
-                q = self._total(regular, scaling, velocity, impulse, held, bounds) - impulse
-            except NoContactSolution:
-                continue
-            mean = velocity + 0.5 * image(W, q)
-            contact, friction = -float(q[:, 0] @ mean[:, 0]), -float(np.vdot(q[:, 1:], mean[:, 1:]))
-            if contact + friction >= 0:
-                return ImpulseCorrection(q, contact, friction)
-        self._local.rescues["velocity solve left out"] += 1
+    Args:
+        local: Says how patient to be, and counts the outcomes.
+        velocity: Of the closed points in their frames, (m, d), m/s.
+        W: G M^-1 G^T of these points, (m, d, m, d), 1/kg.
+        impulse: dt f of the step, (m, d), N s.
+        bounds: Of the impulses: mu and dt c.
+    """
+    m, d = impulse.shape
+    if not m:
         return None
-
-    def _regular(self, W: Array) -> tuple[Array, Array]:
-        """W made regular, and its scaling; those of the last call where W is the same array."""
-        if self._last is None or W is not self._last[0]:
-            regular = _regularised(W)
-            self._last = W, regular, row_sum_scaling(regular)
-        return self._last[1:]
-
-    def _total(
-        self,
-        W: Array,
-        scaling: Array | None,
-        velocity: Array,
-        impulse: Array,
-        held: Mask,
-        bounds: Bounds,
-    ) -> Array:
-        """P of all points; those in `held` keep their tangential part and have no such rows."""
-        kept = np.zeros_like(impulse)
-        kept[held, 1:] = impulse[held, 1:]
-        free = velocity - image(W, impulse - kept)
-        start = impulse - kept
-        if held.all():
-            bounds = Bounds.uniform(0.0, len(held))
-        elif held.any():
-            W, scaling = _without_tangential_rows(W, np.flatnonzero(held)), None
-            free[held, 1:] = 0.0
-        return self._local.solve(W, free, start, bounds, scaling) + kept
-
-
-def _regularised(W: Array) -> Array:
-    """W with a relative diagonal: Gauss points may outnumber their nodes, W is singular then."""
-    size = W.shape[0] * W.shape[1]
-    W = W.copy()
-    W.reshape(size, size)[np.arange(size), np.arange(size)] *= 1 + 1e-8
-    return W
-
-
-def _without_tangential_rows(W: Array, points: Indices) -> Array:
-    """W where the tangential directions of points are coupled to nothing but themselves."""
-    W = W.copy()
-    for i in range(1, W.shape[1]):
-        own = W[points, i, points, i]
-        W[points, i], W[:, :, points, i] = 0.0, 0.0
-        W[points, i, points, i] = own
-    return W
+    flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
+    found, q, contact, friction = correct_impulses(d, *flat, bounds, local.counts, local.patience)
+    return ImpulseCorrection(q.reshape(m, d), contact, friction) if found else None

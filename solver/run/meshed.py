@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +24,8 @@ from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange
 from solver.stepping.stepper import StepFailed
 
-MACHINE_CODE = {2: "solver.law.few_points", 3: "solver.law.space_friction"}
-"""Modules whose compiled functions solve local problems, by the dimension."""
+MACHINE_CODE = "solver.law.local_problem"
+"""Module whose compiled functions solve local problems."""
 
 
 class MeshedRun:
@@ -51,8 +50,7 @@ class MeshedRun:
             comm: Communicator.
         """
         self._scene, self._log = scene, log
-        machine_code = import_module(MACHINE_CODE[scene.dimension]).__name__
-        if NUMBA is not None and not is_kept(machine_code):
+        if NUMBA is not None and not is_kept(MACHINE_CODE):
             log("compiling the local problem of contact: some seconds, kept for later runs")
         self.assembly: Assembly = build(scene, ground, petsc_options=petsc_options, comm=comm)
         self._stepper = self.assembly.stepper

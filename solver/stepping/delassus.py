@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.law.local_problem import row_sum_scaling
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.contact_points import ContactPoints
 from solver.stepping.response import AnyResponse, CandidateSet
@@ -62,7 +61,6 @@ class Delassus:
         near: The points, their frames and seats.
         couplings: How the points act on each body.
         W: (m, d, m, d), with the softness of the interfaces, m/N.
-        scaling: Weight of positions against forces in the local problem, (m, d).
         softening: Part of the diagonal that only makes forces of rigid points unique, (m,), m/N.
     """
 
@@ -71,7 +69,6 @@ class Delassus:
     near: CandidateSet
     couplings: Sequence[Any]
     W: Array
-    scaling: Array
     softening: Array
 
 
@@ -206,4 +203,4 @@ def assembled(
     number = np.arange(m)
     for k in range(d):
         W[number, k, number, k] += diagonal
-    return Delassus(key, configurations, near, couplings, W, row_sum_scaling(W), added)
+    return Delassus(key, configurations, near, couplings, W, added)

@@ -13,7 +13,7 @@ from solver.bodies.factorization import Factorization
 from solver.contact.projection import in_frames
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem
-from solver.law.velocity import VelocityContact
+from solver.law.velocity import impulse_correction
 from solver.stepping.contact_forces import Contact
 from solver.stepping.contact_points import ContactPoints, joined
 from solver.stepping.response import CandidateSet
@@ -56,7 +56,7 @@ class VelocityImpulses:
         """Factorize the masses."""
         self.system, self.links = system, tuple(links)
         self._points = ContactPoints(system, links)
-        self._contact = VelocityContact(local)
+        self._local = local
         self._responses = []
         for number, body in enumerate(system.bodies):
             factor: Factorization | Array
@@ -90,7 +90,7 @@ class VelocityImpulses:
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
         bounds = Bounds(mu[closed], dt * cohesion[closed])
         velocity = self._velocity(u, v, contacts)[closed]
-        found = self._contact.correct(velocity, operator.W, dt * force[closed], bounds)
+        found = impulse_correction(self._local, velocity, operator.W, dt * force[closed], bounds)
         if found is None:
             return None
         return VelocityCorrection(self._change(operator, found.q), found.contact, found.friction)

@@ -3,10 +3,19 @@
 import numpy as np
 import pytest
 
-from solver.law.discs import TOUCHING_SLOPE
-from solver.law.friction import Bounds, FrictionLaw
+from solver.law.friction import (
+    TOUCHING_SLOPE,
+    Bounds,
+    FrictionLaw,
+    FrictionLaws,
+    at_bound,
+    coefficient,
+    followed,
+    law_of,
+    slips,
+)
 from solver.law.local_problem import LocalProblem, image
-from solver.law.velocity import VelocityContact
+from solver.law.velocity import impulse_correction
 
 
 def mask(*values: int) -> np.ndarray:
@@ -50,6 +59,36 @@ def test_bounds_know_whether_there_is_any_friction():
     assert not Bounds(np.zeros(2), np.array([0.0, 1.0])).frictionless
 
 
+def test_laws_of_several_surfaces_are_those_of_each():
+    laws = [
+        FrictionLaw(static=0.6, dynamic=0.2, decay=3.0),
+        FrictionLaw(static=0.6, dynamic=0.2, cohesion=3e4, cohesion_lost=True),
+    ]
+    together = FrictionLaws.of(laws)
+    for k, law in enumerate(laws):
+        assert law_of(together, k) == law
+        for speed, slipped in ((0.0, False), (0.4, True)):
+            expected = law.coefficient(np.array([speed]), mask(slipped))
+            assert coefficient(law_of(together, k), speed, slipped) == expected[0]
+
+
+def test_within_a_step_a_jump_only_falls_and_a_decay_follows_the_speed():
+    jump, decay = FrictionLaw(0.6, 0.2), FrictionLaw(0.6, 0.2, 3.0)
+    assert followed(jump, 0.6, 1.0, False) == 0.6
+    assert followed(jump, 0.6, 1.0, True) == 0.2
+    assert followed(jump, 0.2, 0.0, False) == 0.2
+    assert followed(decay, 0.2, np.log(2) / 3, True) == pytest.approx(0.4)
+    assert followed(decay, 0.2, 1.0, False) == 0.6
+
+
+def test_a_point_slips_where_it_moves_at_its_bound():
+    bounds = Bounds(np.array([0.5]), np.array([0.2]))
+    assert at_bound(bounds, 0, 2.0, 1.2) and at_bound(bounds, 0, 2.0, 1.2 * (1 - 1e-10))
+    assert not at_bound(bounds, 0, 2.0, 1.19) and not at_bound(bounds, 0, 0.0, 0.0)
+    # Its force of 2 N moves it by 6 m: what is less than a hundred thousandth of it is no slip.
+    assert slips(1e-4, 3.0, 2.0) and not slips(5e-5, 3.0, 2.0)
+
+
 # ---------------------------------------------------------------- velocity level
 
 
@@ -74,7 +113,7 @@ def test_the_velocities_obey_the_law_and_energy_falls_by_what_is_booked(d):
         velocity, W, impulse = system(seed, points, d)
         given = W.copy()
         bounds = Bounds(np.full(points, 0.5), np.full(points, 0.1))
-        correction = VelocityContact(LocalProblem(d)).correct(velocity, W, impulse, bounds)
+        correction = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds)
         assert correction is not None
         assert np.array_equal(W, given)
         q, total, after = correction.q, impulse + correction.q, velocity + image(W, correction.q)
@@ -107,11 +146,11 @@ def test_a_mass_point_by_hand(d):
     velocity = np.array([[-3.0, 0.4, 0.0]])[:, :d]
     impulse = np.zeros((1, d))
     impulse[0, 0] = 1.0
-    solver = VelocityContact(LocalProblem(d))
-    correction = solver.correct(velocity, W, impulse, Bounds.uniform(0.7, 1))
+    local = LocalProblem(d)
+    correction = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.7, 1))
     assert correction.q == pytest.approx(-2 * velocity, rel=1e-7)
     assert (correction.contact, correction.friction) == pytest.approx((9.0, 0.16), rel=1e-6)
-    smooth = solver.correct(velocity, W, impulse, Bounds.uniform(0.0, 1))
+    smooth = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.0, 1))
     assert smooth.q == pytest.approx(np.array([[6.0, 0.0, 0.0]])[:, :d], rel=1e-7)
     assert (smooth.contact, smooth.friction) == pytest.approx((9.0, 0.0), rel=1e-6)
 
@@ -120,9 +159,11 @@ def test_cohesion_holds_what_friction_alone_does_not():
     """Unit mass, P_n = 1 that stays, 0.5 m/s of sliding: mu = 0.1 takes 0.1, c = 0.45 the rest."""
     W, velocity = np.eye(2).reshape(1, 2, 1, 2), np.array([[0.0, 0.5]])
     impulse = np.array([[1.0, 0.0]])
-    solver = VelocityContact(LocalProblem(2))
-    sliding = solver.correct(velocity, W, impulse, Bounds.uniform(0.1, 1))
-    held = solver.correct(velocity, W, impulse, Bounds(np.array([0.1]), np.array([0.45])))
+    local = LocalProblem(2)
+    sliding = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.1, 1))
+    held = impulse_correction(
+        local, velocity, W, impulse, Bounds(np.array([0.1]), np.array([0.45]))
+    )
     assert sliding.q[0, 1] == pytest.approx(-0.1, rel=1e-6)
     assert held.q[0, 1] == pytest.approx(-0.5, rel=1e-6)
 
@@ -130,19 +171,16 @@ def test_cohesion_holds_what_friction_alone_does_not():
 def test_no_closed_point_no_correction():
     local = LocalProblem(2)
     empty = np.zeros((0, 2))
-    nothing = VelocityContact(local).correct(
-        empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0)
+    nothing = impulse_correction(
+        local, empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0)
     )
     assert nothing is None and not local.rescues
 
 
 def test_a_correction_that_would_add_energy_is_left_out():
-    class Wrong(LocalProblem):
-        def solve(self, W, q, start, bounds, scaling=None):
-            return start + 1.0  # pushes along the velocity
-
-    local = Wrong(2)
-    velocity, W, impulse = np.ones((1, 2)), np.eye(2).reshape(1, 2, 1, 2), np.ones((1, 2))
-    result = VelocityContact(local).correct(velocity, W, impulse, Bounds.uniform(5.0, 1))
+    """W is that of no mass: a negative one, in the normal direction, which impulses speed up."""
+    local = LocalProblem(2)
+    velocity, W = np.array([[1.0, 0.0]]), np.diag([-1.0, 1.0]).reshape(1, 2, 1, 2)
+    result = impulse_correction(local, velocity, W, np.ones((1, 2)), Bounds.uniform(5.0, 1))
     assert result is None
-    assert local.rescues == {"velocity solve left out": 1}
+    assert local.rescues["velocity solve left out"] == 1

@@ -4,37 +4,17 @@ from itertools import product
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from solver.law import local_disc, local_plane
-from solver.law.discs import TOUCHING_SLOPE
-from solver.law.few_points import ENUMERATED_POINTS
-from solver.law.friction import Bounds
-from solver.law.local_disc import DiscSolver, newton
-from solver.law.local_plane import PlaneSolver
-from solver.law.local_problem import (
-    LocalProblem,
-    NoContactSolution,
-    image,
-    row_sum_scaling,
-)
-from solver.law.local_system import LocalSystem, diagonal_scaling
+from solver.law.friction import TOUCHING_SLOPE, Bounds
+from solver.law.local_problem import LocalProblem, NoContactSolution, image
+from solver.law.newton import OPEN, STICK, Local, diagonal, newton, row_sums
+from solver.law.rescues import ENUMERATED_POINTS, RESCUES, rescue
 
-
-@pytest.fixture(autouse=True, params=["machine code", "numpy"])
-def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few points in the plane are solved by compiled functions, where numba is there."""
-    if request.param == "numpy":
-        monkeypatch.setattr(local_plane, "NUMBA", None)
-        monkeypatch.setattr(local_disc, "NUMBA", None)
-    elif local_plane.NUMBA is None:
-        pytest.skip("numba is not installed")
-
-
-RESCUES = {
-    2: list(PlaneSolver().rescues),
-    3: list(DiscSolver().rescues | DiscSolver().cohesive),
-}
+deterministic = settings(derandomize=True, deadline=None, max_examples=60)
+SEEDS = st.integers(0, 10**6)
 
 
 def easy(seed: int, points: int, d: int = 2) -> tuple[np.ndarray, np.ndarray]:
@@ -144,8 +124,12 @@ def solved(W: np.ndarray, q: np.ndarray, bounds: Bounds) -> np.ndarray:
 @pytest.mark.parametrize("mu", [0.3, 0.9])
 @pytest.mark.parametrize("cohesion", [0.0, 0.05])
 def test_the_law_holds(d, points, mu, cohesion):
+    """Whatever the problem; and all states occur."""
     states = set()
-    for seed in range(30 if points > 1 else 100):
+
+    @settings(deterministic, max_examples=30 if points > 1 else 100)
+    @given(seed=SEEDS)
+    def holds(seed):
         W, q = easy(seed, points, d)
         each = np.random.default_rng(seed).uniform(0.5, 1, points)
         bounds = Bounds(mu * each, cohesion * each)
@@ -153,23 +137,45 @@ def test_the_law_holds(d, points, mu, cohesion):
         assert violation(W, q, f, bounds) < 1e-10
         size = np.linalg.norm(f[:, 1:], axis=1)
         sticks = size < (bounds.mu * f[:, 0] + bounds.cohesion) * (1 - 1e-9)
-        states |= {"closed" if n > 0 else "open" for n in f[:, 0]}
-        states |= {"stick" if s else "slip" for s in sticks[f[:, 0] > 0]}
+        states.update("closed" if n > 0 else "open" for n in f[:, 0])
+        states.update("stick" if s else "slip" for s in sticks[f[:, 0] > 0])
+
+    holds()
     assert states == {"open", "closed", "stick", "slip"}
 
 
 @pytest.mark.parametrize("points", [1, 2, 3, 4])
 @pytest.mark.parametrize("cohesion", [0.0, 0.02])
-def test_agrees_with_the_enumeration_of_all_states(points, cohesion):
-    for seed in range(12):
-        W, q = easy(100 + seed, points)
-        expected = all_solutions(W, q, 0.5, cohesion)
-        assert len(expected) == 1 or (cohesion and not expected)
-        f = solved(W, q, Bounds(np.full(points, 0.5), np.full(points, cohesion)))
-        if expected:
-            assert f == pytest.approx(expected[0], abs=1e-10)
-        else:  # cohesion would lift one of the points
-            assert ((f[:, 0] > 0) & (f[:, 0] < cohesion / TOUCHING_SLOPE)).sum() == 1
+@settings(deterministic, max_examples=20)
+@given(seed=SEEDS)
+def test_agrees_with_the_enumeration_of_all_states(points, cohesion, seed):
+    W, q = easy(seed, points)
+    expected = all_solutions(W, q, 0.5, cohesion)
+    assert len(expected) == 1 or (cohesion and not expected)
+    f = solved(W, q, Bounds(np.full(points, 0.5), np.full(points, cohesion)))
+    if expected:
+        assert f == pytest.approx(expected[0], abs=1e-10)
+    else:  # cohesion would lift one of the points
+        assert ((f[:, 0] > 0) & (f[:, 0] < cohesion / TOUCHING_SLOPE)).sum() == 1
+
+
+@pytest.mark.parametrize("points", [2, 3, 5, 8])
+@deterministic
+@given(seed=SEEDS)
+def test_the_law_holds_under_stiff_bodies(points, seed):
+    """Nearly of rank three, friction up to 50."""
+    W, q, friction = stiff(seed, points)
+    bounds = Bounds.uniform(friction, points)
+    assert violation(W, q, solved(W, q, bounds), bounds) < 1e-9
+
+
+@pytest.mark.parametrize("points", [2, 4, 7])
+@deterministic
+@given(seed=SEEDS)
+def test_the_law_holds_under_blocks_in_space(points, seed):
+    """Twelve rows on six unknowns, friction up to 50, with and without cohesion."""
+    W, q, bounds = block(seed, points)
+    assert violation(W, q, solved(W, q, bounds), bounds) < 1e-8
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -289,7 +295,7 @@ def test_the_disc_has_no_favourite_direction(angle):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_the_guess_and_what_is_remembered_change_nothing(d):
+def test_the_guess_changes_nothing(d):
     """Neither does it that the last problem had other bounds or none at all."""
     rng = np.random.default_rng(5)
     remembering = LocalProblem(d)
@@ -299,7 +305,7 @@ def test_the_guess_and_what_is_remembered_change_nothing(d):
         expected = solved(W, q, bounds)
         f = remembering.solve(W, q, 3 * rng.standard_normal((4, d)), bounds)
         assert f == pytest.approx(expected, abs=1e-10)
-        again = remembering.solve(W, q, f, bounds, row_sum_scaling(W))
+        again = remembering.solve(W, q, f, bounds)
         assert again == pytest.approx(expected, abs=1e-10)
 
 
@@ -311,10 +317,12 @@ def test_image_is_the_matrix_product(d):
         assert image(W, q)[i, a] == pytest.approx(expected)
 
 
-def test_scalings_by_hand():
-    W = np.arange(1.0, 37.0).reshape(2, 3, 2, 3) * (1, -1, 1)
-    assert row_sum_scaling(W)[1, 1] == pytest.approx(1 / (26 + 29))
-    assert diagonal_scaling(np.abs(W))[1] == pytest.approx([1 / 22, 1 / 36, 1 / 36])
+def test_lengths_by_hand():
+    """One over row sums within a direction, over the diagonal; one for both tangential ones."""
+    W = (np.arange(1.0, 37.0).reshape(2, 3, 2, 3) * (1, -1, 1)).reshape(6, 6)
+    assert row_sums(3, W)[1] == pytest.approx([1 / (19 + 22), 1 / (33 + 36)])
+    assert row_sums(2, W[:4, :4])[1, 1] == pytest.approx(1 / (20 + 22))
+    assert diagonal(3, np.abs(W))[1] == pytest.approx([1 / 22, 1 / 36])
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -324,24 +332,26 @@ def test_without_points_there_is_no_force(d):
     assert LocalProblem(d).solve(W, nothing, nothing, Bounds.uniform(0.5, 0)).shape == (0, d)
 
 
-@pytest.mark.parametrize(("d", "rescue"), [(d, name) for d in RESCUES for name in RESCUES[d]])
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("method", range(len(RESCUES)), ids=RESCUES)
 @pytest.mark.parametrize("points", [1, 3, 8])
-def test_every_rescue_finds_what_newton_finds(d, rescue, points):
-    if rescue == "machine code" and local_disc.NUMBA is None:
-        pytest.skip("interpreted")
+def test_every_rescue_finds_what_newton_finds(d, method, points):
     for seed in range(10):
         W, q = easy(400 + seed, points, d)
-        newton, bounds = LocalProblem(d), Bounds.uniform(0.6, points)
-        expected = newton.solve(W, q, np.zeros_like(q), bounds)
-        assert not newton.rescues
-        solver = PlaneSolver() if d == 2 else DiscSolver()
-        scaling = row_sum_scaling(W) if d == 2 else diagonal_scaling(W)
-        rescues = solver.rescues | solver.cohesive
-        found = rescues[rescue](LocalSystem(W, q, scaling, bounds), np.zeros_like(q))
-        if rescue == "enumeration" and points > ENUMERATED_POINTS:
-            assert found is None
-        else:
-            assert found == pytest.approx(expected, abs=1e-9)
+        local, bounds = LocalProblem(d), Bounds.uniform(0.6, points)
+        expected = local.solve(W, q, np.zeros_like(q), bounds)
+        assert not local.rescues
+        problem = Local(d, W.reshape(q.size, q.size), q.ravel(), bounds)
+        found, states = np.zeros(q.size), np.empty(points, dtype=np.int64)
+        settled = rescue(method, problem, found, states)
+        if RESCUES[method] == "enumeration" and (d == 3 or points > ENUMERATED_POINTS):
+            assert not settled
+            continue
+        assert settled
+        assert found.reshape(q.shape) == pytest.approx(expected, abs=1e-9)
+        assert ((states != OPEN) == (expected[:, 0] > 0)).all()
+        sticks = np.linalg.norm(expected[:, 1:], axis=1) < 0.6 * expected[:, 0] * (1 - 1e-9)
+        assert ((states == STICK) == sticks).all()
 
 
 # Points and seed of `stiff` for which Newton's method cycles; the last seven had been settled by
@@ -368,11 +378,16 @@ def test_hard_cases(points, seed):
 
 # The same for `block`, by the method that settles them.
 HARD_IN_SPACE = {
-    "touching": [(2, 255), (7, 579), (12, 69)],
-    "other r": [(2, 28), (2, 308), (7, 20), (7, 123), (12, 466), (12, 586)],
-    "line search": [(2, 56), (2, 668), (7, 26), (12, 164), (12, 490)],
-    "machine code": [(2, 14), (2, 66), (2, 85), (12, 155), (12, 670)],
-    "projected": [(7, 609), (12, 41)],
+    "line search": [
+        *[(2, 255), (2, 308), (2, 28), (2, 668), (7, 26), (7, 579)],
+        *[(12, 69), (12, 164), (12, 490), (12, 586)],
+    ],
+    "other r": [(7, 20), (7, 123), (12, 466)],
+    "continuation": [
+        *[(2, 14), (2, 66), (2, 85), (7, 609)],
+        *[(12, 41), (12, 155), (12, 670)],
+    ],
+    "Gauss-Seidel": [(3, 6), (4, 191), (7, 483), (12, 84)],
 }
 
 
@@ -381,13 +396,19 @@ HARD_IN_SPACE = {
     [(method, *case) for method in HARD_IN_SPACE for case in HARD_IN_SPACE[method]],
 )
 def test_hard_cases_in_space(method, points, seed):
-    if method == "machine code" and local_disc.NUMBA is None:
-        pytest.skip("interpreted")
     W, q, bounds = block(seed, points)
     local = LocalProblem(3)
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
     assert local.rescues == {method: 1}
+
+
+def test_a_case_that_was_hard_for_lengths_by_the_diagonal():
+    W, q, bounds = block(56, 2)
+    local = LocalProblem(3)
+    f = local.solve(W, q, np.zeros_like(q), bounds)
+    assert violation(W, q, f, bounds) < 1e-9
+    assert not local.rescues
 
 
 def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
@@ -407,11 +428,11 @@ def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
 @pytest.mark.parametrize("d", [2, 3])
 def test_without_patience_a_hard_case_is_given_up(d):
     if d == 2:
-        points, seed = HARD[2]
+        points, seed = 5, 26
         W, q, friction = stiff(seed, points)
         bounds = Bounds.uniform(friction, points)
     else:
-        points, seed = HARD_IN_SPACE["projected"][0]
+        points, seed = HARD_IN_SPACE["Gauss-Seidel"][0]
         W, q, bounds = block(seed, points)
     for patience in (0, 1):  # Newton's method alone, and with the first method behind it
         with pytest.raises(NoContactSolution, match=f"{points} points"):
@@ -419,9 +440,16 @@ def test_without_patience_a_hard_case_is_given_up(d):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_newton_gives_up_forces_beyond_all_numbers(d):
-    """Those of an iteration that diverges: their squares are infinite."""
+@pytest.mark.parametrize("halvings", [0, 12])
+def test_newton_gives_up_forces_beyond_all_numbers(d, halvings):
+    """Those of an iteration that diverges; large ones, whose squares are infinite, scale."""
     W, q = easy(900, 4, d)
-    system = LocalSystem(W, 1e200 * q, diagonal_scaling(W), Bounds.uniform(0.5, 4))
-    with np.errstate(over="ignore", invalid="ignore"):
-        assert newton(system, np.zeros_like(q), system.coulomb) is None
+    r, states = diagonal(d, W.reshape(q.size, q.size)), np.empty(4, dtype=np.int64)
+    found = []
+    for size in (1.0, 1e200, np.inf, np.nan):
+        bounds, f = Bounds.uniform(0.5, 4), np.zeros(q.size)
+        problem = Local(d, W.reshape(q.size, q.size), size * q.ravel(), bounds)
+        with np.errstate(over="ignore", invalid="ignore"):
+            if newton(problem, r, f, states, 30, halvings):
+                found.append(f / size)
+    assert len(found) == 2 and found[1] == pytest.approx(found[0])

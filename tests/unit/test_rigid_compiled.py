@@ -109,11 +109,11 @@ def test_what_was_compiled_is_known_to_be_kept(tmp_path: Path) -> None:
     """Not before a function of the module was called, though its folder is there by then."""
     script = """
 import numpy as np
-from solver.law import few_points as local_problem
+from solver.law import newton
 from solver.law.compiled import is_kept
-name = local_problem.__name__
+name = newton.__name__
 before = is_kept(name)
-local_problem.row_sum_scaling(np.eye(2))
+newton.row_sums(2, np.eye(2))
 print(before, is_kept(name), is_kept("solver.rigid.plane.rows"))
 """
     done = subprocess.run(

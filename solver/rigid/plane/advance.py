@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.few_points import OPEN
+from solver.law.newton import OPEN
 from solver.rigid.plane.contact import (
     distance,
     find_points,

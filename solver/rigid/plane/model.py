@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.law.friction import FrictionLaws
+from solver.law.local_problem import new_counts
 from solver.types import Array, Indices
 
 #: Corners of a block in its own frame, in units of half width and half height: anticlockwise from
@@ -34,8 +36,8 @@ class PlaneModel(NamedTuple):
     """t of each block, m, (b,)."""
     carrier: Indices
     """Block that carries each block, -1: floor or platform, (b,)."""
-    friction: Array
-    """mu_s, mu_d, decay (s/m), cohesion (Pa), 1 where cohesion is lost by slipping, (b, 5)."""
+    friction: FrictionLaws
+    """Of each block on what carries it, (b,)."""
     corner_of: Indices
     """Block whose corner each contact point is, (p,); points 4 b to 4 b + 3 are the corners of
     block b over what carries it."""
@@ -99,7 +101,8 @@ class PlaneWork(NamedTuple):
     """The step that is being solved; its first `counts[0]` points are near a face."""
 
     counts: Indices
-    """Number of points near a face; of iterations; of local problems by what settled them, (7,)."""
+    """Number of points near a face; of iterations; of local problems by what came
+    of them (`OUTCOMES`), (2 + outcomes,)."""
     points: Indices
     """Which points they are, (p,)."""
     face: Indices
@@ -149,7 +152,7 @@ def new_memory(points: int) -> PlaneMemory:
 def new_work(points: int, unknowns: int, blocks: int) -> PlaneWork:
     """Room for the steps of a system."""
     return PlaneWork(
-        counts=np.zeros(7, dtype=np.int64),
+        counts=np.append([0, 0], new_counts()),
         points=np.zeros(points, dtype=np.int64),
         face=np.zeros(points, dtype=np.int64),
         gap=np.zeros(points),

@@ -10,6 +10,7 @@ import numpy as np
 
 from geometry.arrangement import Pose
 from geometry.block import Block
+from solver.law.friction import FrictionLaws
 from solver.rigid.plane.model import CORNERS, PlaneModel, PlaneState
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -76,7 +77,6 @@ def system_of(
     half = np.array([(shape.width / 2, shape.height / 2) for shape in shapes])
     carriers = _carriers(blocks)
     points = _points(carriers)
-    laws = [block.friction for block in blocks]
     spring = (0.0, 0.0) if platform is None else (platform.stiffness, platform.damping)
     return PlaneModel(
         mass=mass,
@@ -86,9 +86,7 @@ def system_of(
         half=half,
         thickness=np.array([shape.thickness for shape in shapes]),
         carrier=carriers,
-        friction=np.array(
-            [(w.static, w.dynamic, w.decay, w.cohesion, float(w.cohesion_lost)) for w in laws]
-        ),
+        friction=FrictionLaws.of([block.friction for block in blocks]),
         corner_of=points[:, 0].copy(),
         corner=np.array(CORNERS)[points[:, 1]] * half[points[:, 0]],
         face_of=points[:, 2].copy(),

@@ -14,7 +14,8 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.few_points import OPEN, image, solve
+from solver.law.local_problem import METHODS, solve
+from solver.law.newton import OPEN
 from solver.rigid.plane.contact import compliance, local_place, write_rows
 from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
@@ -123,9 +124,9 @@ def contact_iteration(
         write_rows(system, state.q, work.increment, work)
         W = compliance(rows, flexibility)
         fixed = start + rows @ free
-        if not solve(W, fixed, bounds_of(work, False), states, force, work.counts[2:]):
+        if not solve(2, W, fixed, bounds_of(work), force, states, work.counts[2:], METHODS):
             return False
-        work.place[: 2 * count] = image(W, fixed, force)
+        work.place[: 2 * count] = fixed + W @ force
         increment = free + flexibility * (force @ rows)
         change = np.abs(increment - work.increment).max()
         turned = 0.0

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.history.columns import check_filled, columns, row_layout
+from solver.law.local_problem import named
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.plane.model import new_memory, new_work
@@ -28,9 +29,6 @@ from solver.types import Array
 
 #: Forces at the start are those of a trial step of this part of the first one.
 TRIAL = 0.1
-
-#: How the local problem counts what settled it, after Newton's method.
-RESCUES = ("tresca", "gauss_seidel", "enumeration", "touching")
 
 
 class PlaneSystem:
@@ -94,8 +92,7 @@ class PlaneSystem:
     @property
     def rescued(self) -> dict[str, int]:
         """How many local contact problems Newton's method left to which other method."""
-        counts = {name: int(self._work.counts[3 + i]) for i, name in enumerate(RESCUES)}
-        return {name: count for name, count in counts.items() if count}
+        return dict(named(self._work.counts[2:]))
 
     def advance(
         self,

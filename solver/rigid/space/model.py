@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from solver.law.friction import FrictionLaws
 from solver.types import Array, Indices
 
 AWAY = -1
@@ -29,8 +30,10 @@ class SpaceModel(NamedTuple):
     """(k,) lower body of each pair."""
     carried: Indices
     """(n,) the pair of each block with what carries it."""
-    law: Array
-    """(k, 5) friction: static, dynamic, decay (s/m), cohesive force of a point (N), 1 if lost."""
+    law: FrictionLaws
+    """(k,) friction of each pair."""
+    area: Array
+    """(k,) that cohesion acts on at a point, m2."""
     spring: Array
     """(2,) stiffness (N/m) and damping (N s/m) of the platform, alike along x and y."""
     gravity: Array
@@ -74,7 +77,7 @@ class SpaceState(NamedTuple):
     slip: Array
     """(n, 2) slip on what carries the block, m."""
     settled: Indices
-    """(5,) number of local problems by what settled them (`solver.law.space_friction`)."""
+    """Number of local problems by what settled them (`solver.law.local_problem.OUTCOMES`)."""
     exchanged: Array
     """(5,) work of the ground; dissipated by friction, damping, contact, time integration, J."""
 

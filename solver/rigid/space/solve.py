@@ -11,9 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.space_friction import UNSETTLED, settle
+from solver.law.friction import Bounds
+from solver.law.local_problem import METHODS
+from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
-from solver.rigid.space.friction import follow_law, friction_at_start, recalled, slides, touched
+from solver.rigid.space.friction import follow_law, friction_at_start, recalled, sliding_of, touched
 from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import (
     act,
@@ -26,7 +28,7 @@ from solver.rigid.space.motion import (
     regularise,
 )
 from solver.rigid.space.rotation import to_space
-from solver.types import Array
+from solver.types import Array, Indices
 
 ITERATIONS = 40
 
@@ -76,8 +78,9 @@ def _linear(
     law: tuple[Array, Array],
     held: Array,
     force: Array,
-) -> tuple[int, Array, Array]:
-    """Contact forces with given rows; returns what found them, D, and the cohesion that acts.
+    counts: Indices,
+) -> tuple[bool, Array]:
+    """Contact forces with given rows; returns whether they were found, and D.
 
     Args:
         contacts: m points.
@@ -87,13 +90,16 @@ def _linear(
         law: Coefficients of friction, cohesive forces.
         held: (m, 3) forces that the added diagonal D holds on to, N.
         force: (m, 3) guess and answer, N.
+        counts: Of outcomes of local problems.
     """
     W = compliance(contacts, rows, yields[0], yields[1])
     softness = regularise(W)
     q = changes(contacts, rows, free[0], free[1]) - softness * held
     q[:, 0] += contacts.gap
-    flat, cohesion = force.reshape(force.size), law[1].copy()
-    return settle(W, q.reshape(q.size), flat, law[0], cohesion), softness, cohesion
+    flat, bounds = force.reshape(force.size), Bounds(law[0], law[1], np.inf)
+    states = np.empty(len(q), np.int64)
+    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts, METHODS)
+    return found, softness
 
 
 @compiled
@@ -134,7 +140,7 @@ def solve(
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
     force = recalled(state, points)
-    mu, most = friction_at_start(model, state, points)
+    mu, cohesion = friction_at_start(model, state, points)
     held = force * np.array([EVENING, 1.0, 1.0])
     moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
     rounds = 0
@@ -142,16 +148,14 @@ def solve(
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
         rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
-        still, soft = (free, hat), (yields, turning)
-        method, softness, cohesion = _linear(points, rows, still, soft, (mu, most), held, force)
-        found = method != UNSETTLED
-        state.settled[method] += 1
+        still, soft, law = (free, hat), (yields, turning), (mu, cohesion)
+        found, softness = _linear(points, rows, still, soft, law, held, force, state.settled)
         total, moment, pushed = act(points, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)
         change, yielded = changes(points, rows, moved, turned), softness * (force - held)
         slip = change[:, 1:] + yielded[:, 1:]
-        slid = slides(force, slip, softness, mu, cohesion)
+        slid = sliding_of(force, slip, softness, mu, cohesion)
         again = follow_law(model, points, slid, slip, dt, mu)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)

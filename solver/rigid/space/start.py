@@ -9,6 +9,8 @@ import numpy as np
 
 from geometry.arrangement import Pose
 from geometry.block import Block
+from solver.law.friction import FrictionLaws
+from solver.law.local_problem import new_counts
 from solver.rigid.space.boxes import SLOTS
 from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
 from solver.rigid.space.rotation import quaternion_of, rotation_of
@@ -118,11 +120,7 @@ def model_of(
     lower = np.array([n] * n + [number[blocks[b].on] for b in carried], dtype=np.int64)
     own = np.arange(n)
     own[carried] = n + np.arange(len(carried))
-    laws = [(block.friction, block.shape.width * block.shape.thickness / 4) for block in blocks]
-    law = [
-        (f.static, f.dynamic, f.decay, f.cohesion * area, float(f.cohesion_lost))
-        for f, area in (laws[b] for b in upper)
-    ]
+    areas = np.array([block.shape.width * block.shape.thickness / 4 for block in blocks])
     nothing = np.zeros((1, 3))
     return SpaceModel(
         mass=np.array([*(block.shape.mass for block in blocks), base.mass]),
@@ -131,7 +129,8 @@ def model_of(
         upper=upper,
         lower=lower,
         carried=own,
-        law=np.array(law, dtype=np.float64),
+        law=FrictionLaws.of([blocks[b].friction for b in upper]),
+        area=areas[upper],
         spring=np.array([base.stiffness, base.damping]),
         gravity=gravity,
         scheme=np.array([scheme.alpha_m, scheme.alpha_f, scheme.beta]),
@@ -176,6 +175,6 @@ def state_of(
         inertia_force=inertia_force,
         memory=new_memory(pairs),
         slip=np.zeros((n, 2)),
-        settled=np.zeros(5, dtype=np.int64),
+        settled=new_counts(),
         exchanged=np.zeros(5),
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.rigid.space.contact import rotations
-from solver.rigid.space.friction import slips
+from solver.rigid.space.friction import at_limit
 from solver.rigid.space.model import AWAY, SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.rotation import advanced, to_body
 from solver.types import Array
@@ -50,7 +50,7 @@ def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
         memory.force[k, slot], memory.face[k, slot] = force, s.contacts.face[q]
         memory.rest[k, slot] = s.contacts.rest[q]
         slip = np.zeros(2)
-        if slips(force, s.mu[q], s.cohesion[q]):
+        if at_limit(s.force, s.mu, s.cohesion, q):
             slip = change[1:] + s.yielded[q, 1:]
         if s.sliding[q] == 1:
             memory.rate[k, slot] = math.hypot(slip[0], slip[1]) / s.dt

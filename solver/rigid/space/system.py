@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.history.columns import check_filled, columns, row_layout
-from solver.law.space_friction import PROXIMAL, SWEEPS, TOUCHING
+from solver.law.local_problem import named
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space.advance import run
@@ -31,9 +31,6 @@ from solver.rigid.space.start import (
 from solver.scene import Scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array
-
-RESCUES = {PROXIMAL: "proximal", SWEEPS: "sweeps", TOUCHING: "touching"}
-"""Names of the methods behind Newton's."""
 
 TRIAL = 0.1
 """Forces at the start are those of a trial step of this part of the first one."""
@@ -94,8 +91,7 @@ class SpaceSystem:
     @property
     def rescued(self) -> dict[str, int]:
         """How many local contact problems Newton's method left to which other method."""
-        counts = {name: int(self._state.settled[at]) for at, name in RESCUES.items()}
-        return {name: count for name, count in counts.items() if count}
+        return dict(named(self._state.settled))
 
     def advance(
         self,

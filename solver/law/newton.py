@@ -1,0 +1,291 @@
+"""Newton's method for the local problem, on the natural map in units of force.
+
+Unknown are the forces f = (normal, tangential) of m points, d numbers each, with
+
+    y = q + W f,   0 <= f_n  complementary to  y_n >= 0,
+    |f_t| <= mu f_n + min(c, s f_n),   y_t opposite to f_t where |f_t| is at its bound, 0 elsewhere,
+
+and f_t = 0 where f_n = 0: cohesion needs contact. They are the root of f - P(f - r y), with P the
+projection on the admissible forces: normal part first, then the disc, which is an interval for
+d = 2 and absent for d = 1. The method is that of Alart and Curnier (1991). For d <= 2 it is the
+active-set method: the state of each point, by f - r y, decides its forces, and the states are right
+when they repeat themselves.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.law.friction import Bounds, line
+from solver.types import Array, Indices
+
+#: States of a point. For d = 2 those of slip carry the sign of the friction force.
+OPEN, STICK, SLIP, SLIP_TOUCHING = 0, 1, 2, 3
+
+#: Error of a force that ends the iteration, relative to the largest of its point.
+TOLERANCE = 1e-12
+#: The same relative to the largest force and to the largest r y of all points.
+ROUND_OFF = 64 * 2.0**-52
+#: Part of these errors that no further step makes smaller.
+EXACT = 0.02
+
+
+class Local(NamedTuple):
+    """A local problem."""
+
+    d: int
+    """Rows of a point: 3 in space, 2 in the plane, 1 without friction."""
+    W: Array
+    """Compliance, (d m, d m), m/N; rows of a point side by side, normal first."""
+    q: Array
+    """Free values, (d m,), m."""
+    bounds: Bounds
+    """Friction."""
+
+
+@compiled
+def row_sums(d: int, W: Array) -> Array:
+    """The lengths r, (m, 2): one over the row sums of |W| within a direction, normal, tangential.
+
+    Points of a stiff body share its rigid modes, so that W is nearly of low rank and one over its
+    diagonal too large by about the number of points.
+    """
+    m = len(W) // d
+    r = np.ones((m, 2))
+    for i in range(m):
+        for k in range(d):
+            total = 0.0
+            for j in range(k, d * m, d):
+                total += abs(W[d * i + k, j])
+            if k < 2:
+                r[i, k] = 1.0 / total
+            else:  # one length for both: the disc knows no directions
+                r[i, 1] = min(r[i, 1], 1.0 / total)
+    return r
+
+
+@compiled
+def diagonal(d: int, W: Array) -> Array:
+    """The lengths r, (m, 2): one over the diagonal of W, normal and (the larger one) tangential."""
+    m = len(W) // d
+    r = np.ones((m, 2))
+    for i in range(m):
+        r[i, 0] = 1.0 / W[d * i, d * i]
+        for k in range(d * i + 1, d * i + d):
+            r[i, 1] = 1.0 / W[k, k] if k == d * i + 1 else min(r[i, 1], 1.0 / W[k, k])
+    return r
+
+
+@compiled
+def trial_of(local: Local, r: Array, f: Array) -> Array:
+    """F - r y, which decides the state of each point."""
+    d, trial = local.d, local.q + local.W @ f
+    for i in range(len(r)):
+        trial[d * i] = f[d * i] - r[i, 0] * trial[d * i]
+        for k in range(d * i + 1, d * i + d):
+            trial[k] = f[k] - r[i, 1] * trial[k]
+    return trial
+
+
+@compiled
+def project(local: Local, trial: Array, nearest: Array, states: Indices) -> None:
+    """Write the admissible forces nearest to trial ones, and the states these stand for."""
+    d, bounds = local.d, local.bounds
+    nearest[:] = 0.0
+    for i in range(len(states)):
+        n, states[i] = d * i, OPEN
+        normal = trial[n]
+        if not normal > 0.0:
+            continue
+        nearest[n] = normal
+        slope, intercept = line(bounds, i, normal)
+        limit, size = slope * normal + intercept, 0.0
+        for k in range(n + 1, n + d):
+            size = math.hypot(size, trial[k])
+        if size <= limit and limit > 0.0:
+            states[i] = STICK
+            nearest[n + 1 : n + d] = trial[n + 1 : n + d]
+            continue
+        states[i] = SLIP if intercept > 0.0 or bounds.cohesion[i] == 0.0 else SLIP_TOUCHING
+        if d == 2 and trial[n + 1] < 0.0:
+            states[i] = -states[i]
+        for k in range(n + 1, n + d):
+            nearest[k] = limit / size * trial[k] if limit > 0.0 else 0.0
+
+
+@compiled
+def solve_dense(matrix: Array, right: Array) -> bool:
+    """Solve a linear system, `right` becoming the solution; False where it is singular."""
+    try:
+        right[:] = np.linalg.solve(matrix, right)
+    except Exception:  # LinAlgError; numba knows no narrower word
+        return False
+    return True
+
+
+@compiled
+def _unknowns(local: Local, states: Indices) -> Indices:
+    """Rows that have to be solved for, given the states; the other forces follow from these."""
+    rows, count, d = np.empty(len(local.q), np.int64), 0, local.d
+    for i in range(len(states)):
+        smooth = local.bounds.mu[i] == 0.0 and local.bounds.cohesion[i] == 0.0
+        has_direction = states[i] == STICK or (d == 3 and not smooth)
+        for k in range(0 if states[i] == OPEN else d if has_direction else 1):
+            rows[count] = d * i + k
+            count += 1
+    return rows[:count]
+
+
+@compiled
+def _slip_rows(
+    bounds: Bounds, trial: Array, rows: Indices, a: int, matrix: Array, right: Array
+) -> None:
+    """Turn rows a and a + 1, r W and -r q of a point that slips in space, into those of slip.
+
+    P = l e with e = tau/|tau|, of derivative e dl + (l/|tau|)(I - e e^T) dtau; I - e e^T = b b^T.
+    """
+    s, t = rows[a], rows[a + 1]
+    i, n = s // 3, s - 1
+    slope, intercept = line(bounds, i, trial[n])
+    size = math.hypot(trial[s], trial[t])
+    e = (trial[s] / size, trial[t] / size)
+    b = (-e[1], e[0])
+    share = (slope * trial[n] + intercept) / size
+    across = share * (b[0] * matrix[a] + b[1] * matrix[a + 1])
+    value = share * (b[0] * right[a] + b[1] * right[a + 1])
+    for k in range(2):
+        matrix[a + k] = b[k] * across
+        matrix[a + k, a + k] += 1.0
+        matrix[a + k, a] -= share * b[k] * b[0]
+        matrix[a + k, a + 1] -= share * b[k] * b[1]
+        matrix[a + k, a - 1] -= slope * e[k]
+        right[a + k] = e[k] * intercept + b[k] * value
+
+
+@compiled
+def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) -> bool:
+    """Write the root of the linearised f - P(f - r y); False where there is none.
+
+    Args:
+        local: The problem.
+        r: Lengths.
+        trial: Where it is linearised, f - r y.
+        states: Of that.
+        f: The root.
+    """
+    d, W, rows = local.d, local.W, _unknowns(local, states)
+    size = len(rows)
+    matrix, right = np.empty((size, size)), np.empty(size)
+    for a in range(size):
+        row = rows[a]
+        # Rows r y = 0: unscaled ones beside rows of forces would lose digits.
+        weight = r[row // d, min(row % d, 1)]
+        right[a] = -weight * local.q[row]
+        for b in range(size):
+            matrix[a, b] = weight * W[row, rows[b]]
+        if d == 2:
+            for b in range(size):
+                i = rows[b] // 2
+                if rows[b] % 2 == 0 and states[i] != STICK:
+                    slope, intercept = line(local.bounds, i, trial[2 * i])
+                    coupling = weight * W[row, 2 * i + 1] * (1.0 if states[i] > 0 else -1.0)
+                    matrix[a, b] += slope * coupling
+                    right[a] -= intercept * coupling
+    for a in range(size):
+        if d == 3 and rows[a] % 3 == 1 and states[rows[a] // 3] != STICK:
+            _slip_rows(local.bounds, trial, rows, a, matrix, right)
+    if not solve_dense(matrix, right):
+        return False
+    f[:] = 0.0
+    for a in range(size):
+        f[rows[a]] = right[a]
+    for i in range(len(states)):
+        if d == 2 and abs(states[i]) >= SLIP:
+            slope, intercept = line(local.bounds, i, trial[2 * i])
+            f[2 * i + 1] = (slope * f[2 * i] + intercept) * (1.0 if states[i] > 0 else -1.0)
+    return True
+
+
+@compiled
+def _error(d: int, f: Array, trial: Array, nearest: Array) -> float:
+    """Difference between f and P(f - r y), 1 being what is tolerated; infinite beyond numbers."""
+    noise, worst = 0.0, 0.0
+    for k in range(len(f)):
+        if not abs(f[k]) + abs(trial[k]) < np.inf:
+            return np.inf
+        noise = max(noise, abs(f[k]), abs(f[k] - trial[k]))
+    for n in range(0, len(f), d):
+        largest = difference = 0.0
+        for k in range(n, n + d):
+            largest = max(largest, abs(f[k]))
+            difference = max(difference, abs(f[k] - nearest[k]))
+        if difference > 0.0:
+            worst = max(worst, difference / (TOLERANCE * largest + ROUND_OFF * noise))
+    return worst
+
+
+@compiled
+def _best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) -> float:
+    """The part of the way from f to its target that lowers |f - P(f - r y)| enough, else most."""
+    nearest, states = np.empty_like(f), np.empty(len(r), np.int64)
+    step, best, least, before = 1.0, 1.0, np.inf, np.inf
+    for k in range(halvings + 2):
+        force = f if k == 0 else f + step * (target - f)
+        project(local, trial_of(local, r, force), nearest, states)
+        left = float(np.linalg.norm(force - nearest))
+        if k == 0:
+            before = left
+            continue
+        if left < least:
+            least, best = left, step
+        if left <= (1.0 - 0.1 * step) * before:
+            return step
+        step *= 0.5
+    return best
+
+
+@compiled
+def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvings: int) -> bool:
+    """Newton's method from f; whether it settled, which leaves the solution in f, its states too.
+
+    Args:
+        local: The problem.
+        r: Lengths, (m, 2).
+        f: Guess and answer, (d m,).
+        states: Of the answer, (m,).
+        rounds: Linear solves, at most.
+        halvings: How often the line search may halve a step; 0: full steps.
+    """
+    target, nearest, force = np.empty_like(f), np.empty_like(f), f
+    before, seen = np.empty_like(states), np.full_like(states, -9)
+    trial = trial_of(local, r, f)
+    project(local, trial, nearest, states)
+    error = _error(local.d, f, trial, nearest)
+    if error <= EXACT:
+        return True
+    for k in range(rounds):
+        if not linearised(local, r, trial, states, target):
+            return False
+        step = 1.0 if halvings == 0 else _best_step(local, r, force, target, halvings)
+        force = target.copy() if step == 1.0 else force + step * (target - force)
+        before[:], last = states, error
+        trial = trial_of(local, r, force)
+        project(local, trial, nearest, states)
+        error = _error(local.d, force, trial, nearest)
+        if local.d < 3 and step == 1.0 and error < np.inf and np.array_equal(states, before):
+            f[:] = force
+            return True
+        # Forces that only balance each other show last: it goes on while that makes it better.
+        if error <= EXACT or (error <= 1.0 and error > 0.5 * last):
+            f[:] = nearest
+            return True
+        if local.d < 3 and halvings == 0:
+            if np.array_equal(states, seen):  # a cycle
+                return False
+            if k & (k + 1) == 0:
+                seen[:] = states
+    return False
