@@ -74,12 +74,12 @@ def set_values(tables: dict[str, Any], overrides: Sequence[str]) -> None:
 
 
 @cache
-def _kinds_with_files() -> set[Any]:
+def _kinds_with_files() -> tuple[Any, ...]:
     """The kinds of motion that have a key `file`."""
     tables = (
         {field.name: field.default for field in fields(kind)} for kind in get_args(MotionSpec)
     )
-    return {keys["kind"] for keys in tables if "file" in keys}
+    return tuple(keys["kind"] for keys in tables if "file" in keys)
 
 
 def _find_files(motion: Any, where: str, folder: str | Path) -> None:

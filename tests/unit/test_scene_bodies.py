@@ -280,6 +280,9 @@ class TestMotions:
         both = ricker | {"duration": 1.0, "frequency": 1.0}
         assert refusal(motion=both).startswith("motion.duration: got both duration and frequency")
 
+    def test_a_kind_that_is_no_word(self) -> None:
+        assert refusal(motion={"kind": ["record"]}).startswith("motion.kind: got ")
+
     def test_files_of_all_directions_are_looked_for(self) -> None:
         table = {"kind": "table", "file": "absent.csv"}
         line = refusal(motion=self.PULSE | {"vertical": table})
