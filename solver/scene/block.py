@@ -65,8 +65,7 @@ class BlockSpec(Checked):
     density: Positive | None = None
     """rho, kg/m³. Default: this or `mass`."""
     model: Literal["elastic", "rigid"] = "elastic"
-    """With a mesh; or with 3 unknowns (6 in 3-D) and without one; among meshed bodies in 3-D one
-    very stiff cell."""
+    """With a mesh; or without one, with 3 unknowns (6 in 3-D)."""
     young: Positive | None = None
     """Young's modulus E, Pa. Default: elastic: required."""
     poisson: Ratio | None = None
