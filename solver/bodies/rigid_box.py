@@ -35,6 +35,9 @@ TURNED = slice(3, 6)
 CARRIED = slice(6, 9)
 """Parameters of a box in space that no step solves for: the rotation vector before it, rad."""
 
+UNIT_SKEWS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2).reshape(3, 9)
+"""skew(e_k) of the unit vectors, row by row: their products with vectors are `skew`."""
+
 
 class RigidBox(DenseBody):
     """A rigid block; points are given in its own frame, moved to its initial place.
@@ -213,8 +216,8 @@ class SpaceBox(RigidBox):
         self._gyroscopic = np.zeros(self.size)
         if self.size:
             psi = u[TURNED] - self._start[TURNED]
-            moment = np.cross(psi, self.diagonal[TURNED] * psi) / self._step**2
-            self._gyroscopic[TURNED] = moment
+            moment = skew(psi) @ (self.diagonal[TURNED] * psi)
+            self._gyroscopic[TURNED] = moment / self._step**2
         return self._weight * self._gyroscopic
 
     def impulsive_force(self, dt: float) -> Array | None:
@@ -261,10 +264,7 @@ class SpaceBox(RigidBox):
         """I and -skew(A r) A^-T for a mean rotation A, (n, 3, unknowns)."""
         rows = np.zeros((len(points), 3, self.unknowns))
         rows[:, :, :3] = np.eye(3)
-        turning = np.linalg.inv(mean).T
-        # Column k of -skew(a) B is B[:, k] x a.
-        arms = self._arms(points, mean)
-        rows[:, :, TURNED] = np.cross(turning.T[None], arms[:, None]).swapaxes(1, 2)
+        rows[:, :, TURNED] = -skew(self._arms(points, mean)) @ np.linalg.inv(mean).T
         return rows
 
 
@@ -275,9 +275,14 @@ def rigid_box(
     return (PlaneBox if len(centre) == 2 else SpaceBox)(name, shape, centre, comm=comm)
 
 
+def skew(vectors: Array) -> Array:
+    """Matrices S(a) with S(a) b = a x b, (3, 3) or (n, 3, 3), for vectors (3,) or (n, 3)."""
+    matrices: Array = (vectors @ UNIT_SKEWS).reshape(*vectors.shape, 3)
+    return matrices
+
+
 def cayley(psi: Array) -> Array:
     """The rotation cay(Psi) = I + (S + S^2/2)/(1 + |Psi|^2/4), (3, 3), S = skew(Psi)."""
-    a, b, c = psi
-    skew = np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
-    rotation: Array = np.eye(3) + (skew + 0.5 * skew @ skew) / (1 + 0.25 * psi @ psi)
+    S = skew(psi)
+    rotation: Array = np.eye(3) + (S + 0.5 * S @ S) / (1 + 0.25 * psi @ psi)
     return rotation
