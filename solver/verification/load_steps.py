@@ -191,7 +191,8 @@ def pressed(
         StepFailed: Where there is no equilibrium.
     """
     down = -np.eye(stepper.system.dimension)[-1]
-    state, u, reached = None, np.zeros(stepper.system.size), 0.0
+    u: Array = np.zeros(stepper.system.size)
+    state, reached = None, 0.0
     for load in loads:
         expected = support_load(stepper, body=body, force=load * down)
         found, sinking = None, approach(load) - reached

@@ -332,7 +332,9 @@ def test_means_of_ratios_by_hand() -> None:
 
 def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) -> None:
     now = iter([0.0, 1.0, 3.0, 4.0, 4.0, 4.0])
-    monkeypatch.setattr("solver.study.tally.clock", SimpleNamespace(monotonic=lambda: next(now)))
+    shared = SimpleNamespace(monotonic=lambda: next(now))
+    monkeypatch.setattr("solver.run.progress.clock", shared)
+    monkeypatch.setattr("solver.study.tally.clock", shared)
     tally = Tally(5, done=2)
     for name in ("c", "d", "e"):
         tally.add(name)
