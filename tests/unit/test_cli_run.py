@@ -168,6 +168,7 @@ def test_so_are_bad_overrides(earlier: Path, override: str, parts: list[str]) ->
     assert fingerprint(earlier) == before
 
 
+@pytest.mark.slow
 def test_a_folder_in_use_is_kept_and_force_renews_it(tmp_path: Path) -> None:
     pytest.importorskip("dolfinx")
     (tmp_path / "granite.toml").write_text(SCENE)

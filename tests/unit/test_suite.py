@@ -94,6 +94,7 @@ def table(folder: Path) -> dict[tuple[str, str], dict[str, str]]:
     return {(row["motion"], row.get("contact.friction", "")): row for row in rows}
 
 
+@pytest.mark.slow
 def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
     """The bad motion alone fails, by name; the others are what single runs give; then resumed."""
     words = ("--vary", "contact.friction=0.1,0.3", "--reference", "--tail", "0.25", "-o", "out")

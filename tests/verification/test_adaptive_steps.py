@@ -44,6 +44,7 @@ def run() -> Result:
     return simulate(scene("time.adaptive=true", "time.tolerance=3e-7"))
 
 
+@pytest.mark.slow
 def test_the_third_impact_is_that_of_much_shorter_fixed_steps(run: Result) -> None:
     """Fixed steps of 1e-3 s, as many iterations, are wrong by .065 s; of 1e-4 s by .005 s."""
     impacts = [impact["time_s"] for impact in run.summary["blocks"]["block"]["impacts"]]

@@ -123,6 +123,7 @@ def test_every_point_is_held_back_along_its_own_slip() -> None:
     assert np.ptp(seen) > np.pi
 
 
+@pytest.mark.slow
 def test_a_block_slides_off_the_side_of_a_plate_and_falls() -> None:
     """Across, along the second direction; in the end it is below the top, and nothing is gained."""
     plate = {"kind": "elastic", "width": 1.6, "thickness": 1.2, "height": 0.3, "density": 2500.0}

@@ -204,6 +204,7 @@ def deepest_crossing(history: dict[str, Array], run: Scene) -> float:
     return float(height[inside].min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "run",
     [stack(TOWER | LEANING, lower=TOWER, end=1.0), stack(CUBE | TURNING, end=0.3)],
