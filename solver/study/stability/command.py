@@ -108,7 +108,8 @@ def write(folder: Path, verdicts: list[Verdict]) -> None:
     """Leave the tables and the picture."""
     from solver.study.stability.picture import picture
     from solver.study.stability.table import as_csv, as_text
+    from solver.study.tables import write as write_file
 
-    (folder / TABLE).write_text(as_csv(verdicts), encoding="utf-8")
-    (folder / LINES).write_text(as_text(verdicts), encoding="utf-8")
+    write_file(folder / TABLE, as_csv(verdicts))
+    write_file(folder / LINES, as_text(verdicts))
     picture(verdicts, folder / PICTURE)

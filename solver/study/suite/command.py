@@ -215,8 +215,9 @@ def _ordered(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> list[dict[str, A
 
 def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     """Write the tables of what has been done."""
-    from solver.study.suite.folder import SUMMARY, TABLE, TEXT, write
+    from solver.study.suite.folder import SUMMARY, TABLE, TEXT
     from solver.study.suite.table import as_csv, as_text, ratios
+    from solver.study.tables import write
 
     ordered = _ordered(plan, rows)
     if not ordered:
