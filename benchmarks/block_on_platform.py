@@ -21,9 +21,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
+from rockslip import Scene, parse_scene, simulate
 from solver.reference.platform import PlatformReference, sliding_on_platform
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 TABLE = Path(__file__).with_suffix(".csv")
 

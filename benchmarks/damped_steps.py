@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
+from rockslip import Result, Scene, load_scene, simulate
 from solver.reference.housner import housner
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, load_scene
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")

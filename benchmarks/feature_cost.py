@@ -27,8 +27,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from tqdm import tqdm
 
 from benchmarks.rows import write_table
-from solver.run.simulate import simulate
-from solver.scene import parse_scene, scene_to_toml
+from rockslip import parse_scene, simulate
+from solver.scene import scene_to_toml
 
 TABLE = Path(__file__).with_suffix(".csv")
 STEPS = 300

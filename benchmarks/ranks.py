@@ -92,8 +92,7 @@ def run_all(folder: Path, end: float) -> None:
     # Not above: the process that starts mpirun must not be a rank itself.
     from mpi4py import MPI
 
-    from solver.run.simulate import simulate
-    from solver.scene import parse_scene
+    from rockslip import parse_scene, simulate
 
     common = {
         "block": [BLOCK],

@@ -25,11 +25,11 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from benchmarks.rows import write_table
+from rockslip import Scene, parse_scene, simulate
 from solver.excitation.synthetic.table1 import table1_suite
 from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.reference.answer import reference_history
-from solver.run.simulate import simulate
-from solver.scene import Scene, SyntheticSpec, parse_scene
+from solver.scene import SyntheticSpec
 
 TABLE = Path(__file__).with_suffix(".csv")
 PICTURE = TABLE.parents[1] / "docs" / "pictures" / "suite_cost.png"

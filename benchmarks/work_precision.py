@@ -20,7 +20,7 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.hertz import PHASES, Disc, constant, true_pressure
-from solver.scene import load_scene
+from rockslip import load_scene
 from solver.study.error_runtime.beside import read_beside
 from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
 from solver.study.error_runtime.findings import Findings

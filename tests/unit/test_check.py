@@ -98,8 +98,9 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
     from geometry.foundation import Frame, Plate
     from geometry.frame_mesh import FrameCells, frame_mesh
     from geometry.mesh import block_mesh
+    from rockslip import BlockSpec
     from solver.run.describe import _frame_grid, _grid
-    from solver.scene import BlockSpec, ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
+    from solver.scene import ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
 
     def text(mesh: Any, kind: str) -> str:
         count = mesh.topology.index_map(dimension).size_global

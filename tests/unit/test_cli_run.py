@@ -16,7 +16,7 @@ import pytest
 from processes import outside_mpirun
 from scenes import GRANITE
 
-from solver.history.history import History
+from rockslip import History
 
 SCENE = GRANITE + "[time]\nend = 0.03\nstep = 0.001\n[output]\nevery = 0.01\n"
 BLOCK = SCENE[SCENE.index("[[block]]") : SCENE.index("[contact]")]

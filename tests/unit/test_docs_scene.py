@@ -11,9 +11,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import pytest
 
+from rockslip import BlockSpec, Scene, parse_scene
 from solver.run.describe import describe
 from solver.scene import (
-    BlockSpec,
     ColumnSpec,
     ContactSpec,
     DampingSpec,
@@ -30,13 +30,11 @@ from solver.scene import (
     RectangularSpec,
     RickerSpec,
     RigidSpec,
-    Scene,
     SineSpec,
     StillSpec,
     SyntheticSpec,
     TableSpec,
     TimeSpec,
-    parse_scene,
 )
 from solver.scene.checking import key_of, shown
 

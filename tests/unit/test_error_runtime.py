@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene
 from solver import cli
 from solver.errors import SceneError
-from solver.scene import Scene, parse_scene
 from solver.study.error_runtime.beside import Beside, read_beside
 from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
 from solver.study.error_runtime.findings import Findings

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from solver.history.history import History, columns
+from rockslip import History
+from solver.history.history import columns
 from solver.results import energy
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rockslip import History, parse_scene
 from solver.errors import SceneError
-from solver.history.history import History, columns, scene_columns
-from solver.scene import parse_scene
+from solver.history.history import columns, scene_columns
 
 
 def test_columns_follow_the_interface() -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from scenes import BLOCK
 
-from solver.history.history import History, columns
+from rockslip import History, Scene, parse_scene
+from solver.history.history import columns
 from solver.results.summary import summarise, write_json
-from solver.scene import Scene, parse_scene
 
 SCENE = f"""
 title = "made up"

@@ -9,16 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
 
+from rockslip import parse_scene
 from solver.excitation.motion import base_motion, ground_motion
 from solver.excitation.pulses import Pulse
-from solver.scene import (
-    HalfSineSpec,
-    OneSineSpec,
-    RectangularSpec,
-    RickerSpec,
-    SineSpec,
-    parse_scene,
-)
+from solver.scene import HalfSineSpec, OneSineSpec, RectangularSpec, RickerSpec, SineSpec
 
 PULSE = {"amplitude_g": 0.5, "duration": 0.5, "start": 0.2}
 SPECS = {

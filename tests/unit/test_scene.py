@@ -8,17 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
+from rockslip import BlockSpec, Scene, load_scene, parse_scene
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
-from solver.scene import (
-    BlockSpec,
-    Scene,
-    SineSpec,
-    TableSpec,
-    TimeSpec,
-    load_scene,
-    parse_scene,
-    scene_to_toml,
-)
+from solver.scene import SineSpec, TableSpec, TimeSpec, scene_to_toml
 
 TEXT = """
 title = "Free rocking"

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rockslip import Scene, parse_scene
 from solver.cli import main
 from solver.errors import SceneError
-from solver.scene import Scene, limits, parse_scene
+from solver.scene import limits
 from solver.scene.limits import young_of_rigid
 from solver.study.stability.families import FAMILIES, matrix
 from solver.study.stability.matrix import StabilityCase, changed

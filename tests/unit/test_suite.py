@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
-from solver.scene import load_scene
 from solver.study.suite.case import variations
 from solver.study.suite.command import prepare
 from solver.study.suite.folder import claim, finished, store
@@ -123,7 +123,7 @@ def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
 
 
 def _is_a_single_run(here: Path, row: dict[str, str]) -> None:
-    from solver.run.simulate import simulate
+    from rockslip import simulate
 
     motion = ["motion.file=motions/strong.csv", "contact.friction=0.1", "time.end=1.25"]
     summary = simulate(load_scene(here / "scene.toml", motion)).summary

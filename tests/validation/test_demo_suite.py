@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from solver.scene import load_scene
+from rockslip import load_scene
 
 DEMO = Path(__file__).parents[2] / "demos" / "suite" / "platform_suite.py"
 

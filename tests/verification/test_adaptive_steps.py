@@ -9,9 +9,8 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.stepping.local_error import LocalError
 
 #: Of the paper's block, with fixed steps of 1e-5 s and of 2e-5 s: .88196 and .88369 s.

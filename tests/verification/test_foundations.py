@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
 from solver.run.describe import describe
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.verification.newmark import sliding_stop
 
 G = 9.81

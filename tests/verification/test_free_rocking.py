@@ -7,12 +7,11 @@ import pytest
 
 from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.contact.interface import carry_over
 from solver.reference.housner import housner
 from solver.results.energy import ledger_error
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 
 BLOCK = {
     "width": 0.25,

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
-from solver.run.simulate import Result, simulate
-from solver.scene import FrictionSpec, Scene, parse_scene
+from solver.scene import FrictionSpec
 from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.verification.newmark import incline_distance
 
 G = 9.81

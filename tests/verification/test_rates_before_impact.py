@@ -11,9 +11,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene, simulate
 from solver.reference.housner import housner
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 pytestmark = pytest.mark.serial
 

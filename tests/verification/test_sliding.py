@@ -7,10 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from swaying import SwayingBlock, sway_modes
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.scene.material import Material
 
 Array = NDArray[np.float64]

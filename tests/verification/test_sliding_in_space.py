@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 BLOCK = {
     "width": 1.0,

@@ -11,10 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from geometry.arrangement import initial_position_in_space
+from rockslip import BlockSpec, Result, Scene, parse_scene, simulate
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
-from solver.run.simulate import Result, simulate
-from solver.scene import BlockSpec, Scene, parse_scene
 
 Array = NDArray[np.float64]
 
