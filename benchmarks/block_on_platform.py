@@ -66,7 +66,7 @@ def scene_of(point: dict[str, Any]) -> Scene:
 
 
 def reference_of(scene: Scene) -> PlatformReference:
-    """The same, event by event."""
+    """Reference answer, event by event."""
     law, gravity = scene.friction_of(scene.blocks[0]), scene.gravity
 
     def ground(time: float) -> float:

@@ -1,4 +1,4 @@
-"""What damped steps after changes of contact do to the reactions and impacts of the paper's block.
+"""Effect of damped steps after changes of contact on reactions and impacts of the paper's block.
 
     ./in-env python3 benchmarks/damped_steps.py
 
@@ -51,7 +51,7 @@ def scatter(scene: Scene, result: Result) -> list[float]:
 
 
 def impact_times(result: Result) -> list[float]:
-    """Of the first impacts, s."""
+    """Times of the first impacts, s."""
     impacts = result.summary["blocks"]["block"]["impacts"][:SWINGS]
     return [impact["time_s"] for impact in impacts]
 

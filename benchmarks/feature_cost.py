@@ -1,4 +1,4 @@
-"""What each feature of a scene costs: time per step, in relation to the plain scene.
+"""Cost of each feature of a scene: time per step, in relation to the plain scene.
 
     ./in-env python3 benchmarks/feature_cost.py [--repeat 3]
 

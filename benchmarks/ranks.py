@@ -129,7 +129,7 @@ def run_on(ranks: int, folder: Path, end: float) -> subprocess.CompletedProcess[
 
 
 UNITS = {"rad": 1.0, "m": WIDTH, "N": WEIGHT, "J": WEIGHT * WIDTH}
-"""Of columns, and what their differences are taken over."""
+"""Units of columns, and the scales that their differences are divided by."""
 
 
 def differences(folder: Path) -> Iterator[dict[str, Any]]:

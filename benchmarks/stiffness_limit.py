@@ -45,7 +45,7 @@ def elastic(young: float, step: float) -> Scene:
 
 
 def rigid(step: float) -> Scene:
-    """The same without a mesh."""
+    """Rigid run, without a mesh."""
     tables = elastic(5e10, step).to_dict()
     for key in ("young", "poisson", "cells", "cell", "degree", "refinement"):
         tables["block"][0].pop(key, None)

@@ -1,4 +1,4 @@
-"""What the accuracy of a platform's peak drift costs, over time steps and models.
+"""Cost of the accuracy of a platform's peak drift, over time steps and models.
 
     ./in-env python3 benchmarks/suite_cost.py [--motions 3] [--end 20]
 

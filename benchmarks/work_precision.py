@@ -107,7 +107,7 @@ def press(facets: int, points: str) -> RunOutcome:
 
 
 def hertz_findings(repeat: int, longest: float) -> Findings:
-    """The same for Hertz's line contact, by facets on the half-width."""
+    """Findings for Hertz's line contact, by facets on the half-width."""
     families = [
         LadderFamily(
             name=f"points {points}",

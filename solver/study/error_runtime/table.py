@@ -14,7 +14,7 @@ from solver.study.tables import column_names, in_columns
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 #: Below this part of a processor a run did not have the machine to itself.
-FREE = 0.9
+UNDISTURBED_SHARE = 0.9
 
 
 def rows(findings: Findings) -> list[dict[str, Any]]:
@@ -89,7 +89,7 @@ def _one(value: Any) -> float | None:
 
 
 def text(findings: Findings) -> str:
-    """All of it to read."""
+    """Findings as text."""
     measures = list(findings.names)
     parts = [f"{findings.title}\n{findings.machine}\n"]
     parts.append("Errors are relative; seconds are those of the time loop without set-up, ")
@@ -107,7 +107,7 @@ def text(findings: Findings) -> str:
 def _busy(findings: Findings) -> str:
     """A warning where something else ran beside the study."""
     shares = [trial.outcome.counts.get("processor_share", 1.0) for trial in findings.trials]
-    if min(shares, default=1.0) > FREE:
+    if min(shares, default=1.0) > UNDISTURBED_SHARE:
         return ""
     least, most = (f"{100 * share:.0f}" for share in (min(shares), max(shares)))
     return f"The machine was busy: runs had {least} to {most} % of a processor; times are long.\n"

@@ -50,12 +50,12 @@ def _grid(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _cell(verdict: Verdict) -> str:
-    """What stands in the grid."""
+    """Entry of the grid."""
     return MARKS.get(verdict.verdict, f"{max(0.0, verdict.energy_gain):.0e}")
 
 
 def _counted(verdicts: Sequence[Verdict]) -> str:
-    """How many of each verdict."""
+    """Counts of each verdict, in words."""
     counts: Counter[str] = Counter(verdict.verdict for verdict in verdicts)
     return ", ".join(f"{counts[word]} {word}" for word in ("holds", "refused", "failed"))
 

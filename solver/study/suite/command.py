@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What is to be done.
+    """Plan of a suite: its folder, its cases, and what has been done.
 
     Attributes:
         folder: Where the suite goes.
@@ -151,7 +151,7 @@ def _check_numbers(options: argparse.Namespace) -> None:
 def _settings(
     options: argparse.Namespace, scene: dict[str, Any], motions: list[Any]
 ) -> dict[str, Any]:
-    """What the suite is made from: a suite that goes on must be made from the same."""
+    """Settings that a suite is made from: one that is resumed must be made from the same."""
     from solver import VERSION
 
     return {
