@@ -1,11 +1,12 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test lint image energy-grid suite docs-tables
+.PHONY: help demo test quick lint image energy-grid suite docs-tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
 help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
+	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
 	@echo "make lint    ruff and mypy"
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
@@ -17,6 +18,9 @@ demo:
 
 test:
 	./in-env python3 -m pytest tests -n 2 --dist loadfile
+
+quick:
+	./in-env python3 -m pytest tests -n 2 --dist loadfile -m "not slow and not mpi"
 
 lint: $(RUFF)
 	$(RUFF) check .

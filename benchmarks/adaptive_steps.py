@@ -17,8 +17,7 @@ from typing import Any
 from tqdm import tqdm
 
 from benchmarks.rows import write_table
-from solver.run.simulate import simulate
-from solver.scene import load_scene
+from rockslip import load_scene, simulate
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")

@@ -21,9 +21,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
+from rockslip import Scene, parse_scene, simulate
 from solver.reference.platform import PlatformReference, sliding_on_platform
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 TABLE = Path(__file__).with_suffix(".csv")
 
@@ -67,7 +66,7 @@ def scene_of(point: dict[str, Any]) -> Scene:
 
 
 def reference_of(scene: Scene) -> PlatformReference:
-    """The same, event by event."""
+    """Reference answer, event by event."""
     law, gravity = scene.friction_of(scene.blocks[0]), scene.gravity
 
     def ground(time: float) -> float:

@@ -1,4 +1,4 @@
-"""What damped steps after changes of contact do to the reactions and impacts of the paper's block.
+"""Effect of damped steps after changes of contact on reactions and impacts of the paper's block.
 
     ./in-env python3 benchmarks/damped_steps.py
 
@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
+from rockslip import Result, Scene, load_scene, simulate
 from solver.reference.housner import housner
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, load_scene
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
@@ -52,7 +51,7 @@ def scatter(scene: Scene, result: Result) -> list[float]:
 
 
 def impact_times(result: Result) -> list[float]:
-    """Of the first impacts, s."""
+    """Times of the first impacts, s."""
     impacts = result.summary["blocks"]["block"]["impacts"][:SWINGS]
     return [impact["time_s"] for impact in impacts]
 

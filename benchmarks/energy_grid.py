@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
-from solver.run.simulate import simulate
-from solver.scene import Scene, load_scene
+from rockslip import Scene, load_scene, simulate
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")

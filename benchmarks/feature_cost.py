@@ -1,4 +1,4 @@
-"""What each feature of a scene costs: time per step, in relation to the plain scene.
+"""Cost of each feature of a scene: time per step, in relation to the plain scene.
 
     ./in-env python3 benchmarks/feature_cost.py [--repeat 3]
 
@@ -27,8 +27,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from tqdm import tqdm
 
 from benchmarks.rows import write_table
-from solver.run.simulate import simulate
-from solver.scene import parse_scene, scene_to_toml
+from rockslip import parse_scene, simulate
+from solver.scene import scene_to_toml
 
 TABLE = Path(__file__).with_suffix(".csv")
 STEPS = 300

@@ -57,7 +57,7 @@ class NearGround(Plane):
         super().__init__(level.frame, level.origin)
         self.share = share
         self.places: Array | None = None
-        """Of the points on the undeformed body, (points, 2), m."""
+        """Places of the points on the undeformed body, (points, 2), m."""
 
     def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""

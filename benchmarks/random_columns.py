@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from rockslip import Scene, parse_scene
 from solver.excitation.motion import ground_motion
 from solver.rigid.ground import motion_at
 from solver.rigid.space.start import SpaceBlock, blocks_of
 from solver.rigid.space.system import SpaceSystem
-from solver.scene import Scene, parse_scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 END = 3.0

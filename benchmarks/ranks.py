@@ -109,8 +109,7 @@ def run_all(folder: Path, end: float) -> None:
     # Not above: the process that starts mpirun must not be a rank itself.
     from mpi4py import MPI
 
-    from solver.run.simulate import simulate
-    from solver.scene import parse_scene
+    from rockslip import parse_scene, simulate
 
     common = {
         "block": [BLOCK],
@@ -147,7 +146,7 @@ def run_on(ranks: int, folder: Path, end: float) -> subprocess.CompletedProcess[
 
 
 UNITS = {"rad": 1.0, "m": WIDTH, "N": WEIGHT, "J": WEIGHT * WIDTH}
-"""Of columns, and what their differences are taken over."""
+"""Units of columns, and the scales that their differences are divided by."""
 
 
 def differences(folder: Path) -> Iterator[dict[str, Any]]:

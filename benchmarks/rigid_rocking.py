@@ -41,11 +41,11 @@ def main() -> None:
 def run(step: float) -> dict[str, str]:
     """One row of the table."""
     # Imported here: whether numba is used is decided at the import.
+    from rockslip import parse_scene
     from solver.law.compiled import NUMBA
     from solver.reference.housner import housner
     from solver.results.rocking import impacts, peaks
     from solver.rigid.plane.system import PlaneSystem
-    from solver.scene import parse_scene
 
     block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "tilt_deg": 3.0}
     scene = parse_scene(

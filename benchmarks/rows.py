@@ -1,4 +1,4 @@
-"""What benchmarks share: cases side by side, each a row of a table."""
+"""Shared parts of the benchmarks: cases run side by side, each a row of a table."""
 
 from __future__ import annotations
 

@@ -23,10 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
+from rockslip import Scene, load_scene, parse_scene, simulate
 from solver.reference.housner import housner
 from solver.run.meshed import MeshedRun
-from solver.run.simulate import simulate
-from solver.scene import Scene, load_scene, parse_scene
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
@@ -47,7 +46,7 @@ def elastic(young: float, step: float) -> Scene:
 
 
 def rigid(step: float) -> Scene:
-    """The same without a mesh."""
+    """Rigid run, without a mesh."""
     tables = elastic(5e10, step).to_dict()
     for key in ("young", "poisson", "cells", "cell", "degree", "refinement"):
         tables["block"][0].pop(key, None)

@@ -1,4 +1,4 @@
-"""What the accuracy of a platform's peak drift costs, over time steps and models.
+"""Cost of the accuracy of a platform's peak drift, over time steps and models.
 
     ./in-env python3 benchmarks/suite_cost.py [--motions 3] [--end 20]
 
@@ -25,11 +25,10 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from benchmarks.rows import write_table
+from rockslip import Scene, parse_scene, simulate
 from solver.excitation.synthetic.table1 import table1_suite
 from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.reference.answer import reference_history
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 from solver.scene.motion import SyntheticSpec
 
 TABLE = Path(__file__).with_suffix(".csv")

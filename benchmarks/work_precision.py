@@ -20,7 +20,7 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.hertz import PHASES, Disc, constant, true_pressure
-from solver.scene import load_scene
+from rockslip import load_scene
 from solver.study.error_runtime.beside import read_beside
 from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
 from solver.study.error_runtime.findings import Findings
@@ -28,8 +28,9 @@ from solver.study.error_runtime.ladders import NAMES
 from solver.study.error_runtime.picture import picture
 from solver.study.error_runtime.reference import Reference
 from solver.study.error_runtime.study import study
-from solver.study.error_runtime.table import text, write_csv
+from solver.study.error_runtime.table import as_csv, text
 from solver.study.machine import machine
+from solver.study.tables import write
 
 HERE = Path(__file__).resolve().parent
 SCENES, TABLES = HERE / "scenes", HERE / "work_precision"
@@ -106,7 +107,7 @@ def press(facets: int, points: str) -> RunOutcome:
 
 
 def hertz_findings(repeat: int, longest: float) -> Findings:
-    """The same for Hertz's line contact, by facets on the half-width."""
+    """Findings for Hertz's line contact, by facets on the half-width."""
     families = [
         LadderFamily(
             name=f"points {points}",
@@ -174,8 +175,8 @@ def main() -> int:
             findings = scene_findings(name, options.repeat, options.longest, options.families)
         else:
             findings = hertz_findings(options.repeat, options.longest)
-        write_csv(findings, TABLES / f"{name}.csv")
-        (TABLES / f"{name}.txt").write_text(text(findings), encoding="utf-8")
+        write(TABLES / f"{name}.csv", as_csv(findings))
+        write(TABLES / f"{name}.txt", text(findings))
         picture(findings, PICTURES / f"error_{name}.png", list(findings.names))
         print(text(findings))
     return 0

@@ -1,4 +1,4 @@
-"""Where a block stands before it moves: offset, tilt, and on what."""
+"""Arrangement of the blocks before they move: offset, tilt, carrier."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Pose:
     place: Array
 
     def __call__(self, points: Array) -> Array:
-        """Where points (n, d) of the block's own frame stand."""
+        """Positions of points (n, d) given in the block's own frame."""
         stand: Array = (points - self.about) @ self.rotation.T + self.place
         return stand
 
     @property
     def translation(self) -> Array:
-        """Where the origin of the own frame goes, (d,), m: X -> rotation X + translation."""
+        """Position of the origin of the own frame, (d,), m: X -> rotation X + translation."""
         origin: Array = self.place - self.rotation @ self.about
         return origin
 
@@ -126,7 +126,7 @@ def initial_position_in_space(
 
 
 def on_top(carrier: Pose, height: float, own: Pose) -> Pose:
-    """Where a block stands that another block carries: on its top, tilted with it.
+    """Pose of a block that another block carries: on its top, tilted with it.
 
     Args:
         carrier: Where the block below stands.

@@ -1,4 +1,4 @@
-"""What differs between dolfinx 0.9, 0.10 and 0.11 in taking over a Gmsh model."""
+"""Differences between dolfinx 0.9, 0.10 and 0.11 in taking over a Gmsh model."""
 
 from __future__ import annotations
 

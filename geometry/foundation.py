@@ -1,4 +1,4 @@
-"""What carries the blocks."""
+"""Shapes of the bodies that carry the blocks."""
 
 from __future__ import annotations
 
@@ -113,13 +113,13 @@ class Frame:
     deck: Plate
     """The deck."""
     column_width: float
-    """Of a column, m, > 0; along x."""
+    """Width of a column along x, m, > 0."""
     storey: float
     """Length of the columns, from their feet to the underside of the deck, m, > 0."""
     bays: int = 1
     """Spaces between columns, >= 1: bays + 1 columns, at equal distances, the outer ones flush."""
     column_thickness: float | None = None
-    """Of a column, m, > 0, across the plane of motion, in space; None: as its width."""
+    """Thickness of a column across the plane of motion, m, > 0, in space; None: as its width."""
 
     def __post_init__(self) -> None:
         """Refuse what is no frame."""

@@ -90,7 +90,7 @@ def frame_mesh(
 
 
 def _breaks(length: float, column: float, bays: int) -> Array:
-    """Where columns begin and end along the deck, from -length/2 to length/2."""
+    """Places along the deck where columns begin and end, from -length/2 to length/2."""
     bay = (length - (bays + 1) * column) / bays
     if not bay > 0:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""How the cells of a structured mesh grow along an edge."""
+"""Grading of a structured mesh: growth of its cells along an edge."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class CellTag(IntEnum):
-    """What a cell belongs to."""
+    """Body that a cell belongs to."""
 
     BLOCK = 1
     FOUNDATION = 2
@@ -24,4 +24,4 @@ class FacetTag(IntEnum):
     BACK = 6
     """Towards +y."""
     FEET = 7
-    """Where columns are clamped."""
+    """Feet of the columns, which are clamped."""

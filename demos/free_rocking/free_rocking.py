@@ -80,18 +80,17 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from rockslip import load_scene, simulate
+from rockslip import Scene, load_scene, read_run, simulate
 from solver.errors import RockslipError
 from solver.parallel import on_first_rank
 from solver.pictures import pictures
 from solver.pictures.deformed import draw_deformed
 from solver.reference.housner import RockingReference, housner
 from solver.results.report import report
-from solver.results.runs import Run, read_run
+from solver.results.runs import Run
 from solver.results.verdict import verdict
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
-from solver.scene import Scene
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"

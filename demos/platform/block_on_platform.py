@@ -63,17 +63,16 @@ from mpi4py import MPI
 import numpy as np
 from matplotlib.figure import Figure
 
-from rockslip import load_scene, simulate
+from rockslip import Scene, load_scene, read_run, simulate
 from solver.errors import RockslipError
 from solver.excitation.motion import base_motion
 from solver.parallel import on_first_rank
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.reference.platform import PlatformReference, sliding_on_platform
-from solver.results.runs import Run, read_run
+from solver.results.runs import Run
 from solver.results.verdict import verdict
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
-from solver.scene import Scene
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"

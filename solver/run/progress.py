@@ -1,4 +1,4 @@
-"""How far a run is: a bar on a terminal, a line now and then elsewhere; on rank 0 only."""
+"""Progress of a run: a bar on a terminal, a line now and then elsewhere; on rank 0 only."""
 
 from __future__ import annotations
 
@@ -6,16 +6,55 @@ import sys
 import time as clock
 from typing import Any
 
-#: Lines are written after this part of the run, but not within this time of the last (s).
+#: Share of the whole that has to be done between two lines, and the time (s) between them.
 EVERY_PART = 0.1
 EVERY_SECONDS = 2.0
 
-#: The bar is drawn at most this often (s).
+#: Shortest time between two drawings of the bar of a run, s.
 EVERY_DRAWING = 0.1
 
 
-class Progress:
-    """Shows time, step size, iterations and the time that is left."""
+class ProgressDisplay:
+    """Bar or lines on the standard error output, shared by runs and studies."""
+
+    def __init__(self, *, quiet: bool, rank: int, done: float = 0.0, **bar: Any):
+        """Start.
+
+        Args:
+            quiet: Show nothing.
+            rank: Rank of this process: all but 0 show nothing.
+            done: Share of the whole that had been done before.
+            bar: Arguments for tqdm: total, initial, bar_format.
+        """
+        self._silent = quiet or rank != 0
+        self._began = self._shown_at = clock.monotonic()
+        self._shown_share = done
+        self._bar: Any = None
+        if not self._silent and sys.stderr.isatty():
+            self._bar = _bar(**bar)
+
+    def _line_is_due(self, now: float, share: float) -> bool:
+        """Whether to write a line at this share of the whole; it then counts as written."""
+        late = now - self._shown_at >= EVERY_SECONDS
+        due = late and share - self._shown_share >= EVERY_PART
+        if due:
+            self._shown_at, self._shown_share = now, share
+        return due
+
+    def _write(self, line: str) -> None:
+        """Write a line at once."""
+        sys.stderr.write(f"{line}\n")
+        sys.stderr.flush()
+
+    def close(self) -> None:
+        """Show no more."""
+        if self._bar is not None:
+            self._bar.close()
+        self._silent = True
+
+
+class Progress(ProgressDisplay):
+    """Time, step size and iterations of a run, and the time that is left."""
 
     def __init__(self, end: float, *, quiet: bool = False, rank: int = 0):
         """Start at time 0.
@@ -25,14 +64,10 @@ class Progress:
             quiet: Show nothing.
             rank: Rank of this process: all but 0 show nothing.
         """
+        layout = "{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
+        super().__init__(quiet=quiet, rank=rank, total=100.0, bar_format=layout)
         self._end = end
-        self._silent = quiet or rank != 0
-        self._began = self._shown_at = clock.monotonic()
-        self._shown_part = 0.0
         self._last = (0.0, 0.0, 0)
-        self._bar: Any = None
-        if not self._silent and sys.stderr.isatty():
-            self._bar = _bar()
 
     def update(self, time: float, step: float, iterations: int) -> None:
         """Tell of a finished step.
@@ -50,12 +85,8 @@ class Progress:
             if now - self._shown_at >= EVERY_DRAWING:
                 self._shown_at = now
                 self._draw()
-        elif (
-            now - self._shown_at >= EVERY_SECONDS
-            and time / self._end - self._shown_part >= EVERY_PART
-        ):
-            self._shown_at, self._shown_part = now, time / self._end
-            self._write_line(now)
+        elif self._line_is_due(now, time / self._end):
+            self._write_state(now)
 
     def close(self) -> None:
         """Show the last step and stop."""
@@ -63,36 +94,33 @@ class Progress:
             return
         if self._bar is not None:
             self._draw()
-            self._bar.close()
         else:
-            self._write_line(clock.monotonic())
-        self._silent = True
+            self._write_state(clock.monotonic())
+        super().close()
 
     def _draw(self) -> None:
-        """The bar at the last step."""
+        """Draw the bar at the last step."""
         time, step, iterations = self._last
         self._bar.n = round(100 * min(1.0, time / self._end), 1)
         self._bar.set_postfix_str(
             f"t {time:.4g}/{self._end:.4g} s, step {step:.2g} s, {iterations} iterations"
         )
 
-    def _write_line(self, now: float) -> None:
-        """A line for the last step."""
+    def _write_state(self, now: float) -> None:
+        """Write a line about the last step."""
         time, step, iterations = self._last
         spent = now - self._began
         left = spent * (self._end - time) / time if time > 0 else float("nan")
-        sys.stderr.write(
+        self._write(
             f"t {time:.4g} of {self._end:.4g} s ({100 * time / self._end:.0f} %), "
-            f"step {step:.2g} s, {iterations} iterations, {spent:.0f} s spent, {left:.0f} s left\n"
+            f"step {step:.2g} s, {iterations} iterations, {spent:.0f} s spent, {left:.0f} s left"
         )
-        sys.stderr.flush()
 
 
-def _bar() -> Any:
-    """A bar from 0 to 100 %, or None without tqdm."""
+def _bar(**bar: Any) -> Any:
+    """A bar of tqdm, or None without tqdm."""
     try:
         from tqdm import tqdm
     except ImportError:
         return None
-    layout = "{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
-    return tqdm(total=100.0, bar_format=layout, file=sys.stderr, leave=True)
+    return tqdm(file=sys.stderr, leave=True, **bar)

@@ -1,12 +1,27 @@
-"""Words in columns."""
+"""Tables of studies: as text in columns, as CSV, and as files that are never half written."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import io
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from solver.results.summary import write_json
+
+Row = Mapping[str, Any]
 
 
 def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
-    """The lines of a table: its first `left` columns to the left, the others to the right."""
+    """Lines of a table of words.
+
+    Args:
+        table: Rows of words, all of one length.
+        left: Number of columns that are aligned to the left; the others are aligned to the right.
+    """
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = []
     for row in table:
@@ -16,3 +31,40 @@ def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
         ]
         lines.append("  ".join(cells).rstrip())
     return lines
+
+
+def column_names(rows: Sequence[Row]) -> list[str]:
+    """Names of all columns, in the order in which rows bring them."""
+    return list(dict.fromkeys(key for row in rows for key in row))
+
+
+def as_csv(rows: Sequence[Row], names: Sequence[str], digits: int | None = None) -> str:
+    """Rows as CSV; values that are not known (missing or None) are empty.
+
+    Args:
+        rows: Values by the name of their column.
+        names: Names of the columns.
+        digits: Significant digits of numbers, NaN is then empty; None: all digits.
+    """
+    stream = io.StringIO()
+    table = csv.DictWriter(stream, names, restval="", lineterminator="\n")
+    table.writeheader()
+    table.writerows({name: _rounded(value, digits) for name, value in row.items()} for row in rows)
+    return stream.getvalue()
+
+
+def _rounded(value: Any, digits: int | None) -> Any:
+    """A value of a CSV file."""
+    if digits is None or not isinstance(value, float):
+        return value
+    return "" if math.isnan(value) else f"{value:.{digits}g}"
+
+
+def write(file: Path, content: Mapping[str, Any] | str) -> None:
+    """Write a text, or a mapping as JSON; a reader sees the old file or the new one, never half."""
+    draft = file.with_name(file.name + ".part")
+    if isinstance(content, str):
+        draft.write_text(content, encoding="utf-8")
+    else:
+        write_json(draft, content)
+    os.replace(draft, file)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scenes import GRANITE
 
-from solver.history.history import History
+from rockslip import History
 
 ROOT = Path(__file__).parents[2]
 

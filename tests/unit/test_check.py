@@ -98,7 +98,7 @@ def test_check_counts_what_gmsh_makes_of_frames_and_tetrahedra(dimension: int) -
     from geometry.foundation import Frame, Plate
     from geometry.frame_mesh import FrameCells, frame_mesh
     from geometry.mesh import block_mesh
-    from solver.scene import BlockSpec
+    from rockslip import BlockSpec
     from solver.scene.foundation import ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
 
     def text(mesh: Any, kind: str) -> str:

@@ -16,7 +16,7 @@ import pytest
 from processes import outside_mpirun
 from scenes import GRANITE
 
-from solver.history.history import History
+from rockslip import History
 
 SCENE = GRANITE + "[time]\nend = 0.03\nstep = 0.001\n[output]\nevery = 0.01\n"
 BLOCK = SCENE[SCENE.index("[[block]]") : SCENE.index("[contact]")]
@@ -168,6 +168,7 @@ def test_so_are_bad_overrides(earlier: Path, override: str, parts: list[str]) ->
     assert fingerprint(earlier) == before
 
 
+@pytest.mark.slow
 def test_a_folder_in_use_is_kept_and_force_renews_it(tmp_path: Path) -> None:
     pytest.importorskip("dolfinx")
     (tmp_path / "granite.toml").write_text(SCENE)

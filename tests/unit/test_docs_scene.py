@@ -10,9 +10,9 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import pytest
 
+from rockslip import Scene, parse_scene
 from solver.history.columns import TABLE
 from solver.run.describe import describe
-from solver.scene import Scene, parse_scene
 from solver.scene.checking import Number, shown
 
 ROOT = Path(__file__).parents[2]

@@ -12,16 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene
 from solver import cli
 from solver.errors import SceneError
-from solver.scene import Scene, parse_scene
 from solver.study.error_runtime.beside import Beside, read_beside
 from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
 from solver.study.error_runtime.findings import Findings
 from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
 from solver.study.error_runtime.measures import check_patterns, chosen, words
 from solver.study.error_runtime.reference import Reference, limit, own_limit
-from solver.study.error_runtime.table import rows, text, write_csv, write_everything
+from solver.study.error_runtime.table import as_csv, everything, rows, text
+from solver.study.tables import write
 
 ELASTIC = {
     "block": [
@@ -316,7 +317,7 @@ def test_measures_by_short_names() -> None:
 
 
 def test_table_holds_every_run(findings: Findings, tmp_path: Path) -> None:
-    write_csv(findings, tmp_path / "errors.csv")
+    write(tmp_path / "errors.csv", as_csv(findings))
     with (tmp_path / "errors.csv").open(encoding="utf-8") as stream:
         table = list(csv.DictReader(stream))
     assert len(table) == 12
@@ -345,7 +346,7 @@ def test_runs_that_failed_stand_in_the_table_without_errors(findings: Findings) 
 
 
 def test_json_and_text(findings: Findings, tmp_path: Path) -> None:
-    write_everything(findings, tmp_path / "errors.json")
+    write(tmp_path / "errors.json", everything(findings))
     known = json.loads((tmp_path / "errors.json").read_text(encoding="utf-8"))
     assert known["references"][MEASURE]["value"] == 2.0
     assert known["references"][MEASURE]["own_limit_differs_by"] is None

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 from processes import outside_mpirun
 
+from rockslip import Scene, parse_scene
 from solver.errors import SceneError
 from solver.excitation.kinds import record
 from solver.excitation.motion import read_ground
-from solver.scene import MotionSpec, Scene, parse_scene
+from solver.scene import MotionSpec
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene
 from solver.history.columns import TABLE, check_filled, columns, ordered, positions, row_layout
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
-from solver.scene import Scene, parse_scene
 
 
 def scene(dimension: int) -> Scene:

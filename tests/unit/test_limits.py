@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 
+from rockslip import Scene, parse_scene
 from solver.cli import main
 from solver.errors import SceneError
 from solver.excitation.motion import read_ground
-from solver.scene import Scene, parse_scene, scene_to_toml
+from solver.scene import scene_to_toml
 
 BLOCK = {"width": 0.5, "height": 1.0, "density": 2000.0, "young": 1e9, "poisson": 0.2}
 SOFT = BLOCK | {"young": 8e5, "cells": [2, 4]}

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from rockslip import parse_scene
 from solver.law.compiled import NUMBA
 from solver.run.meshed import MeshedRun
-from solver.scene import parse_scene
 
 COMPILING = "compiling the local problem of contact"
 

@@ -24,6 +24,10 @@ class Odd(Exception):
     def __init__(self, one, two):
         super().__init__(f"{one} and {two}")
 
+class Unreadable:
+    def __reduce__(self):
+        return int, ("not a number",)
+
 def act(task):
     if task == "die":
         os.kill(os.getpid(), signal.SIGKILL)
@@ -75,6 +79,16 @@ def test_each_task_has_its_outcome(tasks: Path) -> None:
     assert str(found["refuse"]) == "motion.file: got none, allowed one"
     assert str(found["odd"]) == "Odd: 1 and 2"
     assert isinstance(found["lambda"], Exception)
+
+
+def test_a_task_that_cannot_be_read_fails_alone(tasks: Path) -> None:
+    """Its process ends before it has said which task it took: the next ones get another."""
+    import pool_tasks
+
+    given = ["a", pool_tasks.Unreadable(), "b", "c"]
+    outcomes = dict(side_by_side(pool_tasks.act, given, processes=1))
+    assert [outcomes[number][1] for number in (0, 2, 3)] == ["a", "b", "c"]
+    assert isinstance(outcomes[1], ProcessEnded) and "exit code 1" in str(outcomes[1])
 
 
 def test_no_task_needs_no_process() -> None:

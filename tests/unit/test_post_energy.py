@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from rockslip import History
 from solver.history.columns import columns
-from solver.history.history import History
 from solver.results import energy
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rockslip import History, parse_scene
 from solver.errors import SceneError
 from solver.history.columns import columns
-from solver.history.history import History, scene_columns
-from solver.scene import parse_scene
+from solver.history.history import scene_columns
 
 
 def test_columns_follow_the_interface() -> None:

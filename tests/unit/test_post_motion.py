@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver.history.history import History, scene_columns
+from rockslip import History, Scene, parse_scene
+from solver.history.history import scene_columns
 from solver.results.motion import block_motion, rotated, total_lean
 from solver.results.report import report
 from solver.results.summary import summarise
 from solver.results.upright import gravity_above_upright, upright_centre
-from solver.scene import Scene, parse_scene
 
 Array = NDArray[np.float64]
 

@@ -35,7 +35,7 @@ def run(tmp_path: Path) -> Path:
 
 def complete(folder: Path) -> None:
     """Make a run of it that looks like finite elements: with a ledger and fields."""
-    from solver.history.history import History
+    from rockslip import History
 
     known = History.read(folder / "history.csv")
     values = {name: known[name] for name in known.columns}
@@ -125,8 +125,8 @@ def test_what_is_no_run_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 def test_instants(run: Path) -> None:
     """Start, first impact (Housner: 0.1916 s), the peak after it, end."""
+    from rockslip import read_run
     from solver.pictures.pictures import instants
-    from solver.results.runs import read_run
 
     first, impact, peak, last = instants(read_run(run))
     assert (first, last) == (0.0, pytest.approx(0.6))

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rockslip import History, Scene, parse_scene
 from solver.fields.ground import floor_level, platform_corners
 from solver.fields.pvd import PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
-from solver.history.history import History, scene_columns
+from solver.history.history import scene_columns
 from solver.results.motion import rotated
 from solver.results.summary import summarise, write_json
-from solver.scene import Scene, parse_scene, scene_to_toml
+from solver.scene import scene_to_toml
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("pyvista")
@@ -135,8 +136,8 @@ def assert_pictures(folder: Path, names: list[str]) -> None:
     """These pictures, each with something on it."""
     from matplotlib.image import imread
 
+    from rockslip import read_run
     from solver.pictures.pictures import picture_run
-    from solver.results.runs import read_run
 
     files = picture_run(read_run(folder))
     assert [file.name for file in files] == names
@@ -157,9 +158,9 @@ def test_pictures_in_space(tmp_path: Path) -> None:
 
 def test_what_curves_show(tmp_path: Path) -> None:
     """The numbers on the axes are those of the history, in the units of their labels."""
+    from rockslip import read_run
     from solver.pictures.angles import draw_angle, draw_overlay
     from solver.pictures.forces import draw_energy, draw_forces, draw_platform
-    from solver.results.runs import read_run
 
     run = read_run(stack(tmp_path / "stack"))
     (angles,) = draw_angle(run, None).axes[:1]
@@ -185,8 +186,8 @@ def test_what_curves_show(tmp_path: Path) -> None:
 
 
 def test_instants_are_those_of_the_block_that_rocks(tmp_path: Path) -> None:
+    from rockslip import read_run
     from solver.pictures.pictures import instants
-    from solver.results.runs import read_run
 
     first, impact, peak, last = instants(read_run(stack(tmp_path / "stack")))
     assert (first, last) == (0.0, 2.0)

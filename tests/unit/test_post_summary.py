@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 from scenes import BLOCK
 
+from rockslip import History, Scene, parse_scene
 from solver.history.columns import columns
-from solver.history.history import History
 from solver.results.summary import summarise, write_json
-from solver.scene import Scene, parse_scene
 
 SCENE = f"""
 title = "made up"

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
 
+from rockslip import parse_scene
 from solver.excitation.motion import base_motion, ground_motion
 from solver.excitation.pulses import Pulse
-from solver.scene import parse_scene
 from solver.scene.motion import (
     HalfSineSpec,
     OneSineSpec,

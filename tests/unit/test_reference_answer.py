@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from geometry.arrangement import initial_position
+from rockslip import History, Scene, parse_scene
 from solver.errors import SceneError
-from solver.history.history import History
 from solver.reference import answer
 from solver.reference.shenton import release_friction, rocking_friction
-from solver.scene import Scene, parse_scene
 
 BLOCK = {
     "width": 0.25,

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene, simulate
 from solver.history.history import scene_columns
 from solver.rigid.plane import advance as plane_advance
 from solver.rigid.plane import rows as plane_rows
 from solver.rigid.plane.system import PlaneSystem
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 G = 9.81
 
@@ -203,7 +202,7 @@ def test_a_run_can_be_stopped() -> None:
         def show(self, *arguments: Any) -> None:
             """No display."""
 
-    from solver.history.history import History
+    from rockslip import History
     from solver.run.rigid import RigidRun
 
     class Files:

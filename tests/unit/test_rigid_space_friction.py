@@ -77,6 +77,7 @@ def loads() -> Iterator[tuple[Array, Array, float]]:
         yield load, half, mu
 
 
+@pytest.mark.slow
 def test_four_corners_under_all_kinds_of_loads() -> None:
     """From nothing; in a run the forces of the last step are there to start from."""
     for load, half, mu in loads():

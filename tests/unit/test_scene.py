@@ -8,15 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
+from rockslip import BlockSpec, Scene, load_scene, parse_scene
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
-from solver.scene import (
-    BlockSpec,
-    Scene,
-    TimeSpec,
-    load_scene,
-    parse_scene,
-    scene_to_toml,
-)
+from solver.scene import TimeSpec, scene_to_toml
 from solver.scene.motion import SineSpec, TableSpec
 
 TEXT = """

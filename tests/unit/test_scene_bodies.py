@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
+from rockslip import BlockSpec, Scene, parse_scene
 from solver.errors import SceneError
-from solver.scene import BlockSpec, FrictionSpec, Scene, TimeSpec, parse_scene, scene_to_toml
+from solver.scene import FrictionSpec, TimeSpec, scene_to_toml
 
 RIGID = {"width": 0.5, "height": 1.0, "thickness": 0.75, "density": 2000.0, "model": "rigid"}
 ELASTIC = RIGID | {"model": "elastic", "young": 1e9, "poisson": 0.2}

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
-from solver.scene import load_scene
 from solver.study.suite.case import variations
 from solver.study.suite.command import prepare
 from solver.study.suite.folder import claim, finished, store
@@ -94,6 +94,7 @@ def table(folder: Path) -> dict[tuple[str, str], dict[str, str]]:
     return {(row["motion"], row.get("contact.friction", "")): row for row in rows}
 
 
+@pytest.mark.slow
 def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
     """The bad motion alone fails, by name; the others are what single runs give; then resumed."""
     words = ("--vary", "contact.friction=0.1,0.3", "--reference", "--tail", "0.25", "-o", "out")
@@ -122,7 +123,7 @@ def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
 
 
 def _is_a_single_run(here: Path, row: dict[str, str]) -> None:
-    from solver.run.simulate import simulate
+    from rockslip import simulate
 
     motion = ["motion.file=motions/strong.csv", "contact.friction=0.1", "time.end=1.25"]
     summary = simulate(load_scene(here / "scene.toml", motion)).summary
@@ -332,7 +333,9 @@ def test_means_of_ratios_by_hand() -> None:
 
 def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) -> None:
     now = iter([0.0, 1.0, 3.0, 4.0, 4.0, 4.0])
-    monkeypatch.setattr("solver.study.tally.clock", SimpleNamespace(monotonic=lambda: next(now)))
+    shared = SimpleNamespace(monotonic=lambda: next(now))
+    monkeypatch.setattr("solver.run.progress.clock", shared)
+    monkeypatch.setattr("solver.study.tally.clock", shared)
     tally = Tally(5, done=2)
     for name in ("c", "d", "e"):
         tally.add(name)

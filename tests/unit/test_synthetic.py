@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rockslip import parse_scene
 from solver.errors import SceneError
 from solver.excitation.motion import base_motion, ground_motion
 from solver.excitation.spectrum import (
@@ -28,7 +29,6 @@ from solver.excitation.synthetic.suite_motion import (
     synthetic_motion,
 )
 from solver.excitation.synthetic.table1 import table1_suite
-from solver.scene import parse_scene
 from solver.scene.motion import SyntheticSpec
 
 G = 9.81

@@ -16,7 +16,7 @@ DEMO = Path(__file__).parents[2] / "demos" / "free_rocking" / "free_rocking.py"
 
 Captured = pytest.CaptureFixture[str]
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
 
 @pytest.fixture(scope="module")

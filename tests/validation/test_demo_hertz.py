@@ -15,7 +15,7 @@ DEMO = Path(__file__).parents[2] / "demos" / "hertz" / "hertz.py"
 
 Captured = pytest.CaptureFixture[str]
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
 
 @pytest.fixture(scope="module")

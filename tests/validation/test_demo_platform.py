@@ -16,7 +16,7 @@ DEMO = Path(__file__).parents[2] / "demos" / "platform" / "block_on_platform.py"
 
 Captured = pytest.CaptureFixture[str]
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
 NAMES = (
     "friction 0.1 elastic", "friction 0.1 rigid", "friction 0.3 elastic", "friction 0.3 rigid"

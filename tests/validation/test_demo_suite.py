@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from solver.scene import load_scene
+from rockslip import load_scene
 
 DEMO = Path(__file__).parents[2] / "demos" / "suite" / "platform_suite.py"
 
 Captured = pytest.CaptureFixture[str]
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,8 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.stepping.local_error import LocalError
 
 #: Of the paper's block, with fixed steps of 1e-5 s and of 2e-5 s: .88196 and .88369 s.
@@ -44,6 +43,7 @@ def run() -> Result:
     return simulate(scene("time.adaptive=true", "time.tolerance=3e-7"))
 
 
+@pytest.mark.slow
 def test_the_third_impact_is_that_of_much_shorter_fixed_steps(run: Result) -> None:
     """Fixed steps of 1e-3 s, as many iterations, are wrong by .065 s; of 1e-4 s by .005 s."""
     impacts = [impact["time_s"] for impact in run.summary["blocks"]["block"]["impacts"]]

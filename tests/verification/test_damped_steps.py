@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 from solver.stepping.stepper import Stepper
 
 SQUAT = {"width": 1.0, "height": 0.5, "mass": 1000.0, "cells": [2, 2], "poisson": 0.2}

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from rockslip import parse_scene
 from solver import cli
-from solver.scene import parse_scene
 from solver.study.error_runtime.study import study
 
 pytestmark = pytest.mark.serial

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
 from solver.run.describe import describe
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.verification.newmark import sliding_stop
 
 G = 9.81
@@ -72,6 +71,7 @@ def run(scene: Scene) -> Result:
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("support", ["fixed", "bottom"])
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
 def test_a_block_slides_off_the_edge_and_falls(support: str, model: str) -> None:
@@ -96,6 +96,7 @@ def test_a_block_slides_off_the_edge_and_falls(support: str, model: str) -> None
     assert np.ptp(stored) < 5e-6 * abs(result.summary["energy"]["scale_J"])
 
 
+@pytest.mark.slow
 def test_it_slides_over_many_facets() -> None:
     """Thrown over ten facets of the plate: the distance of the closed form."""
     block = {"offset": -0.6, "velocity": [2.0, 0.0]}
@@ -123,6 +124,7 @@ def test_a_plate_under_a_block_rests(degree: int) -> None:
     assert -1.1 * bulk < sag < -0.5 * bulk
 
 
+@pytest.mark.slow
 def test_rocking_on_an_elastic_plate() -> None:
     """The first impact of the paper's block, plate and block of one stiffness."""
     block = {
@@ -212,6 +214,7 @@ def test_no_mesh_no_mode() -> None:
         natural_period(scene({"kind": "rigid"}, 1.0, 1e-3))
 
 
+@pytest.mark.slow
 def test_a_deck_drifts_with_its_block() -> None:
     """A block that holds on a shaken frame: an oscillator as stiff, with the mass of both."""
     motion = {"kind": "half_sine", "amplitude_g": 0.05, "duration": 0.6}

@@ -7,12 +7,11 @@ import pytest
 
 from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.contact.memory_transfer import carry_over
 from solver.reference.housner import housner
 from solver.results.energy import ledger_error
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 
 BLOCK = {
     "width": 0.25,
@@ -41,6 +40,7 @@ def run() -> Result:
     return simulate(scene())
 
 
+@pytest.mark.slow
 def test_it_completes_with_one_factorization_of_each_scheme(run: Result) -> None:
     """Of the steps of rho_inf 0.8, and of those after changes of contact; one without these."""
     assert run.status == "completed"
@@ -62,6 +62,7 @@ def test_impacts_follow_housner(run: Result) -> None:
     assert times[1:5] == pytest.approx(list(reference[1:5]), rel=0.03)
 
 
+@pytest.mark.slow
 def test_it_comes_to_rest_where_it_stood() -> None:
     """Soon after 3 s; Housner's block rocks until 3.7 s."""
     run = simulate(scene("time.end=3.3"))
@@ -107,6 +108,7 @@ def test_reaction_before_the_first_impact(rho_inf: float, largest: float) -> Non
     assert np.std(noise[window]) < largest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("largest", "overrides"),
     [
@@ -171,6 +173,7 @@ def test_damping_takes_what_it_says() -> None:
     assert result.summary["energy"]["ledger_error_fraction"] < 1e-8
 
 
+@pytest.mark.slow
 def test_a_block_that_tips_over_lies_on_its_side() -> None:
     """From 16 degrees, beyond alpha: over its corner, onto its side, to rest."""
     result = simulate(scene("block.tilt_deg=16.0", "time.end=3.0"))
@@ -187,6 +190,7 @@ def test_a_block_that_tips_over_lies_on_its_side() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_side_that_joins_under_the_floor_throws_nothing_up() -> None:
     """With a Gauss point at a fifth of one cell the corner sinks in: its side joins deep down.
 

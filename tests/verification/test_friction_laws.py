@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
-from solver.run.simulate import Result, simulate
-from solver.scene import FrictionSpec, Scene, parse_scene
+from solver.scene import FrictionSpec
 from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81
@@ -93,6 +93,7 @@ def test_a_thrown_block_stops(cohesion: float, lost: bool) -> None:
     assert np.ptp(slip[result.history["time_s"] > time + 0.01]) < 1e-6
 
 
+@pytest.mark.slow
 def test_newmark() -> None:
     """A rectangular pulse: V^2/(2 mu g) (1 - mu g/a), left behind."""
     pulse = {"kind": "rectangular", "amplitude_g": 0.5, "duration": 0.3}
@@ -101,6 +102,7 @@ def test_newmark() -> None:
     assert slip[-1] == pytest.approx(-exact, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_friction_that_decays_with_speed() -> None:
     """mu = mu_d + (mu_s - mu_d) exp(-DC v) on the way from 2 m/s to rest."""
     law = {"static": 0.6, "dynamic": 0.2, "decay": 2.0}
@@ -177,6 +179,7 @@ def phases(velocity: np.ndarray) -> list[tuple[bool, int]]:
     return [(bool(k), len(list(g))) for k, g in itertools.groupby(np.abs(velocity) > 0.02)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["rigid", "elastic"])
 def test_stick_slip_on_a_platform(model: str, tmp_path: Path) -> None:
     """mu_s 0.6, mu_d 0.3, DC 0: every start and stop where the event-driven reference has it.

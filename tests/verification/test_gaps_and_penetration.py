@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rockslip import Scene, parse_scene, simulate
 from solver.rigid.plane.system import PlaneSystem, blocks_of
 from solver.rigid.space.start import blocks_of as space_blocks_of
 from solver.rigid.space.system import SpaceSystem
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]

@@ -69,6 +69,7 @@ def test_peak_pressure_and_half_width(points):
     np.testing.assert_allclose(found.pressure, found.pressure[::-1], atol=1e-6 * MODULUS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("facet", "published"), [(0.104, 0.065), (0.052, 0.036), (0.026, 0.018)])
 def test_public_case_in_linear_elasticity(facet: float, published: float) -> None:
     """dolfinx_contact's case at its load and facets: with one value a facet its errors or less.

@@ -2,9 +2,8 @@
 
 import pytest
 
+from rockslip import parse_scene, simulate
 from solver.run.meshed import MeshedRun
-from solver.run.simulate import simulate
-from solver.scene import parse_scene
 
 
 def compliance(**changes: object) -> float:

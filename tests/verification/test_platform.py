@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.verification.newmark import incline_distance
 
 G = 9.81
@@ -87,6 +86,7 @@ def kept(result: Result) -> None:
     assert energy["ledger_error_fraction"] < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("platform", "friction"), [("oscillator", 0.1), ("plate", 0.3)])
 def test_the_first_cycles_follow_the_events(platform: str, friction: float) -> None:
     """Drift and slip throughout, within 0.2 % of their peaks."""
@@ -100,6 +100,7 @@ def test_the_first_cycles_follow_the_events(platform: str, friction: float) -> N
     assert np.abs(drift).max() == pytest.approx(np.abs(exact.drift).max(), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_published_numbers() -> None:
     """All six seconds, in steps of 2e-3 s; the benchmark's table has smaller ones, and mu 0.1."""
     result = simulate(scene("oscillator", 0.3, 6.0, "time.step=2e-3"))
@@ -108,6 +109,7 @@ def test_published_numbers() -> None:
     assert result.history["block.slip_m"][-1] == pytest.approx(0.1359, rel=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_the_acceleration_does_not_alternate_while_the_block_sticks(platform: str) -> None:
     """Second differences are next to those of a smooth curve a hundredth of a second after a stop.

@@ -11,9 +11,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene, simulate
 from solver.reference.housner import housner
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 pytestmark = pytest.mark.serial
 
@@ -49,6 +48,7 @@ def test_rigid_block_against_housner():
     assert errors[0] < 3e-5
 
 
+@pytest.mark.slow
 def test_soft_block_against_finer_steps():
     """The damped steps after the release have an error of second order, too, from 2e-3 s on."""
     soft = {"young": 5e7, "poisson": 0.2, "thickness": 0.75, "cells": [3, 8]}

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import parse_scene
 from solver.excitation.sampled import SampledMotion
 from solver.reference.answer import reference_history
 from solver.reference.friction import Resistance, coulomb
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.platform_sampled import sampled_sliding_on_platform
-from solver.scene import FrictionSpec, parse_scene
+from solver.scene import FrictionSpec
 from solver.scene.foundation import platform
 
 pytestmark = pytest.mark.serial

@@ -12,14 +12,13 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from geometry.block import Block
+from rockslip import Result, parse_scene, simulate
 from solver.bodies.rigid_box import TURNED, SpaceBox, rigid_box
 from solver.contact.body_points import RigidPoints
 from solver.contact.candidates import FixedContactPair
 from solver.contact.interface import Interface
 from solver.contact.plane_target import Plane
 from solver.law.friction import FrictionLaw
-from solver.run.simulate import Result, simulate
-from solver.scene import parse_scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper

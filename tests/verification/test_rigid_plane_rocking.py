@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.housner import housner, housner_restitution
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 
 #: The paper's block, released at 3 degrees (T1): impacts (s) and peaks (degrees) after Housner.
 IMPACTS = (0.1916, 0.5305, 0.8323, 1.1024, 1.3451, 1.5637, 1.7612)

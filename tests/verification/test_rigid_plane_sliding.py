@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.motion import base_motion
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
 from solver.rigid.plane.system import PlaneSystem
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 
 G = 9.81
 MASS = 500.0

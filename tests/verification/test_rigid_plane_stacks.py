@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.motion import ground_motion
 from solver.rigid.plane.system import PlaneSystem
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 
 G = 9.81
 DENSITY = 2000.0

@@ -9,11 +9,11 @@ import pytest
 import random_columns
 from numpy.typing import NDArray
 
+from rockslip import Scene, parse_scene
 from solver.excitation.motion import ground_motion
 from solver.rigid.ground import motion_at
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
-from solver.scene import Scene, parse_scene
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from geometry.arrangement import Pose, initial_position_in_space, on_top
 from geometry.block import Block
+from rockslip import parse_scene
 from solver.rigid.space.start import SpaceBlock, SpacePlatform
 from solver.rigid.space.system import SpaceSystem
-from solver.scene import FrictionSpec, parse_scene
+from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.motion import ground_motion
 from solver.excitation.stepped import SteppedGround
 from solver.reference.platform import sliding_on_platform
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 
 SAMPLES, DT = 60, 0.01
 WHOLE = 0.8

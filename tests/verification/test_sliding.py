@@ -7,10 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from swaying import SwayingBlock, sway_modes
 
+from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
-from solver.run.simulate import Result, simulate
-from solver.scene import Scene, parse_scene
 from solver.scene.material import Material
 
 Array = NDArray[np.float64]
@@ -38,6 +37,7 @@ def scene(*overrides: str) -> Scene:
     return parse_scene(tables, overrides=overrides)
 
 
+@pytest.mark.slow
 def test_a_sticking_block_does_not_creep() -> None:
     """Between the same phases of the third and the nineteenth cycle."""
     result = simulate(scene())
@@ -69,6 +69,7 @@ def largest_difference(times: Array, slips: Array, run: Scene) -> float:
     return float(np.abs(slips - slip).max() / np.abs(slip).max())
 
 
+@pytest.mark.slow
 def test_a_stiff_block_slides_as_a_rigid_one() -> None:
     """Slip at every instant within 0.5 % of its peak, where bending is negligible.
 
@@ -99,6 +100,7 @@ def swaying(run: Scene) -> tuple[Array, Array]:
     return model.slip(motion.acceleration, run.time.end)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("young", "expected"), [("5e10", 0.0165), ("5e11", 0.0045)])
 def test_the_difference_from_the_rigid_block_is_that_of_sway(young: str, expected: float) -> None:
     """The block that slides and sways is as far from the rigid one, a third of that from this one.
@@ -117,6 +119,7 @@ def test_the_difference_from_the_rigid_block_is_that_of_sway(young: str, expecte
         assert apart < 0.35 * expected
 
 
+@pytest.mark.slow
 def test_sticking_at_reversals_falls_with_the_root_of_stiffness() -> None:
     """The difference from the rigid block is that of bending: ten times smaller for 100 times E."""
     common = ("contact.friction=0.1", "time.end=0.55", "time.step=5e-4")
@@ -142,6 +145,7 @@ def test_without_friction_the_block_stays_behind() -> None:
     assert result.history["block.slip_m"] == pytest.approx(-ground, abs=5e-4 * ground.max())
 
 
+@pytest.mark.slow
 def test_an_incline_holds_below_its_angle_of_friction() -> None:
     """tan b = 0.1: at mu 0.102 it sticks, at 0.05 it slides g (sin b - mu cos b) t^2/2."""
     slope = float(np.rad2deg(np.arctan(0.1)))

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 
 BLOCK = {
     "width": 1.0,
@@ -123,6 +122,7 @@ def test_every_point_is_held_back_along_its_own_slip() -> None:
     assert np.ptp(seen) > np.pi
 
 
+@pytest.mark.slow
 def test_a_block_slides_off_the_side_of_a_plate_and_falls() -> None:
     """Across, along the second direction; in the end it is below the top, and nothing is gained."""
     plate = {"kind": "elastic", "width": 1.6, "thickness": 1.2, "height": 0.3, "density": 2500.0}

@@ -11,10 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from geometry.arrangement import initial_position_in_space
+from rockslip import BlockSpec, Result, Scene, parse_scene, simulate
 from solver.excitation.motion import base_motion
 from solver.reference.sliding import sliding
-from solver.run.simulate import Result, simulate
-from solver.scene import BlockSpec, Scene, parse_scene
 
 Array = NDArray[np.float64]
 
@@ -87,6 +86,7 @@ def in_the_plane() -> list[float]:
     return impacts(simulate(parse_scene(content)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 def test_rocking_on_an_edge_is_that_of_plane_stress(in_the_plane: list[float], cell: str) -> None:
     """Impacts within 1 %, and nothing happens across the plane of motion."""
@@ -169,6 +169,7 @@ def on_an_oscillator() -> Result:
     return completed(scene(SQUAT, end=0.35, friction=0.1, motion=BOTH_WAYS, foundation=OSCILLATOR))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 def test_the_plate_on_rollers_drifts_as_the_oscillator(on_an_oscillator: Result, cell: str) -> None:
     """Drift in both directions within 0.5 % of its peak."""
@@ -183,6 +184,7 @@ def test_the_plate_on_rollers_drifts_as_the_oscillator(on_an_oscillator: Result,
     assert np.abs(on_an_oscillator.history["block.slip_m"]).max() > 0.05
 
 
+@pytest.mark.slow
 def test_a_plate_on_its_bottom_carries_as_the_ground() -> None:
     """Stiff and at rest below: the same slip both ways as on the rigid ground."""
     common = {"end": 0.25, "friction": 0.1, "motion": BOTH_WAYS}
@@ -207,6 +209,7 @@ def test_second_degree_on_tetrahedra_and_at_gauss_points() -> None:
     assert np.abs(ends).max() < 1e-7
 
 
+@pytest.mark.slow
 def test_a_frame_on_four_columns_sways_both_ways() -> None:
     """A block that sticks rides on the deck: forces are its mass times the motion of the deck."""
     run = scene(SQUAT, end=0.2, friction=2.0, motion=BOTH_WAYS, foundation=FRAME)
@@ -229,6 +232,7 @@ def test_a_frame_on_four_columns_sways_both_ways() -> None:
     assert np.hypot(history["block.slip_m"], history["block.slip_second_m"]).max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lower", "upper"), [("elastic", "elastic"), ("elastic", "rigid"), ("rigid", "elastic")]
 )
@@ -253,6 +257,7 @@ def test_the_upper_block_of_a_stack_slides_as_on_the_ground(lower: str, upper: s
     assert history["low.normal_force_N"][1:].mean() == pytest.approx(1200 * 9.81, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_rocking_on_a_corner_on_another_block() -> None:
     """As on a plate on its bottom until the second impact: what carries it hardly matters."""
     low = SQUAT | {"name": "low", "width": 0.7, "thickness": 0.6}

@@ -13,6 +13,7 @@ from geometry.block import Block
 from geometry.foundation import RigidFoundation
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
+from rockslip import BlockSpec, Scene, parse_scene, simulate
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import build, initial_state, rim
 from solver.contact.body_points import NodePoints
@@ -22,8 +23,6 @@ from solver.contact.edge_crossings import Crossings
 from solver.contact.facet_target import Face
 from solver.contact.outline import Outline
 from solver.law.friction import FrictionLaw
-from solver.run.simulate import simulate
-from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.material import Material
 from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.state import State
@@ -211,6 +210,7 @@ def deepest_crossing(history: dict[str, Array], run: Scene) -> float:
     return float(height[inside].min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "run",
     [stack(TOWER | LEANING, lower=TOWER, end=1.0), stack(CUBE | TURNING, end=0.3)],

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from solver.run.simulate import Result, simulate
-from solver.scene import parse_scene
+from rockslip import Result, parse_scene, simulate
 
 pytest.importorskip("dolfinx")
 

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import Assembly, build, initial_state
 from solver.contact.memory import Memory
 from solver.reference.sliding import sliding
-from solver.run.simulate import simulate
-from solver.scene import Scene, parse_scene
 from solver.stepping.state import State
 
 Array = NDArray[np.float64]

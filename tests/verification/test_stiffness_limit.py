@@ -5,6 +5,7 @@ import pytest
 from benchmarks.stiffness_limit import distance, elastic, in_whole_steps, rigid
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_elastic_blocks_tend_to_the_rigid_one() -> None:
     """Within 1 % at 1e13 Pa and 6 % at 1e11 Pa; a fifth off at 1e9 Pa."""

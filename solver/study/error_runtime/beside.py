@@ -1,4 +1,4 @@
-"""What other programs reached with the same case: points that a picture shows beside ours."""
+"""Results of other programs for the same case: points that a picture shows beside ours."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOutcome:
-    """What one run gave.
+    """Result of one run.
 
     Attributes:
         measures: What it is judged by, by name; one value or many.
@@ -79,9 +79,9 @@ class Trial:
     family: LadderFamily
     rung: Rung
     outcome: RunOutcome
-    """Of the first run; the others give the same numbers."""
+    """Outcome of the first run; the others give the same numbers."""
     seconds: tuple[float, ...]
-    """Of every run, without set-up."""
+    """Seconds of every run, without set-up."""
 
     @property
     def loop_s(self) -> float:

@@ -1,4 +1,4 @@
-"""What a study of error against run time found: errors, slopes, and what to use for a target."""
+"""Findings of a study of error against run time: errors, slopes, and what to use for a target."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from solver.study.error_runtime.family import LadderFamily, Trial
 from solver.study.error_runtime.reference import Reference
 
 #: A slope is fitted to errors above this many times the floor of their reference.
-CLEAR = 2.0
+CLEAR_OF_FLOOR = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slope:
-    """How the error of a family falls: powers fitted in log-log, nan where there are no two points.
+    """Rates at which the error of a family falls: powers fitted in log-log, nan below two points.
 
     Attributes:
         order: With the step or the size of the cells.
@@ -31,7 +31,7 @@ class Slope:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """All of a study.
+    """Everything that a study found.
 
     Attributes:
         title: What was studied.
@@ -76,7 +76,7 @@ class Findings:
 
     def slope(self, family: LadderFamily, measure: str) -> Slope:
         """The slopes of a family, over the errors that stand clear of the reference's floor."""
-        clear = CLEAR * self.references[measure].floor
+        clear = CLEAR_OF_FLOOR * self.references[measure].floor
         points = [(t, error) for t, error in self.line(family, measure) if error > max(clear, 0)]
         errors = [error for _, error in points]
         return Slope(
@@ -102,7 +102,7 @@ class Findings:
         return min(enough, key=lambda trial: trial.loop_s) if enough else None
 
     def sentence(self, measure: str) -> str:
-        """What to use for the target, and what it takes."""
+        """Sentence that says what to use for the target, and what it takes."""
         reference, name = self.references[measure], self.names[measure]
         aim = f"For {100 * self.target:g} % error of the {name}"
         if reference.uncertainty > self.target:

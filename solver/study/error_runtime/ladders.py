@@ -17,7 +17,7 @@ from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome
 Solve = Callable[[Scene], RunOutcome]
 
 #: Steps of a ladder begin with this times that of the scene, and are halved from there.
-COARSEST = 4.0
+COARSEST_STEP_RATIO = 4.0
 
 #: Ladders of what is no refinement (points, rho_inf, model) have so many rungs less.
 FEWER = 2
@@ -78,7 +78,7 @@ def check_names(names: Sequence[str]) -> None:
 
 def coarsest_step(scene: Scene) -> float:
     """The largest step of the ladders, s."""
-    return min(COARSEST * scene.time.step, scene.time.end)
+    return min(COARSEST_STEP_RATIO * scene.time.step, scene.time.end)
 
 
 def steps(name: str, scene: Scene, rungs: int, solve: Solve, *, own: bool = True) -> LadderFamily:

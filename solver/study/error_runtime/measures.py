@@ -1,4 +1,4 @@
-"""What runs of a scene are judged by: the numbers whose errors are measured."""
+"""Measures that runs of a scene are judged by: the numbers whose errors are computed."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from solver.scene.checking import nearest, shown
 from solver.types import Array
 
 #: Angles are compared up to this time, s: later a rocking block amplifies round-off.
-COMPARED = 1.0
+COMPARED_TIME = 1.0
 
 #: Before the first impact means before this part of the time up to it.
-BEFORE = 0.9
+SHARE_BEFORE_IMPACT = 0.9
 
 #: What the measures are called; NAME is that of a block.
 WORDS = {
@@ -36,7 +36,7 @@ WORDS = {
 
 
 def words(measure: str, names: tuple[str, ...] = ()) -> str:
-    """What a measure is called; blocks are named where there are several."""
+    """Name of a measure in words; blocks are named where there are several."""
     owner, _, column = measure.partition(".")
     text = WORDS.get(measure) or WORDS.get(f"NAME.{column}", measure)
     return f"{text} of {owner}" if len(names) > 1 and owner in names else text
@@ -72,7 +72,7 @@ def measures(
 
 
 def scale_of(measure: str, value: Array) -> float:
-    """What the errors of a measure are relative to: its size; the lost energy is a fraction."""
+    """Scale that errors of a measure are divided by: its size; lost energy is a fraction."""
     return 1.0 if measure == "energy.lost_fraction" else float(np.linalg.norm(value))
 
 
@@ -115,7 +115,7 @@ def before_impact(scene: Scene, block: BlockSpec) -> float:
         return 0.0
     end = scene.time.end
     found = housner(block.shape, gravity=scene.gravity, tilt=block.tilt, end=end, step=end)
-    return BEFORE * float(found.impacts[0]) if len(found.impacts) else 0.0
+    return SHARE_BEFORE_IMPACT * float(found.impacts[0]) if len(found.impacts) else 0.0
 
 
 def _rocking(
@@ -134,7 +134,7 @@ def _rocking(
     smooth = before_impact(scene, block)
     if smooth > 2 * every:
         found[f"{block.name}.angle_before_impact_rad"] = _sampled(history, block, smooth, every)
-    end = min(COMPARED, scene.time.end)
+    end = min(COMPARED_TIME, scene.time.end)
     found[f"{block.name}.angle_rad"] = _sampled(history, block, end, every)
     return found
 

@@ -18,13 +18,13 @@ from solver.study.error_runtime.findings import Findings
 MARKERS = "osD^vP*<>Xhp"
 
 #: Markers of other programs.
-OTHERS = "1234+x"
+OTHER_PROGRAMS_MARKERS = "1234+x"
 
 #: Errors below this are drawn at it: they are round-off, or 0.
-LEAST = 1e-12
+LEAST_ERROR = 1e-12
 
 #: Height of a panel, in.
-PANEL = 2.5
+PANEL_HEIGHT = 2.5
 
 
 def picture(findings: Findings, file: Path, measures: Sequence[str]) -> Path:
@@ -34,7 +34,7 @@ def picture(findings: Findings, file: Path, measures: Sequence[str]) -> Path:
 
 def draw(findings: Findings, measures: Sequence[str]) -> Figure:
     """The figure, a panel for each of these measures."""
-    figure = new_figure(PANEL * len(measures) + 0.3)
+    figure = new_figure(PANEL_HEIGHT * len(measures) + 0.3)
     panels = figure.subplots(len(measures), 1, sharex=True, squeeze=False)[:, 0]
     for axes, measure in zip(panels, measures, strict=True):
         _panel(axes, findings, measure)
@@ -57,7 +57,7 @@ def _panel(axes: Axes, findings: Findings, measure: str) -> None:
         told = "" if math.isnan(slope.order) else f"  {slope.time:.1f}; {slope.order:.1f}"
         axes.plot(
             [trial.loop_s for trial, _ in line],
-            [max(error, LEAST) for _, error in line],
+            [max(error, LEAST_ERROR) for _, error in line],
             marker=MARKERS[number % len(MARKERS)],
             markersize=3.5,
             linestyle="-" if family.own else ":",
@@ -65,7 +65,7 @@ def _panel(axes: Axes, findings: Findings, measure: str) -> None:
             label=f"{family.name}{told}",
         )
     for number, other in enumerate(o for o in findings.others if o.measure == measure):
-        _draw_other(axes, other, OTHERS[number % len(OTHERS)])
+        _draw_other(axes, other, OTHER_PROGRAMS_MARKERS[number % len(OTHER_PROGRAMS_MARKERS)])
     axes.axhline(findings.target, color=GREY, linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
     _floor(axes, findings.references[measure].floor)
 
@@ -73,7 +73,7 @@ def _panel(axes: Axes, findings: Findings, measure: str) -> None:
 def _draw_other(axes: Axes, other: Beside, marker: str) -> None:
     """A point of another program; a level where its time is not known."""
     label = f"{other.program}{f' ({other.note})' if other.note else ''}"
-    error = max(other.error, LEAST)
+    error = max(other.error, LEAST_ERROR)
     if not math.isnan(other.seconds):
         axes.plot(
             [other.seconds], [error], linestyle="none", marker=marker, markersize=7,

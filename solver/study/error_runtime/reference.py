@@ -1,4 +1,4 @@
-"""What errors are measured against: a rigid-body answer, or the limit of a run's own ladders."""
+"""References that errors are measured against: a rigid-body answer, or the limit of own ladders."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ROWS = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reference:
-    """What a measure should be.
+    """Reference value of a measure.
 
     Attributes:
         value: The value, or the samples.
@@ -59,7 +59,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limit:
-    """Where a ladder goes: the value, and how far off that may be (in the same unit)."""
+    """Limit of a ladder: its value, and how far off that may be (in the same unit)."""
 
     value: Array
     uncertainty: float
@@ -129,7 +129,7 @@ def _beside(exact: Reference, own: Reference | None) -> Reference:
 
 
 def own_limit(trials: Sequence[Trial], measure: str) -> Reference | None:
-    """Where the scene's own ladders go, of steps and of meshes if there are such.
+    """Limit of the scene's own ladders, of steps and of meshes if there are such.
 
     The limit of the steps at the scene's mesh, and what the meshes at the scene's step still
     change; the uncertainties of both are added. Adaptive steps, which become much smaller where
@@ -188,7 +188,7 @@ def _at_scene(trials: Sequence[Trial], name: str, measure: str, otherwise: Array
 
 
 def _rigid_answer(scene: Scene, finest: Trial, every: float) -> dict[str, Reference]:
-    """What the rigid body says of a scene whose block moved as that does; else nothing."""
+    """Rigid-body answer for a scene whose block moved in its mode; empty for other scenes."""
     try:
         name = reference_name(scene)
     except SceneError:

@@ -19,8 +19,9 @@ from solver.study.error_runtime.findings import Findings
 from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
 from solver.study.error_runtime.measures import chosen, measures, words
 from solver.study.error_runtime.reference import references
-from solver.study.error_runtime.table import text, write_csv, write_everything
+from solver.study.error_runtime.table import as_csv, everything, text
 from solver.study.machine import machine
+from solver.study.tables import write as write_file
 
 #: What a row of the table counts.
 COUNTS = ("unknowns", "steps", "rejected_steps", "newton_iterations")
@@ -110,9 +111,9 @@ def write(findings: Findings, folder: Path) -> list[Path]:
     from solver.study.error_runtime.picture import picture
 
     files = [folder / f"errors.{kind}" for kind in ("csv", "txt", "json", "png")]
-    write_csv(findings, files[0])
-    files[1].write_text(text(findings), encoding="utf-8")
-    write_everything(findings, files[2])
+    write_file(files[0], as_csv(findings))
+    write_file(files[1], text(findings))
+    write_file(files[2], everything(findings))
     picture(findings, files[3], list(findings.names)[:PANELS])
     return files
 

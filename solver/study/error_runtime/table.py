@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
 from typing import Any
 
-from solver.results.summary import write_json
+from solver.study import tables
 from solver.study.error_runtime.family import Trial
 from solver.study.error_runtime.findings import Findings
-from solver.study.tables import in_columns
+from solver.study.tables import column_names, in_columns
 
 #: What columns of measures are called in the text.
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 #: Below this part of a processor a run did not have the machine to itself.
-FREE = 0.9
+UNDISTURBED_SHARE = 0.9
 
 
 def rows(findings: Findings) -> list[dict[str, Any]]:
@@ -45,25 +43,14 @@ def _row(findings: Findings, trial: Trial) -> dict[str, Any]:
     return row
 
 
-def write_csv(findings: Findings, file: Path) -> None:
-    """Write the rows; what is not known is left empty."""
+def as_csv(findings: Findings) -> str:
+    """The rows as CSV; what is not known is left empty."""
     table = rows(findings)
-    names = list(dict.fromkeys(name for row in table for name in row))
-    with file.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, fieldnames=names, restval="")
-        writer.writeheader()
-        for row in table:
-            writer.writerow({name: _plain(value) for name, value in row.items()})
+    return tables.as_csv(table, column_names(table), digits=8)
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.8g}"
-    return value
-
-
-def write_everything(findings: Findings, file: Path) -> None:
-    """Write runs, references, slopes and sentences as JSON."""
+def everything(findings: Findings) -> dict[str, Any]:
+    """Runs, references, slopes and sentences, for programs."""
     references = {
         measure: {
             "name": name,
@@ -82,21 +69,18 @@ def write_everything(findings: Findings, file: Path) -> None:
         }
         for measure in findings.names
     }
-    write_json(
-        file,
-        {
-            "schema": 1,
-            "title": findings.title,
-            "machine": findings.machine,
-            "repeat": findings.repeat,
-            "target": findings.target,
-            "references": references,
-            "slopes": slopes,
-            "sentences": {measure: findings.sentence(measure) for measure in findings.names},
-            "left_out": list(findings.left_out),
-            "runs": rows(findings),
-        },
-    )
+    return {
+        "schema": 1,
+        "title": findings.title,
+        "machine": findings.machine,
+        "repeat": findings.repeat,
+        "target": findings.target,
+        "references": references,
+        "slopes": slopes,
+        "sentences": {measure: findings.sentence(measure) for measure in findings.names},
+        "left_out": list(findings.left_out),
+        "runs": rows(findings),
+    }
 
 
 def _one(value: Any) -> float | None:
@@ -105,7 +89,7 @@ def _one(value: Any) -> float | None:
 
 
 def text(findings: Findings) -> str:
-    """All of it to read."""
+    """Findings as text."""
     measures = list(findings.names)
     parts = [f"{findings.title}\n{findings.machine}\n"]
     parts.append("Errors are relative; seconds are those of the time loop without set-up, ")
@@ -123,7 +107,7 @@ def text(findings: Findings) -> str:
 def _busy(findings: Findings) -> str:
     """A warning where something else ran beside the study."""
     shares = [trial.outcome.counts.get("processor_share", 1.0) for trial in findings.trials]
-    if min(shares, default=1.0) > FREE:
+    if min(shares, default=1.0) > UNDISTURBED_SHARE:
         return ""
     least, most = (f"{100 * share:.0f}" for share in (min(shares), max(shares)))
     return f"The machine was busy: runs had {least} to {most} % of a processor; times are long.\n"

@@ -92,22 +92,15 @@ def judged(
     cases: list[StabilityCase], limit: float, processes: int | None, *, quiet: bool = False
 ) -> Iterator[Verdict]:
     """The verdicts of all scenes as they finish; on rank 0, the others get none."""
-    from mpi4py import MPI
-
-    from solver.study.pool import side_by_side
+    from solver.study.cases import finished_cases, in_one_line
     from solver.study.stability.verdict import Verdict, judge, warm_up
-    from solver.study.tally import Tally
 
     warm_up()
-    tally = Tally(len(cases), quiet=quiet, rank=MPI.COMM_WORLD.rank)
-    outcomes = side_by_side(partial(judge, limit=limit), cases, processes=processes)
-    with closing(tally), closing(outcomes):
-        for number, outcome in outcomes:
-            case = cases[number]
+    outcomes = finished_cases(partial(judge, limit=limit), cases, processes=processes, quiet=quiet)
+    with closing(outcomes):
+        for case, outcome in outcomes:
             if isinstance(outcome, Exception):
-                reason = f"{type(outcome).__name__}: {outcome}"
-                outcome = Verdict.of(case, "failed", " ".join(reason.split()))
-            tally.add(case.name)
+                outcome = Verdict.of(case, "failed", in_one_line(outcome))
             yield outcome
 
 
@@ -115,7 +108,8 @@ def write(folder: Path, verdicts: list[Verdict]) -> None:
     """Leave the tables and the picture."""
     from solver.study.stability.picture import picture
     from solver.study.stability.table import as_csv, as_text
+    from solver.study.tables import write as write_file
 
-    (folder / TABLE).write_text(as_csv(verdicts), encoding="utf-8")
-    (folder / LINES).write_text(as_text(verdicts), encoding="utf-8")
+    write_file(folder / TABLE, as_csv(verdicts))
+    write_file(folder / LINES, as_text(verdicts))
     picture(verdicts, folder / PICTURE)

@@ -1,4 +1,4 @@
-"""What the stability study drives far: families of scenes, all of them short."""
+"""Families of short scenes that drive one or two parameters to extremes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ ALPHA = math.degrees(math.atan2(0.25, 1.0))
 """Slenderness of the paper's block, degrees."""
 
 NEEDLE = math.degrees(math.atan2(0.01, 1.0))
-"""The same of the needle."""
+"""Slenderness angle of the needle, degrees."""
 
 FAMILIES: tuple[StabilityFamily, ...] = (
     StabilityFamily(

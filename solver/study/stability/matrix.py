@@ -17,7 +17,7 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Where a scene stands in the study.
+    """Place of a scene in the study.
 
     Attributes:
         family: What is driven far.

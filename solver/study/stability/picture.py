@@ -16,10 +16,10 @@ from matplotlib.patches import Rectangle
 from solver.pictures.style import GREY, RED, new_figure, save
 from solver.study.stability.verdict import LARGEST_GAIN, Verdict
 
-LEAST = 1e-14
+LEAST_GAIN = 1e-14
 """Gains below this, and losses, are drawn as it."""
 
-ACROSS = 3
+PANELS_ACROSS = 3
 """Families side by side."""
 
 
@@ -33,10 +33,10 @@ def draw(verdicts: Sequence[Verdict]) -> Figure:
     families: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         families.setdefault(verdict.family, []).append(verdict)
-    down = math.ceil(len(families) / ACROSS)
+    down = math.ceil(len(families) / PANELS_ACROSS)
     figure = new_figure(1.75 * down + 0.5, width=13.0)
-    panels = figure.subplots(down, ACROSS, squeeze=False).ravel()
-    scale = Normalize(math.log10(LEAST), math.log10(LARGEST_GAIN))
+    panels = figure.subplots(down, PANELS_ACROSS, squeeze=False).ravel()
+    scale = Normalize(math.log10(LEAST_GAIN), math.log10(LARGEST_GAIN))
     image = None
     for axes, (family, inside) in zip(panels, families.items(), strict=False):
         image = _panel(axes, family, inside, scale)
@@ -60,7 +60,7 @@ def _panel(axes: Axes, family: str, verdicts: Sequence[Verdict], scale: Normaliz
     gain = np.full((len(rows), len(columns)), np.nan)
     for place, verdict in zip(places, verdicts, strict=True):
         if verdict.verdict == "holds":
-            gain[place] = math.log10(max(LEAST, verdict.energy_gain))
+            gain[place] = math.log10(max(LEAST_GAIN, verdict.energy_gain))
         else:
             colour = GREY if verdict.verdict == "refused" else RED
             axes.add_patch(_square(place, colour))

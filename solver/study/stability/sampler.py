@@ -9,7 +9,7 @@ from typing import Any
 
 from solver.study.stability.matrix import StabilityCase, Tables
 
-BUDGET = 20000
+CELL_STEPS = 20000
 """Cells times steps of a scene: what keeps it short."""
 
 
@@ -28,7 +28,7 @@ def _scene(seed: int, number: int) -> Tables:
     blocks = _blocks(random, dimension)
     step = _log(random, 1e-6, 5e-2)
     cells = sum(math.prod(block["cells"]) * block["degree"] ** dimension for block in blocks)
-    end = step * max(20, min(300, BUDGET // cells))
+    end = step * max(20, min(300, CELL_STEPS // cells))
     scene: Tables = {
         "dimension": dimension,
         "block": blocks,

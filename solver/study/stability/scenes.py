@@ -83,7 +83,7 @@ def steps(*sizes: float, count: int = 400, most: float = 0.6) -> Grid:
 
 
 def sizes(*factors: float) -> Grid:
-    """The same scene larger or smaller, and as much slower or faster as gravity makes it."""
+    """Scene scaled in length, and in time as gravity demands (with the root of the length)."""
     return {
         f"{factor:g} m": {
             "block.width": 0.25 * factor,

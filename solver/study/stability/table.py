@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import astuple, fields
+from dataclasses import asdict, fields
 
+from solver.study import tables
 from solver.study.stability.verdict import Verdict
 from solver.study.tables import in_columns
 
@@ -17,19 +16,9 @@ MARKS = {"refused": "refused", "failed": "FAILED"}
 
 
 def as_csv(verdicts: Sequence[Verdict]) -> str:
-    """All numbers; what is not known is empty."""
-    stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(field.name for field in fields(Verdict))
-    table.writerows(map(_known, astuple(verdict)) for verdict in verdicts)
-    return stream.getvalue()
-
-
-def _known(value: object) -> object:
-    """A value, numbers short; nothing for one that is not known."""
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.4g}"
-    return value
+    """All numbers; values that are not known are empty."""
+    names = [field.name for field in fields(Verdict)]
+    return tables.as_csv([asdict(verdict) for verdict in verdicts], names, digits=4)
 
 
 def as_text(verdicts: Sequence[Verdict]) -> str:
@@ -61,12 +50,12 @@ def _grid(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _cell(verdict: Verdict) -> str:
-    """What stands in the grid."""
+    """Entry of the grid."""
     return MARKS.get(verdict.verdict, f"{max(0.0, verdict.energy_gain):.0e}")
 
 
 def _counted(verdicts: Sequence[Verdict]) -> str:
-    """How many of each verdict."""
+    """Counts of each verdict, in words."""
     counts: Counter[str] = Counter(verdict.verdict for verdict in verdicts)
     return ", ".join(f"{counts[word]} {word}" for word in ("holds", "refused", "failed"))
 

@@ -20,7 +20,7 @@ LARGEST_GAIN = 1e-5
 """Energy gained, over the scale of `solver.results.energy`."""
 
 LARGEST_LEDGER_ERROR = 1e-8
-"""What the ledger may leave open, over the same."""
+"""Largest error of the ledger, over the same scale."""
 
 ROUND_OFF = 1e-14
 """Or over the largest energy in motion: a needle that fell 400 m beside its plate has 1e7 times the
@@ -32,7 +32,7 @@ Word = Literal["holds", "refused", "failed"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict(Place):
-    """What became of a scene.
+    """Verdict on a scene.
 
     Attributes:
         verdict: Whether it completed and kept its energy, or was refused by name, or neither.
@@ -111,7 +111,7 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
 
 
 def trouble(result: Result) -> str:
-    """What a run did not keep, in words; empty where it kept everything."""
+    """Conditions that a run violated, in words; empty where it held all of them."""
     if result.status != "completed":
         return f"{result.status}: {result.summary['reason']}"
     names = [name for name in result.history.columns if np.isnan(result.history[name]).any()]

@@ -25,7 +25,7 @@ COMPARED = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SuiteCase:
-    """What one process is given to do.
+    """Case of a suite, as one process is given it.
 
     Attributes:
         name: Its own in the suite; also the name of its file.
@@ -123,7 +123,7 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
 
 
 def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """What is kept of a summary: peaks, what remains, modes."""
+    """Measures that are kept of a summary: peaks, residual slips, modes."""
     found: dict[str, Any] = {}
     if "platform" in summary:
         found["platform.peak_drift_m"] = summary["platform"]["peak_drift_m"]
@@ -134,7 +134,7 @@ def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _reference(scene: Scene) -> dict[str, Any]:
-    """The same of the rigid-body answer."""
+    """Measures of the rigid-body answer."""
     from solver.reference.answer import reference_history
     from solver.results.summary import summarise
 

@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What is to be done.
+    """Plan of a suite: its folder, its cases, and what has been done.
 
     Attributes:
         folder: Where the suite goes.
@@ -76,29 +76,26 @@ def run(options: argparse.Namespace) -> int:
     from mpi4py import MPI
 
     from solver.parallel import abort_on_exceptions, on_first_rank
-    from solver.study.pool import side_by_side
+    from solver.study.cases import finished_cases
     from solver.study.suite.case import run_case
     from solver.study.suite.folder import store
-    from solver.study.tally import Tally
 
     comm = MPI.COMM_WORLD
     abort_on_exceptions(comm)
     plan: Plan = on_first_rank(comm, lambda: prepare(options))
     waiting = [case for case in plan.cases if case.name not in plan.rows]
     rows = dict(plan.rows)
-    tally = Tally(len(plan.cases), done=len(rows), quiet=options.quiet, rank=comm.rank)
-    outcomes = side_by_side(run_case, waiting, processes=options.processes)
+    outcomes = finished_cases(
+        run_case, waiting, done=len(rows), processes=options.processes, quiet=options.quiet
+    )
     try:
         with closing(outcomes):
-            for number, outcome in outcomes:
-                case = waiting[number]
+            for case, outcome in outcomes:
                 row = _row(case, outcome)
                 if row["status"] != "interrupted":
                     rows[case.name] = row
                     store(plan.folder, case.name, row)
-                tally.add(case.name)
     finally:
-        tally.close()
         if comm.rank == 0:
             _write(plan, rows)
     failed = any(row["status"] != "completed" for row in rows.values())
@@ -154,7 +151,7 @@ def _check_numbers(options: argparse.Namespace) -> None:
 def _settings(
     options: argparse.Namespace, scene: dict[str, Any], motions: list[Any]
 ) -> dict[str, Any]:
-    """What the suite is made from: a suite that goes on must be made from the same."""
+    """Settings that a suite is made from: one that is resumed must be made from the same."""
     from solver import VERSION
 
     return {
@@ -199,13 +196,14 @@ def _case(
 
 def _row(case: SuiteCase, outcome: Mapping[str, Any] | Exception) -> dict[str, Any]:
     """The row of a case in the table, whatever came of it."""
+    from solver.study.cases import in_one_line
+
     if isinstance(outcome, ImportError):
         raise EnvironmentTrouble(f"{outcome}; see README.md, or use ./in-env rockslip ...")
     row: dict[str, Any] = {"motion": case.motion.name, **dict(case.varied)}
     if isinstance(outcome, Exception):
-        known = isinstance(outcome, SceneError)
-        text = " ".join(str(outcome).split())
-        reason = text if known else f"{type(outcome).__name__}: {text}"
+        refused = isinstance(outcome, SceneError)
+        reason = str(outcome) if refused else in_one_line(outcome)
         return row | {"status": "failed", "reason": reason}
     return row | dict(outcome)
 
@@ -217,8 +215,9 @@ def _ordered(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> list[dict[str, A
 
 def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     """Write the tables of what has been done."""
-    from solver.study.suite.folder import SUMMARY, TABLE, TEXT, write
+    from solver.study.suite.folder import SUMMARY, TABLE, TEXT
     from solver.study.suite.table import as_csv, as_text, ratios
+    from solver.study.tables import write
 
     ordered = _ordered(plan, rows)
     if not ordered:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError
-from solver.results.summary import write_json
 from solver.run.folders import make_folder, unusable_is_refused
+from solver.study.tables import write
 
 #: What a suite leaves; `--force` removes these, nothing else.
 SETTINGS, CASES, RUNS = "settings.json", "cases", "runs"
@@ -51,16 +50,6 @@ def finished(folder: Path) -> dict[str, dict[str, Any]]:
 def store(folder: Path, name: str, row: Mapping[str, Any]) -> None:
     """Keep the row of a case."""
     write(folder / CASES / f"{name}.json", row)
-
-
-def write(file: Path, content: Mapping[str, Any] | str) -> None:
-    """Write a text or a table as JSON; a reader sees the old file or the new one, no half."""
-    draft = file.with_name(file.name + ".part")
-    if isinstance(content, str):
-        draft.write_text(content, encoding="utf-8")
-    else:
-        write_json(draft, content)
-    os.replace(draft, file)
 
 
 def _clear(folder: Path) -> None:

@@ -16,13 +16,13 @@ from solver.scene.checking import to_table
 SYNTHETIC = "synthetic"
 
 #: Endings of the files of a folder that are taken for motions, in lower case.
-ENDINGS = (".at2", ".txt", ".csv", ".dat", ".acc")
+MOTION_SUFFIXES = (".at2", ".txt", ".csv", ".dat", ".acc")
 
 #: Files of a folder that are no motions whatever their ending: descriptions of the others.
-PASSED_OVER = ("readme", "index", "license", "licence")
+IGNORED_NAMES = ("readme", "index", "license", "licence")
 
 #: Kinds of motions of a scene of which a suite changes the file alone.
-WITH_FILE = ("record", "table")
+KINDS_WITH_FILE = ("record", "table")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,9 +60,9 @@ def find_motions(
         for option, value in (("--count", count), ("--seed", seed)):
             if value is not None:
                 raise SceneError(option, f"{value}", f"nothing without --motions {SYNTHETIC}")
-    record = {"kind": WITH_FILE[0]}
+    record = {"kind": KINDS_WITH_FILE[0]}
     kept = record | dict(motion) if isinstance(motion, Mapping) else record
-    if kept["kind"] not in WITH_FILE:
+    if kept["kind"] not in KINDS_WITH_FILE:
         kept = record
     found: list[SuiteMotion] = []
     for word in words:
@@ -102,14 +102,14 @@ def _files(word: str) -> list[Path]:
         reason = (error.strerror or "unreadable").lower()
         raise SceneError("--motions", f"{word} ({reason})", "a folder of motions") from None
     if not files:
-        raise SceneError("--motions", f"{word} without any", f"files {', '.join(ENDINGS)}")
+        raise SceneError("--motions", f"{word} without any", f"files {', '.join(MOTION_SUFFIXES)}")
     return files
 
 
 def _is_motion(file: Path) -> bool:
     """Whether a file of a folder looks like a motion."""
-    described = file.stem.lower() in PASSED_OVER
-    return file.suffix.lower() in ENDINGS and not described and not file.is_dir()
+    described = file.stem.lower() in IGNORED_NAMES
+    return file.suffix.lower() in MOTION_SUFFIXES and not described and not file.is_dir()
 
 
 def _listed(file: Path) -> Iterator[Path]:
@@ -128,7 +128,7 @@ def _listed(file: Path) -> Iterator[Path]:
 
 
 def _digest(file: Path) -> str:
-    """What tells the content of a file from others."""
+    """Digest of the content of a file."""
     try:
         return hashlib.sha256(file.read_bytes()).hexdigest()
     except OSError:
@@ -136,7 +136,7 @@ def _digest(file: Path) -> str:
 
 
 def _named_apart(motions: Sequence[SuiteMotion]) -> Iterator[SuiteMotion]:
-    """The same motions; those whose name has been are given a number."""
+    """Motions with unique names: a name that has been used before is given a number."""
     seen: set[str] = set()
     for motion in motions:
         name, number = motion.name, 1

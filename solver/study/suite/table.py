@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from solver.study.tables import in_columns
-
-Row = Mapping[str, Any]
+from solver.study import tables
+from solver.study.tables import Row, column_names, in_columns
 
 #: Columns of the text: end of the name in the CSV, heading, factor, format; `NAME.` of a block.
 SHOWN = (
@@ -28,26 +25,15 @@ SHOWN = (
 )
 
 
-def columns(rows: Sequence[Row]) -> list[str]:
-    """Names of all columns, in the order in which rows bring them."""
-    return list(dict.fromkeys(key for row in rows for key in row))
-
-
 def as_csv(rows: Sequence[Row]) -> str:
-    """All numbers with all digits; what is not known is empty."""
-    stream = io.StringIO()
+    """All numbers with all digits; values that are not known are empty."""
     # The longest row has all columns in their order: one that failed has few.
-    table = csv.DictWriter(
-        stream, columns(sorted(rows, key=len, reverse=True)), lineterminator="\n"
-    )
-    table.writeheader()
-    table.writerows(rows)
-    return stream.getvalue()
+    return tables.as_csv(rows, column_names(sorted(rows, key=len, reverse=True)))
 
 
 def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
     """The most important numbers, then the means of the ratios, then what went wrong."""
-    there = columns(rows)
+    there = column_names(rows)
     named = ["motion", *varied, "status"]
     chosen: list[tuple[str, str, float | None, str]] = [(key, key, None, "") for key in named]
     several = len([key for key in there if _is_of_block(key, ".mode")]) > 1
@@ -73,7 +59,7 @@ def ratios(rows: Sequence[Row], varied: Sequence[str]) -> list[dict[str, Any]]:
     groups = dict.fromkeys(tuple(str(row[key]) for key in varied) for row in rows)
     for group in groups:
         inside = [row for row in rows if tuple(str(row[key]) for key in varied) == group]
-        for name in (key for key in columns(rows) if key.endswith("_ratio")):
+        for name in (key for key in column_names(rows) if key.endswith("_ratio")):
             values = [row[name] for row in inside if row.get(name) is not None]
             if values:
                 found.append(

@@ -1,0 +1,57 @@
+"""Cases of a study: run side by side, counted, and put into words where they fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
+from typing import Protocol, TypeVar
+
+from solver.study.pool import side_by_side
+from solver.study.tally import Tally
+
+
+class NamedCase(Protocol):
+    """A case of a study."""
+
+    @property
+    def name(self) -> str:
+        """Name of the case in the study."""
+
+
+Case = TypeVar("Case", bound=NamedCase)
+Value = TypeVar("Value")
+
+
+def finished_cases(
+    function: Callable[[Case], Value],
+    cases: Sequence[Case],
+    *,
+    done: int = 0,
+    processes: int | None = None,
+    quiet: bool = False,
+) -> Generator[tuple[Case, Value | Exception], None, None]:
+    """Cases as they finish, not in their order, while a tally is shown; as `side_by_side`.
+
+    Args:
+        function: Runs a case; a function of a module, since other processes import it.
+        cases: The cases that are left to do.
+        done: How many others had been done before.
+        processes: Number of processes; None: one for each processor.
+        quiet: Show no tally.
+
+    Yields:
+        A case, and what the function returned for it or the exception that it raised.
+    """
+    from mpi4py import MPI
+
+    tally = Tally(done + len(cases), done=done, quiet=quiet, rank=MPI.COMM_WORLD.rank)
+    outcomes = side_by_side(function, cases, processes=processes)
+    with closing(tally), closing(outcomes):
+        for number, outcome in outcomes:
+            yield cases[number], outcome
+            tally.add(cases[number].name)
+
+
+def in_one_line(error: Exception) -> str:
+    """An exception as kind and text in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
