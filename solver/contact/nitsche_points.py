@@ -180,7 +180,7 @@ def _merged(table: Evaluations, size: float) -> tuple[Indices, Indices]:
 
 
 def _apart(table: Evaluations) -> tuple[Indices, Indices]:
-    """The same where every evaluation is a point of its own."""
+    """The first evaluation and the point of each, where every evaluation is its own point."""
     each = np.arange(len(table.position))
     return each, each
 

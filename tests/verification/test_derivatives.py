@@ -239,7 +239,9 @@ def test_theta_matrix(thing, theta):
         """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
         surface = thing.surface(s * v)
         nothing = np.zeros((points.count, 2))
-        pull = interface.traction_pull(surface, surface, nothing, traction_weight=1.0, contact_weight=1.0)
+        pull = interface.traction_pull(
+            surface, surface, nothing, traction_weight=1.0, contact_weight=1.0
+        )
         total = np.zeros(body.size)
         interface.points.add_forces(total, surface, surface, nothing, pull)
         return total
