@@ -127,7 +127,9 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     )
     move(made.mesh, upright)
     body = meshed_body(
-        *(scene, spec.name, made),
+        scene,
+        spec.name,
+        made,
         elasticity=(young_of_rigid(scene, spec), 0.0) if rigid else spec.elasticity,
         density=spec.shape.density,
         thickness=spec.thickness,
@@ -165,7 +167,10 @@ def _contacts(
         assert member.tags is not None
         contact = scene.contact
         own = MeshedContactPair(
-            *(member.body, member.tags, carrier, law),
+            member.body,
+            member.tags,
+            carrier,
+            law,
             points=contact.points,
             gamma=contact.gamma,
             theta=contact.theta,

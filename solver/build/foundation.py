@@ -116,7 +116,9 @@ def _plate(scene: Scene, spec: PlateSpec, number: int, comm: MPI.Intracomm) -> F
         spring = GroundSpring(facets=bottom, stiffness=platform.stiffness, dashpot=platform.damping)
     directions = (dimension - 1,) if rollers else tuple(range(dimension))
     body = meshed_body(
-        *(scene, "plate", made),
+        scene,
+        "plate",
+        made,
         elasticity=(spec.young, spec.poisson),
         density=shape.density,
         thickness=spec.thickness,
@@ -148,7 +150,9 @@ def _frame(scene: Scene, spec: FrameSpec, number: int, comm: MPI.Intracomm) -> F
     made = frame_mesh(frame, dimension=dimension, cells=cells, comm=comm)
     feet = made.facet_tags.find(FacetTag.FEET)
     body = meshed_body(
-        *(scene, "frame", made),
+        scene,
+        "frame",
+        made,
         elasticity=(spec.young, spec.poisson),
         density=spec.density,
         thickness=spec.deck.thickness,

@@ -51,7 +51,7 @@ def pressed(
     material = Material(young=YOUNG, poisson=POISSON, density=1.0)
     body = ElasticBody(made.mesh, material, supports=[top])
     contact = MeshedContactPair(
-        *(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0)), points=points
+        body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0), points=points
     )
     stepper = Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
     u, state, reached = np.zeros(body.size), None, 0.0
