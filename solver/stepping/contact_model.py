@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from solver.law.local_problem import LocalProblem
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.contact_points import ContactPoints
+from solver.stepping.contact_points import PointTable
 from solver.stepping.delassus import Softening
 from solver.stepping.response import AnyResponse
 from solver.stepping.system import System
@@ -26,7 +26,7 @@ class ContactModel:
     """
 
     system: System
-    points: ContactPoints
+    points: PointTable
     local: LocalProblem
     softening: Softening | None
     turns: bool
