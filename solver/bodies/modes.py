@@ -31,7 +31,9 @@ def eigenvalues(body: ElasticBody, count: int = 1) -> Array:
     )
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
     found = eigsh(
-        *(stiffness, count, inertia),
+        stiffness,
+        count,
+        inertia,
         sigma=0.0,
         OPinv=inverse,
         v0=inertia @ np.ones(len(body.nodes) * body.dimension),

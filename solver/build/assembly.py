@@ -178,7 +178,10 @@ def _contacts(
         assert member.tags is not None
         contact = scene.contact
         own = MeshedContactPair(
-            *(member.body, member.tags, carrier, law),
+            member.body,
+            member.tags,
+            carrier,
+            law,
             points=contact.points,
             gamma=contact.gamma,
             theta=contact.theta,

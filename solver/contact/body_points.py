@@ -49,7 +49,7 @@ class FixedPoints:
         return PointState(self.reference)
 
     def velocity(self, u: Array | None, v: Array | None) -> Array:
-        """None."""
+        """Zero: they stand still."""
         return np.zeros_like(self.reference)
 
     def add_forces(

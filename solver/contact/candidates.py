@@ -1,4 +1,4 @@
-"""The faces of a body that take part in contact: those turned towards what carries it.
+"""The faces of a body that take part in contact: those turned towards what carries the body.
 
 Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a
 face cost time in every iteration, so a face joins when it has turned to within 60 degrees of facing

@@ -8,13 +8,14 @@ import numpy as np
 from solver.contact.quadrature import ON_FACET, Rule, facet_rule, on_facets
 from solver.types import Array
 
-# a + b.x >= 0 for each side of the reference facets
-SIDES = {
+FACET_SIDES = {
     basix.CellType.quadrilateral: ((0, (1, 0)), (1, (-1, 0)), (0, (0, 1)), (1, (0, -1))),
     basix.CellType.triangle: ((0, (1, 0)), (0, (0, 1)), (1, (-1, -1))),
 }
-SMALLEST = 1e-10
-"""Area, over that of the reference square, of a piece or of a triangle of it that is left out."""
+"""Constant a and direction b of each side of the reference facets, inside of which a + b.x >= 0."""
+
+SMALLEST_PIECE = 1e-10
+"""Area over that of the reference square below which a piece, or a triangle of it, is left out."""
 
 
 def on_polygons(
@@ -37,7 +38,9 @@ def on_polygons(
     piece = basix.make_quadrature(basix.CellType.triangle, 2 * degree)
     pieces = [
         _concatenated([_on_polygon(part, piece) for part in parts]) if parts else whole
-        for parts in (_parts(start[k], legs[k], polygons, SIDES[facet]) for k in range(len(start)))
+        for parts in (
+            _parts(start[k], legs[k], polygons, FACET_SIDES[facet]) for k in range(len(start))
+        )
     ]
     if not pieces:
         return on_facets(0, whole)
@@ -63,7 +66,7 @@ def _parts(
     for polygon in local[~(away | beside)]:
         for constant, direction in sides:
             polygon = _half(polygon, constant + polygon @ direction)
-        if len(polygon) > 2 and abs(_doubled_area(polygon)) > 2 * SMALLEST:
+        if len(polygon) > 2 and abs(_doubled_area(polygon)) > 2 * SMALLEST_PIECE:
             parts.append(polygon)
     return parts
 
@@ -99,7 +102,7 @@ def _on_polygon(polygon: Array, rule: tuple[Array, Array]) -> tuple[Array, Array
     """
     edges = np.stack([polygon[1:-1] - polygon[0], polygon[2:] - polygon[0]], axis=1)
     doubled = np.abs(np.linalg.det(edges))
-    edges, doubled = edges[doubled > 2 * SMALLEST], doubled[doubled > 2 * SMALLEST]
+    edges, doubled = edges[doubled > 2 * SMALLEST_PIECE], doubled[doubled > 2 * SMALLEST_PIECE]
     points = polygon[0] + np.einsum("qj,tji->tqi", rule[0], edges)
     weights = doubled[:, None] * rule[1]
     return points.reshape(-1, 2), weights.ravel()

@@ -51,7 +51,7 @@ segment on which it begins."""
 CARRIED_SHARE = 0.9
 """Part of its margin up to which the lower face is taken to carry a corner beyond its edge."""
 
-ROUNDS = 6
+CROSSING_ROUNDS = 6
 """How often a crossing is looked for on the segments where the last round left it, at most."""
 
 CROSSING_SETTLED = 1e-13
@@ -237,7 +237,7 @@ class Crossings(FacetCarrier):
         """Where the pairs cross on their edges: first on straight ones, then on the segments."""
         i, j = (which[pairs] for which in self._edges)
         t, s = self._fractions(pairs, edge, face)
-        for _ in range(ROUNDS):
+        for _ in range(CROSSING_ROUNDS):
             (over, x), (under, y) = self.upper.locate(i, t), self.lower.locate(j, s)
             apart = self.lower.spots(under, y, face).carried(face)
             apart -= self.upper.spots(over, x, edge).carried(edge)

@@ -11,8 +11,8 @@ from solver.contact.interface import Interface
 from solver.contact.memory import Memory
 from solver.types import Array, Mask
 
-GAP_ROUND_OFF = 1e-9
-"""Part of a face's length within which gaps are round-off."""
+SUNK_IN = 1e-9
+"""Part of a face's length: points deeper than closed ones by more have sunk in elsewhere."""
 
 
 def _ignored_until_open(interface: Interface, memory: Memory) -> Mask:
@@ -34,7 +34,7 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
     """Points deeper in the carrier than closed ones are pressed."""
     length = interface.carrier.length if isinstance(interface.carrier, Face) else interface.size
     pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
-    deeper: Mask = memory.seat.place[:, 0] < -pressed - GAP_ROUND_OFF * length
+    deeper: Mask = memory.seat.place[:, 0] < -pressed - SUNK_IN * length
     return deeper
 
 

@@ -20,6 +20,7 @@ from solver.scene.material import Material
 from solver.types import Array, Indices
 
 DENSE_ENTRIES = 50_000
+"""Entries up to which a matrix is multiplied as a dense one: a sparse product costs 10 us."""
 
 
 @dataclass(slots=True)
@@ -45,10 +46,7 @@ def same(chosen: Indices, before: Indices) -> bool:
 
 
 def compact(matrix: sp.spmatrix) -> Any:
-    """The matrix in the form that multiplies fastest: dense while it is small.
-
-    (A sparse product costs 10 us.)
-    """
+    """The matrix in the form that multiplies fastest: dense while it is small."""
     return (
         matrix.toarray()
         if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES
@@ -180,7 +178,7 @@ def _merged(table: Evaluations, size: float) -> tuple[Indices, Indices]:
 
 
 def _apart(table: Evaluations) -> tuple[Indices, Indices]:
-    """The same where every evaluation is a point of its own."""
+    """The first evaluation and the point of each, where every evaluation is its own point."""
     each = np.arange(len(table.position))
     return each, each
 

@@ -8,8 +8,8 @@ from solver.contact.body_points import FacePoints
 from solver.contact.projection import EdgeInterpolation
 from solver.types import Array, Indices
 
-SIDES = ((1, "low", 0, 1.0), (0, "high", 1, 1.0), (1, "high", 0, -1.0), (0, "low", 1, -1.0))
-"""Of each edge: the axis across it, at which end of that, the axis along it, the direction."""
+EDGES = ((1, "low", 0, 1.0), (0, "high", 1, 1.0), (1, "high", 0, -1.0), (0, "low", 1, -1.0))
+"""For each edge of a face: axis across it, end of that axis, axis along it, direction along it."""
 
 
 class Outline:
@@ -17,7 +17,7 @@ class Outline:
 
     Attributes:
         points: The nodes on the outline.
-        corners: Those at which the edges begin, (4,).
+        corners: Numbers of the nodes at which the edges begin, (4,).
     """
 
     def __init__(self, points: FacePoints, degree: int):
@@ -35,7 +35,7 @@ class Outline:
         begins: list[float] = []
         lengths: list[float] = []
         corners: list[int] = []
-        for edge, (across, end, axis, sign) in enumerate(SIDES):
+        for edge, (across, end, axis, sign) in enumerate(EDGES):
             on = np.flatnonzero(np.abs(level[:, across] - bound[end][across]) < near[across])
             chain = on[np.argsort(sign * level[on, axis])]
             place = np.abs(level[chain, axis] - level[chain[0], axis])
@@ -66,7 +66,7 @@ class Outline:
         return found, (edge + fraction - self._begins[found]) / self._lengths[found]
 
     def fraction(self, edge: Indices, segment: Indices, where: Array) -> Array:
-        """The other way round."""
+        """Fractions of the lengths of edges, for places on segments: the inverse of `locate`."""
         return self._begins[segment] - edge + where * self._lengths[segment]
 
     def spots(self, segment: Indices, where: Array, position: Array) -> EdgeInterpolation:

@@ -43,7 +43,7 @@ def facet_rule(points: str, degree: int, facet: basix.CellType) -> tuple[Array, 
 
 
 def on_facets(count: int, rule: tuple[Array, Array]) -> Rule:
-    """The same points on each of `count` facets."""
+    """A rule with the points of one facet on each of `count` facets."""
     points, weights = rule
     row = np.repeat(np.arange(count), len(weights))
     return row, np.tile(points, (count, 1)), np.tile(weights, count)

@@ -33,7 +33,7 @@ class GeneralizedAlpha:
     sets the damping of the middle frequencies only.
 
     Attributes:
-        rho_inf: What the weights come from.
+        rho_inf: Spectral radius that the weights come from.
         damped_steps: Steps after a change of contact that are taken with rho_inf = 0.
     """
 
@@ -42,7 +42,7 @@ class GeneralizedAlpha:
 
     @property
     def damped(self) -> GeneralizedAlpha:
-        """The scheme of steps after a change of contact; the same where nothing is damped."""
+        """The scheme of steps after a change of contact; this one where nothing is damped."""
         return self if self.rho_inf == 1 else replace(self, rho_inf=0.0)
 
     @property

@@ -15,6 +15,7 @@ class Ladder:
     """
 
     LONGEST_WAIT = 64
+    """Steps that have to succeed before a rung is climbed, at most."""
 
     def __init__(self, step: float, end: float, smallest: float, largest: float | None = None):
         """Start at time 0 with a step of `step`.
@@ -23,7 +24,7 @@ class Ladder:
             step: dt, s; all steps are dt times a power of two.
             end: Time at which the run ends, s; no step goes beyond it.
             smallest: No step is shorter than this, s.
-            largest: Nor longer than this, s; None: than `step`.
+            largest: No step is longer than this, s; None for `step`.
         """
         self._level = 0 if largest is None else max(0, math.floor(math.log2(largest / step) + 1e-9))
         self.depth = self._level + max(0, math.floor(math.log2(step / smallest) + 1e-9))
@@ -90,7 +91,10 @@ class Tolerance:
     """
 
     CALM = 10.0
+    """Factor of the tolerance while nothing sudden happens."""
+
     WATCH = 32
+    """Steps that do not grow after a step was refused."""
 
     def __init__(self, tolerance: float):
         """Judge by a tolerance, in the unit of the errors."""
@@ -98,6 +102,7 @@ class Tolerance:
 
     @property
     def _bound(self) -> float:
+        """Error up to which a step is accepted at present."""
         return self._tolerance if self._watch else self.CALM * self._tolerance
 
     def accepts(self, error: float) -> bool:

@@ -16,7 +16,7 @@ from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Body, System
 from solver.types import Array
 
-TOLERANCE = 1e-9
+RESIDUAL_TOLERANCE = 1e-9
 """Residual that counts as zero, over the loads."""
 
 
@@ -73,7 +73,7 @@ class Balance:
         )
         squares = np.array([self.load @ self.load, self.constant @ self.constant, round_off])
         load, inertia, least = (math.sqrt(value) for value in global_sum(system.comm, squares))
-        return max(TOLERANCE * (load or inertia), least)
+        return max(RESIDUAL_TOLERANCE * (load or inertia), least)
 
     def smooth_residual(self, system: System, u: Array) -> Array:
         """Out-of-balance force at u without that of contact, N.

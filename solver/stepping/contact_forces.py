@@ -52,7 +52,7 @@ class ContactIncrement:
 
     @property
     def in_equilibrium(self) -> ContactIncrement:
-        """The same forces, with the interface at t_{n+1} at both ends."""
+        """This increment with the interface at t_{n+1} at both ends."""
         return replace(self, before=replace(self.before, surface=self.surface, seat=self.seat))
 
 

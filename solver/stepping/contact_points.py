@@ -40,7 +40,7 @@ def numbered(links: Sequence[Link]) -> list[slice]:
     return [slice(start, end) for start, end in zip([0, *ends[:-1]], ends, strict=True)]
 
 
-class ContactPoints:
+class PointTable:
     """What stays the same of all contact points while no face joins.
 
     Attributes:

@@ -13,10 +13,11 @@ from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.contact_points import ContactPoints
+from solver.stepping.contact_model import ContactModel, Tangents
+from solver.stepping.contact_points import PointTable
 from solver.stepping.delassus import LastDelassus, Softening
 from solver.stepping.nonlinear import NonlinearSolver
-from solver.stepping.step_problem import ContactModel, StepProblem, Tangents
+from solver.stepping.step_problem import StepProblem
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array
 
@@ -32,7 +33,7 @@ class ContactSolve:
         self, system: System, links: Sequence[Link], local: LocalProblem, options: Sequence[str]
     ):
         """Set SNES up for the bodies and their interfaces."""
-        points = ContactPoints(system, links)
+        points = PointTable(system, links)
         self._model = ContactModel(
             system=system,
             points=points,

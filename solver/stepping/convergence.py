@@ -9,7 +9,7 @@ from enum import IntEnum
 import numpy as np
 
 
-class Verdict(IntEnum):
+class IterationVerdict(IntEnum):
     """What SNES is told after an iteration, by PETSc's numbers (`SNESConvergedReason`)."""
 
     ITERATING = 0
@@ -22,7 +22,7 @@ class Verdict(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
+class IterationRecord:
     """An iteration so far.
 
     Attributes:
@@ -39,7 +39,7 @@ class Progress:
 
 
 @dataclass(frozen=True, slots=True)
-class Tolerances:
+class IterationTolerances:
     """What counts as zero: absolute (N), relative to the first residual, and of a correction."""
 
     absolute: float
@@ -84,28 +84,28 @@ class Convergence:
     most: int = 300
     growth: float = 1e8
 
-    def judge(self, progress: Progress, tolerances: Tolerances) -> Verdict:
+    def judge(self, record: IterationRecord, tolerances: IterationTolerances) -> IterationVerdict:
         """The verdict after an iteration."""
-        past = progress.residuals
+        past = record.residuals
         residual, iterations = past[-1], len(past) - 1
         if not np.isfinite(residual):
-            return Verdict.NOT_A_NUMBER
+            return IterationVerdict.NOT_A_NUMBER
         if iterations == 0:
             # Forces that balance need not obey the contact law of this step: correct at least once.
-            return Verdict.ITERATING
+            return IterationVerdict.ITERATING
         if residual <= tolerances.absolute and self._settled(past, tolerances.absolute):
-            return Verdict.SMALL_RESIDUAL
+            return IterationVerdict.SMALL_RESIDUAL
         if residual <= tolerances.relative * past[0]:
-            return Verdict.SMALL_RELATIVE_RESIDUAL
-        if progress.correction <= tolerances.correction * progress.unknowns:
-            return Verdict.SMALL_CORRECTION
+            return IterationVerdict.SMALL_RELATIVE_RESIDUAL
+        if record.correction <= tolerances.correction * record.unknowns:
+            return IterationVerdict.SMALL_CORRECTION
         if self._stagnates(past, tolerances.absolute):
-            return Verdict.SMALL_CORRECTION
-        if residual > self.growth * max(past[0], progress.forces, tolerances.absolute):
-            return Verdict.GROWING
+            return IterationVerdict.SMALL_CORRECTION
+        if residual > self.growth * max(past[0], record.forces, tolerances.absolute):
+            return IterationVerdict.GROWING
         if iterations >= self.patience and residual > 0.5 * past[-1 - self.window]:
-            return Verdict.TOO_MANY_ITERATIONS
-        return Verdict.ITERATING
+            return IterationVerdict.TOO_MANY_ITERATIONS
+        return IterationVerdict.ITERATING
 
     def _settled(self, past: Sequence[float], tolerance: float) -> bool:
         """Whether the last correction was expected to leave much less than the tolerance."""

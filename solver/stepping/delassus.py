@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.contact_points import ContactPoints
+from solver.stepping.contact_points import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
 from solver.stepping.system import Link, System
 from solver.types import Array
@@ -144,7 +144,7 @@ class Softening:
         relative = np.where(softness > 0, 0.0, relative)
         return cls(relative, np.zeros_like(relative)) if relative.any() else None
 
-    def in_step(self, system: System, points: ContactPoints, load: Array) -> Softening:
+    def in_step(self, system: System, points: PointTable, load: Array) -> Softening:
         """The softening in a step: round-off of places is to mean little force; collective.
 
         Args:

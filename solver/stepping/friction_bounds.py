@@ -9,7 +9,7 @@ import numpy as np
 from solver.contact.memory import Memory
 from solver.law.friction import Bounds
 from solver.law.local_problem import image
-from solver.stepping.contact_points import ContactPoints, joined
+from solver.stepping.contact_points import PointTable, joined
 from solver.types import Array, Indices
 
 GLUE = 1e6
@@ -27,9 +27,7 @@ class FrictionBounds:
         steady: Whether friction depends on neither speed nor the past, and need not be told.
     """
 
-    def __init__(
-        self, points: ContactPoints, memories: Sequence[Memory], *, step: float, glued: bool
-    ):
+    def __init__(self, points: PointTable, memories: Sequence[Memory], *, step: float, glued: bool):
         """Start from what contact remembers.
 
         Args:

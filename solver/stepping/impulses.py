@@ -15,7 +15,7 @@ from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem
 from solver.law.velocity import impulse_correction
 from solver.stepping.contact_forces import Contact
-from solver.stepping.contact_points import ContactPoints, joined
+from solver.stepping.contact_points import PointTable, joined
 from solver.stepping.response import CandidateSet
 from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices
@@ -55,7 +55,7 @@ class VelocityImpulses:
     def __init__(self, system: System, links: Sequence[Link], local: LocalProblem):
         """Factorize the masses."""
         self.system, self.links = system, tuple(links)
-        self._points = ContactPoints(system, links)
+        self._points = PointTable(system, links)
         self._local = local
         self._responses = []
         for number, body in enumerate(system.bodies):

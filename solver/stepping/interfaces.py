@@ -66,7 +66,7 @@ class Interfaces:
         return [self._system.rotation(u, contact.body) for contact in self._contacts]
 
     def rotations_of(self, state: State) -> list[Array]:
-        """The same for a state, which knows how its bodies have moved."""
+        """Rotations of these bodies in a state, which knows how its bodies have moved."""
         system = self._system
         return [
             system.rotation(state.u, None)

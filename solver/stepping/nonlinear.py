@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from solver.stepping.convergence import Convergence, Progress, Tolerances
+from solver.stepping.convergence import Convergence, IterationRecord, IterationTolerances
 from solver.stepping.petsc_options import PREFIX, parse_options
 from solver.types import Array
 
@@ -182,8 +182,10 @@ class NonlinearSolver:
         if iterations == 0:
             self._residuals.clear()
         self._residuals.append(residual)
-        progress = Progress(self._residuals, correction, unknowns, self._problem.forces)
-        return int(self._convergence.judge(progress, Tolerances(absolute, relative, smallest)))
+        progress = IterationRecord(self._residuals, correction, unknowns, self._problem.forces)
+        return int(
+            self._convergence.judge(progress, IterationTolerances(absolute, relative, smallest))
+        )
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """Called by SNES; the tangent is constant in the frame of the body and not assembled."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from solver.errors import SceneError
 
 PREFIX = "rockslip_"
-"""Of every option of the nonlinear solver, as in `-rockslip_snes_monitor`."""
+"""Beginning of every option of the nonlinear solver, as in `-rockslip_snes_monitor`."""
 
 
 def parse_options(words: Sequence[str]) -> dict[str, str | None]:

@@ -18,21 +18,19 @@ from typing import Any
 import numpy as np
 
 from solver.contact.projection import ContactKinematics
-from solver.law.local_problem import LocalProblem, image
-from solver.scheme.generalized_alpha import TangentWeights
+from solver.law.local_problem import image
 from solver.stepping.balance import Balance
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
-from solver.stepping.contact_points import REACH, ContactPoints, EdgeWatch, Observed, joined
+from solver.stepping.contact_model import ContactModel, Tangents
+from solver.stepping.contact_points import REACH, EdgeWatch, Observed, joined
 from solver.stepping.delassus import (
     Delassus,
     DelassusKey,
     LastDelassus,
-    Softening,
     assembled,
 )
 from solver.stepping.friction_bounds import FrictionBounds
-from solver.stepping.response import AnyResponse, CandidateSet, FreeMotion
-from solver.stepping.system import System
+from solver.stepping.response import CandidateSet, FreeMotion
 from solver.types import Array, Indices, Mask
 
 MOST_FRICTION_ROUNDS = 50
@@ -48,40 +46,6 @@ their round-off shows, so they become even step by step."""
 
 ASLEEP_REACHES = 5
 """An interface farther from contact than this many times the reach of its points is left out."""
-
-
-@dataclass(frozen=True, slots=True)
-class ContactModel:
-    """What all steps share while no face joins.
-
-    Attributes:
-        system: All bodies.
-        points: All contact points.
-        local: Solver of local problems.
-        softening: Of rigid points; None where there are none.
-        turns: Whether a carrier turns with its body.
-    """
-
-    system: System
-    points: ContactPoints
-    local: LocalProblem
-    softening: Softening | None
-    turns: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Tangents:
-    """What bodies offer for one set of tangents.
-
-    Attributes:
-        weights: Weights of the tangent of each body.
-        responses: Responses of all bodies.
-        stiffness: How often the stiffness of bodies was made anew before.
-    """
-
-    weights: tuple[TangentWeights, ...]
-    responses: Sequence[AnyResponse]
-    stiffness: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,41 +15,18 @@ from solver.contact.events import contact_changed
 from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
-from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
-from solver.stepping.contact_points import joined
 from solver.stepping.contact_solve import ContactSolve
+from solver.stepping.equilibrium import consistent, static_weights
 from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, StepStart
-from solver.stepping.ledger import StepEnds, energies, numerical_loss, step_sums
+from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.state import Exchange, State
+from solver.stepping.step import Step, balance_of, extrapolated, inertia_force, turned
 from solver.stepping.system import Link, System
 from solver.stepping.turning import Turning
 from solver.types import Array
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
-    """What is settled of a step before it is solved.
-
-    Attributes:
-        dt: Length, s.
-        scheme: Time stepping, damped after a change of contact.
-        start: Contact at its start.
-        load: Mean of gravity and of the accelerated ground, N.
-        turning: How bodies turn in it.
-        p: Inertia forces of t_n, turned to the middle of the step, N.
-        rotations: Rotations of all bodies at t_n, (d, d) each.
-    """
-
-    dt: float
-    scheme: GeneralizedAlpha
-    start: StepStart
-    load: Array
-    turning: Turning
-    p: Array
-    rotations: Sequence[Array]
 
 
 class StepFailed(Exception):
@@ -138,13 +115,17 @@ class Stepper:
         faces = self._interfaces.facing(self._interfaces.rotations(u))
         self._join(faces)
         contacts = self._interfaces.fresh(faces, u)
-        return self._consistent(
-            State(time=time, u=u, v=v, p=np.zeros_like(u), contacts=contacts, faces=faces)
+        return consistent(
+            self.system,
+            self.links,
+            State(time=time, u=u, v=v, p=np.zeros_like(u), contacts=contacts, faces=faces),
         )
 
     def launch(self, state: State, v: Array) -> State:
         """The state with other velocities."""
-        return self._consistent(replace(state, v=v, turning=None, unsettled=0, motions={}))
+        return consistent(
+            self.system, self.links, replace(state, v=v, turning=None, unsettled=0, motions={})
+        )
 
     def static_start(
         self,
@@ -181,7 +162,7 @@ class Stepper:
         total = gravity if load is None else gravity + load
         balance = Balance(
             contact=state.contacts,
-            weights=self._static_weights(steady),
+            weights=static_weights(system.bodies, steady),
             constant=-total,
             load=total,
             start=u,
@@ -195,56 +176,10 @@ class Stepper:
             for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
         ]
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
-        return self._consistent(
-            State(time=time, u=u, v=rest, p=rest, contacts=contacts, faces=state.faces)
-        )
-
-    def _static_weights(self, steady: float) -> list[TangentWeights]:
-        """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
-        stiffness = max(
-            (body.rigidity for body in self.system.bodies if isinstance(body, ElasticBody)),
-            default=1.0,
-        )
-        return [
-            TangentWeights(
-                mass=steady * stiffness / body.mass,
-                stiffness=1.0,
-                interface=1.0,
-                contact=1.0,
-                spring=1.0,
-            )
-            for body in self.system.bodies
-        ]
-
-    def _consistent(self, state: State) -> State:
-        """Fill in p_0 = -F(u_0) and the energies of a state."""
-        system = self.system
-        forces = np.zeros(system.size)
-        for body, own in zip(system.bodies, system.slices, strict=True):
-            u = state.u[own]
-            body.begin_static(u)
-            for force in (body.internal_force(u, static=True), body.spring(u)):
-                if force is not None:
-                    forces[own] += force
-        for link, memory in zip(self.links, state.contacts, strict=True):
-            if link.interface.theta:
-                add_contact_forces(
-                    system,
-                    link,
-                    ContactIncrement.standing(memory, np.zeros_like(memory.force)),
-                    forces,
-                    traction_weight=1.0,
-                    contact_weight=1.0,
-                    sign=-1.0,
-                )
-        forces[system.fixed] = 0.0
-        stored = energies(system, state.u, state.v)
-        return replace(
-            state,
-            p=-forces,
-            kinetic=stored.kinetic,
-            strain=stored.strain,
-            spring=stored.spring,
+        return consistent(
+            self.system,
+            self.links,
+            State(time=time, u=u, v=rest, p=rest, contacts=contacts, faces=state.faces),
         )
 
     def _load(self, time: float, dt: float) -> Array:
@@ -270,7 +205,8 @@ class Stepper:
             StepFailed: The state can then be tried again with another step.
         """
         step = self._begin(state, dt)
-        balance, guess = self._balance(state, step), self._extrapolated(state, dt)
+        balance = balance_of(self.system, state, step, self._weights(step.scheme, dt))
+        guess = extrapolated(self.system, state, dt)
         try:
             solution = self._solved(balance, guess)
         except StepFailed:
@@ -291,61 +227,16 @@ class Stepper:
             start=start,
             load=self._load(state.time, dt),
             turning=turning,
-            p=self._turned(state.p, turning.halves),
+            p=turned(self.system, state.p, turning.halves),
             rotations=[motion.rotation for motion in motions],
         )
-
-    def _balance(self, state: State, step: Step) -> Balance:
-        """The balance of a step; bodies are told what they start from."""
-        system, scheme, dt = self.system, step.scheme, step.dt
-        af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
-        weighted = scheme.contact_weight * step.load
-        constant = (am - (1 - am) * (0.5 - beta) / beta) * step.p - weighted
-        for body, own in zip(system.bodies, system.slices, strict=True):
-            body.begin_step(state.u[own], scheme, dt)
-            drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
-            if drag is not None:
-                constant[own] += scheme.contact_weight * drag
-            if spring is not None:
-                constant[own] += af * spring
-        return Balance(
-            contact=step.start.contacts,
-            weights=self._weights(scheme, dt),
-            constant=constant,
-            load=weighted,
-            start=state.u,
-            way=dt * state.v,
-            rotations=step.rotations,
-            step=dt,
-        )
-
-    def _extrapolated(self, state: State, dt: float) -> Array:
-        """The displacement after a step in which nothing acts on the bodies."""
-        system = self.system
-        return joined(
-            [
-                body.extrapolated(
-                    state.u[own], state.v[own], dt, state.rigid_motion(system, number)
-                )
-                for number, (body, own) in enumerate(zip(system.bodies, system.slices, strict=True))
-            ]
-        )
-
-    def _turned(self, p: Array, vectors: Sequence[Array]) -> Array:
-        """Inertia forces turned with their bodies, by an angle or rotation vector each.
-
-        A step weighs those of its ends against one another, and forces of strain in its middle: in
-        the frame of the middle no torque comes of it.
-        """
-        bodies = zip(self.system.bodies, self.system.slices, vectors, strict=True)
-        return joined([body.turned(p[own], vector) for body, own, vector in bodies])
 
     def _ended(self, state: State, step: Step, solution: StepSolution) -> tuple[State, Exchange]:
         """State at t_{n+1} and the ledger of the step."""
         system, dt, old = self.system, step.dt, step.start.contacts
         u, du = solution.u, solution.u - state.u
         v = 2 * np.asarray(du / dt) - state.v
-        p = self._inertia_force(state, step, solution)
+        p = inertia_force(system, self.links, state, step, solution)
         remembered = [
             link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
@@ -362,7 +253,7 @@ class Stepper:
             time=state.time + dt,
             u=system.settled(u),
             v=v + correction.change,
-            p=self._turned(p, step.turning.halves),
+            p=turned(self.system, p, step.turning.halves),
             contacts=contacts,
             faces=step.start.faces,
             kinetic=sums.energies.kinetic - correction.contact - correction.friction,
@@ -383,32 +274,6 @@ class Stepper:
             iterations=solution.outcome.iterations,
         )
         return new, exchange
-
-    def _inertia_force(self, state: State, step: Step, solution: StepSolution) -> Array:
-        """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step."""
-        system, scheme, dt = self.system, step.scheme, step.dt
-        du, impulse = solution.u - state.u, 0.5 / scheme.beta
-        mean = np.asarray(du / dt)
-        p = system.inertia(du - dt * state.v)
-        p /= scheme.beta * dt**2
-        p -= (impulse - 1) * step.p
-        for body, own in zip(system.bodies, system.slices, strict=True):
-            for force in (body.impulsive_force(dt), body.drag(mean[own])):
-                if force is not None:
-                    p[own] += impulse * force
-        p -= impulse * step.load
-        for link, memory, c in zip(self.links, step.start.contacts, solution.contacts, strict=True):
-            add_contact_forces(
-                system,
-                link,
-                ContactIncrement(before=memory, surface=c.surface, seat=c.seat, force=c.force),
-                p,
-                traction_weight=0.0,
-                contact_weight=1.0,
-                sign=-impulse,
-            )
-        p[system.fixed] = 0.0
-        return p
 
     def _velocity_correction(
         self, u: Array, v: Array, solution: StepSolution, dt: float

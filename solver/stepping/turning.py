@@ -12,7 +12,7 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Turning:
-    """Of all bodies at the start of a step.
+    """How all bodies turn at the start of a step.
 
     Attributes:
         step: Length of the step, s.
@@ -28,7 +28,7 @@ class Turning:
 
     @classmethod
     def of(cls, spins: Sequence[Array], step: float, last: Turning | None) -> Turning:
-        """That of a step of a length (s), after the last step."""
+        """The turning of a step of a length (s), after the last step."""
         if last is None:
             none = [np.zeros_like(spin) for spin in spins]
             return cls(step, spins, none, none)

@@ -8,7 +8,12 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from solver.stepping.convergence import Convergence, Progress, Tolerances, Verdict
+from solver.stepping.convergence import (
+    Convergence,
+    IterationRecord,
+    IterationTolerances,
+    IterationVerdict,
+)
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.types import Array
 
@@ -57,21 +62,29 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
 @pytest.mark.parametrize(
     ("residuals", "forces", "verdict"),
     [
-        ([1e-12], 0.0, Verdict.ITERATING),  # the first guess is corrected once in any case
-        ([1.0, 1e-10], 0.0, Verdict.SMALL_RESIDUAL),
-        ([1.0, 0.5, 1e-10], 0.0, Verdict.ITERATING),  # a slow rate says that it was chance
-        ([1.0, 1e-6, 1e-10], 0.0, Verdict.SMALL_RESIDUAL),
-        ([1.0, 2e-8, 1.9e-8], 0.0, Verdict.SMALL_CORRECTION),  # round-off stays where it is
-        ([1.0, 2e-8, 1e-8], 0.0, Verdict.ITERATING),
-        ([1e-6, 1e3], 0.0, Verdict.GROWING),
-        ([1e-6, 1e3], 1e4, Verdict.ITERATING),  # contact has just brought forces of this size
-        ([1e-12, 1e-2], 0.0, Verdict.ITERATING),  # not much beside the tolerance
-        ([1.0, np.nan], 0.0, Verdict.NOT_A_NUMBER),
-        ([1.0] * 31, 0.0, Verdict.TOO_MANY_ITERATIONS),
-        ([0.9**k for k in range(31)], 0.0, Verdict.ITERATING),
+        ([1e-12], 0.0, IterationVerdict.ITERATING),  # the first guess is corrected once in any case
+        ([1.0, 1e-10], 0.0, IterationVerdict.SMALL_RESIDUAL),
+        ([1.0, 0.5, 1e-10], 0.0, IterationVerdict.ITERATING),  # a slow rate says that it was chance
+        ([1.0, 1e-6, 1e-10], 0.0, IterationVerdict.SMALL_RESIDUAL),
+        (
+            [1.0, 2e-8, 1.9e-8],
+            0.0,
+            IterationVerdict.SMALL_CORRECTION,
+        ),  # round-off stays
+        ([1.0, 2e-8, 1e-8], 0.0, IterationVerdict.ITERATING),
+        ([1e-6, 1e3], 0.0, IterationVerdict.GROWING),
+        (
+            [1e-6, 1e3],
+            1e4,
+            IterationVerdict.ITERATING,
+        ),  # contact has just brought this
+        ([1e-12, 1e-2], 0.0, IterationVerdict.ITERATING),  # not much beside the tolerance
+        ([1.0, np.nan], 0.0, IterationVerdict.NOT_A_NUMBER),
+        ([1.0] * 31, 0.0, IterationVerdict.TOO_MANY_ITERATIONS),
+        ([0.9**k for k in range(31)], 0.0, IterationVerdict.ITERATING),
     ],
 )
-def test_verdicts(residuals: list[float], forces: float, verdict: Verdict) -> None:
+def test_verdicts(residuals: list[float], forces: float, verdict: IterationVerdict) -> None:
     """At a tolerance of 1e-9 N."""
-    progress = Progress(residuals, correction=1.0, unknowns=1.0, forces=forces)
-    assert Convergence().judge(progress, Tolerances(1e-9, 0.0, 1e-15)) is verdict
+    record = IterationRecord(residuals, correction=1.0, unknowns=1.0, forces=forces)
+    assert Convergence().judge(record, IterationTolerances(1e-9, 0.0, 1e-15)) is verdict

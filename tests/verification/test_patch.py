@@ -93,7 +93,10 @@ class Patch:
         nodes = NodePoints(bodies[1], surface.layer, surface.positions)
         face = Face(nodes, surface.nodes, self.frame, surface.cell, surface.degree)
         contact = MeshedContactPair(
-            *(bodies[0], upper.facet_tags, face, FrictionLaw.coulomb(self.friction)),
+            bodies[0],
+            upper.facet_tags,
+            face,
+            FrictionLaw.coulomb(self.friction),
             points=self.points,
             on=1,
             cuts=surface.outlines if self.cuts else None,

@@ -1,0 +1,64 @@
+"""Balance without motion: weights of an equilibrium, and states whose inertia balances stresses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from solver.bodies.elastic_body import ElasticBody
+from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
+from solver.stepping.ledger import energies
+from solver.stepping.state import State
+from solver.stepping.system import Body, Link, System
+
+
+def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights]:
+    """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
+    stiffness = max(
+        (body.rigidity for body in bodies if isinstance(body, ElasticBody)),
+        default=1.0,
+    )
+    return [
+        TangentWeights(
+            mass=steady * stiffness / body.mass,
+            stiffness=1.0,
+            interface=1.0,
+            contact=1.0,
+            spring=1.0,
+        )
+        for body in bodies
+    ]
+
+
+def consistent(system: System, links: Sequence[Link], state: State) -> State:
+    """Fill in p_0 = -F(u_0) and the energies of a state."""
+    forces = np.zeros(system.size)
+    for body, own in zip(system.bodies, system.slices, strict=True):
+        u = state.u[own]
+        body.begin_static(u)
+        for force in (body.internal_force(u, static=True), body.spring(u)):
+            if force is not None:
+                forces[own] += force
+    for link, memory in zip(links, state.contacts, strict=True):
+        if link.interface.theta:
+            add_contact_forces(
+                system,
+                link,
+                ContactIncrement.standing(memory, np.zeros_like(memory.force)),
+                forces,
+                traction_weight=1.0,
+                contact_weight=1.0,
+                sign=-1.0,
+            )
+    forces[system.fixed] = 0.0
+    stored = energies(system, state.u, state.v)
+    return replace(
+        state,
+        p=-forces,
+        kinetic=stored.kinetic,
+        strain=stored.strain,
+        spring=stored.spring,
+    )

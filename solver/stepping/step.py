@@ -1,0 +1,117 @@
+"""What a step consists of: what is settled before it is solved, its balance, and what follows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.stepping.balance import Balance, StepSolution
+from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
+from solver.stepping.contact_points import joined
+from solver.stepping.interfaces import StepStart
+from solver.stepping.state import State
+from solver.stepping.system import Link, System
+from solver.stepping.turning import Turning
+from solver.types import Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """What is settled of a step before it is solved.
+
+    Attributes:
+        dt: Length, s.
+        scheme: Time stepping, damped after a change of contact.
+        start: Contact at its start.
+        load: Mean of gravity and of the accelerated ground, N.
+        turning: How bodies turn in it.
+        p: Inertia forces of t_n, turned to the middle of the step, N.
+        rotations: Rotations of all bodies at t_n, (d, d) each.
+    """
+
+    dt: float
+    scheme: GeneralizedAlpha
+    start: StepStart
+    load: Array
+    turning: Turning
+    p: Array
+    rotations: Sequence[Array]
+
+
+def balance_of(
+    system: System, state: State, step: Step, weights: Sequence[TangentWeights]
+) -> Balance:
+    """The balance of a step; bodies are told what they start from."""
+    scheme, dt = step.scheme, step.dt
+    af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
+    weighted = scheme.contact_weight * step.load
+    constant = (am - (1 - am) * (0.5 - beta) / beta) * step.p - weighted
+    for body, own in zip(system.bodies, system.slices, strict=True):
+        body.begin_step(state.u[own], scheme, dt)
+        drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
+        if drag is not None:
+            constant[own] += scheme.contact_weight * drag
+        if spring is not None:
+            constant[own] += af * spring
+    return Balance(
+        contact=step.start.contacts,
+        weights=weights,
+        constant=constant,
+        load=weighted,
+        start=state.u,
+        way=dt * state.v,
+        rotations=step.rotations,
+        step=dt,
+    )
+
+
+def extrapolated(system: System, state: State, dt: float) -> Array:
+    """The displacement after a step in which nothing acts on the bodies."""
+    return joined(
+        [
+            body.extrapolated(state.u[own], state.v[own], dt, state.rigid_motion(system, number))
+            for number, (body, own) in enumerate(zip(system.bodies, system.slices, strict=True))
+        ]
+    )
+
+
+def turned(system: System, p: Array, vectors: Sequence[Array]) -> Array:
+    """Inertia forces turned with their bodies, by an angle or rotation vector each.
+
+    A step weighs those of its ends against one another, and forces of strain in its middle: in
+    the frame of the middle no torque comes of it.
+    """
+    bodies = zip(system.bodies, system.slices, vectors, strict=True)
+    return joined([body.turned(p[own], vector) for body, own, vector in bodies])
+
+
+def inertia_force(
+    system: System, links: Sequence[Link], state: State, step: Step, solution: StepSolution
+) -> Array:
+    """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step."""
+    scheme, dt = step.scheme, step.dt
+    du, impulse = solution.u - state.u, 0.5 / scheme.beta
+    mean = np.asarray(du / dt)
+    p = system.inertia(du - dt * state.v)
+    p /= scheme.beta * dt**2
+    p -= (impulse - 1) * step.p
+    for body, own in zip(system.bodies, system.slices, strict=True):
+        for force in (body.impulsive_force(dt), body.drag(mean[own])):
+            if force is not None:
+                p[own] += impulse * force
+    p -= impulse * step.load
+    for link, memory, c in zip(links, step.start.contacts, solution.contacts, strict=True):
+        add_contact_forces(
+            system,
+            link,
+            ContactIncrement(before=memory, surface=c.surface, seat=c.seat, force=c.force),
+            p,
+            traction_weight=0.0,
+            contact_weight=1.0,
+            sign=-impulse,
+        )
+    p[system.fixed] = 0.0
+    return p
