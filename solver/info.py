@@ -25,7 +25,7 @@ PACKAGES = {
 }
 
 #: Packages without which `rockslip run` does not work.
-NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy")
+NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy", "numba")
 
 #: Direct solvers that PETSc may have, and the factorization that shows whether it does.
 DIRECT_SOLVERS = {

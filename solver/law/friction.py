@@ -64,21 +64,11 @@ class FrictionLaw(NamedTuple):
         return self.decay > 0 and self.static != self.dynamic
 
     def coefficient(self, speed: Array, slipped: Mask) -> Array:
-        """The coefficient mu of each point, (m,).
-
-        Args:
-            speed: Of sliding, (m,), m/s.
-            slipped: Points that slipped in the step before; of meaning only where DC = 0.
-        """
+        """The coefficients of points by their speeds (m/s) and whether they slipped, (m,)."""
         return coefficients(self, speed, slipped)
 
     def adhesion(self, area: Array, broken: Mask) -> Array:
-        """The cohesive force c A of each point, (m,), N.
-
-        Args:
-            area: Tributary length or area A of the points, (m,), m or m2.
-            broken: Points that have slipped or opened before.
-        """
+        """The cohesive forces c A (N) of points by their areas (m, m2), 0 where lost, (m,)."""
         return np.where(broken & self.cohesion_lost, 0.0, self.cohesion * area)
 
 
@@ -118,7 +108,7 @@ def coefficient(law: FrictionLaw, speed: float, slipped: bool) -> float:
 
 @compiled
 def coefficients(law: FrictionLaw, speed: Array, slipped: Mask) -> Array:
-    """Coefficients of m points of one surface by their speeds (m/s) and whether they slipped."""
+    """Coefficients of m points of one surface."""
     mu = np.empty(len(speed))
     for i in range(len(mu)):
         mu[i] = coefficient(law, speed[i], slipped[i])
@@ -151,10 +141,11 @@ class Bounds(NamedTuple):
         """One coefficient for m points, no cohesion."""
         return cls(np.full(m, mu), np.zeros(m))
 
-    @property
-    def frictionless(self) -> bool:
-        """Whether no point holds any tangential force."""
-        return not (self.mu.any() or self.cohesion.any())
+
+@compiled
+def is_frictionless(bounds: Bounds) -> bool:
+    """Whether no point holds any tangential force."""
+    return not (np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0))
 
 
 @compiled
@@ -182,11 +173,5 @@ def at_bound(bounds: Bounds, i: int, normal: float, tangential: float) -> bool:
 
 @compiled
 def slips(distance: float, own: float, force: float) -> bool:
-    """Whether a point at its bound slips by `distance` (m).
-
-    Args:
-        distance: Its tangential way in the step, m.
-        own: Its own tangential compliance, m/N.
-        force: Size of its largest force, N.
-    """
+    """Whether a point at its bound slips; by its way (m), compliance (m/N) and force (N)."""
     return distance > SLIP_ROUND_OFF * own * force

@@ -11,8 +11,8 @@ from collections import Counter
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.friction import TOUCHING_SLOPE, Bounds
-from solver.law.newton import Local, newton, row_sums
+from solver.law.friction import TOUCHING_SLOPE, Bounds, is_frictionless
+from solver.law.newton import Local, lengths, newton
 from solver.law.rescues import RESCUES, ROUNDS, rescue
 from solver.types import Array, Indices
 
@@ -64,7 +64,7 @@ def solve(
         counts: Of outcomes, see `OUTCOMES`.
         patience: How many of the slower methods may be tried.
     """
-    if not (np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0)):
+    if is_frictionless(bounds):
         normal = f[::d].copy()
         local = Local(1, W[::d, ::d].copy(), q[::d].copy(), bounds)
         settled = _settle(local, normal, states, counts, patience)
@@ -81,7 +81,7 @@ def _settle(local: Local, f: Array, states: Indices, counts: Indices, patience: 
     All cohesion at once may lift its own point, and then there is no solution: behind the first
     try it is built up over the first pressure instead.
     """
-    guess, r = f.copy(), row_sums(local.d, local.W)
+    guess, r = f.copy(), lengths(local.d, local.W, True)
     if newton(local, r, f, states, ROUNDS + 2 * len(states), 0):
         counts[0] += 1
         return True
@@ -124,12 +124,6 @@ class LocalProblem:
 
     def solve(self, W: Array, q: Array, start: Array, bounds: Bounds) -> Array:
         """Forces (m, d) for compliance W (m, d, m, d), free values q (m, d) and a guess (m, d).
-
-        Args:
-            W: Compliance.
-            q: Free values.
-            start: Guess.
-            bounds: Of friction.
 
         Raises:
             NoContactSolution: Where every method failed.

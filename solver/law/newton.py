@@ -48,36 +48,20 @@ class Local(NamedTuple):
 
 
 @compiled
-def row_sums(d: int, W: Array) -> Array:
-    """The lengths r, (m, 2): one over the row sums of |W| within a direction, normal, tangential.
+def lengths(d: int, W: Array, shared: bool) -> Array:
+    """The lengths r, normal and tangential, (m, 2): one over the diagonal of W, or over row sums.
 
-    Points of a stiff body share its rigid modes, so that W is nearly of low rank and one over its
-    diagonal too large by about the number of points.
+    Points of a stiff body share its rigid modes: W is nearly of low rank, and one over its diagonal
+    too large by about the number of points. Row sums are those of |W| within a direction.
     """
     m = len(W) // d
-    r = np.ones((m, 2))
+    compliance: Array = np.zeros((m, 2)) if d > 1 else np.ones((m, 2))
     for i in range(m):
-        for k in range(d):
-            total = 0.0
-            for j in range(k, d * m, d):
-                total += abs(W[d * i + k, j])
-            if k < 2:
-                r[i, k] = 1.0 / total
-            else:  # one length for both: the disc knows no directions
-                r[i, 1] = min(r[i, 1], 1.0 / total)
-    return r
-
-
-@compiled
-def diagonal(d: int, W: Array) -> Array:
-    """The lengths r, (m, 2): one over the diagonal of W, normal and (the larger one) tangential."""
-    m = len(W) // d
-    r = np.ones((m, 2))
-    for i in range(m):
-        r[i, 0] = 1.0 / W[d * i, d * i]
-        for k in range(d * i + 1, d * i + d):
-            r[i, 1] = 1.0 / W[k, k] if k == d * i + 1 else min(r[i, 1], 1.0 / W[k, k])
-    return r
+        for k in range(d):  # one length for both tangential directions: a disc has no favourite
+            row, way = W[d * i + k], min(k, 1)
+            own = np.sum(np.abs(row[k::d])) if shared else row[d * i + k]
+            compliance[i, way] = own if k < 2 else max(compliance[i, way], own)
+    return np.reciprocal(compliance)
 
 
 @compiled
@@ -168,15 +152,7 @@ def _slip_rows(
 
 @compiled
 def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) -> bool:
-    """Write the root of the linearised f - P(f - r y); False where there is none.
-
-    Args:
-        local: The problem.
-        r: Lengths.
-        trial: Where it is linearised, f - r y.
-        states: Of that.
-        f: The root.
-    """
+    """Write the root f of f - P(f - r y), linearised at `trial`; False where there is none."""
     d, W, rows = local.d, local.W, _unknowns(local, states)
     size = len(rows)
     matrix, right = np.empty((size, size)), np.empty(size)
@@ -252,13 +228,8 @@ def _best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) -
 def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvings: int) -> bool:
     """Newton's method from f; whether it settled, which leaves the solution in f, its states too.
 
-    Args:
-        local: The problem.
-        r: Lengths, (m, 2).
-        f: Guess and answer, (d m,).
-        states: Of the answer, (m,).
-        rounds: Linear solves, at most.
-        halvings: How often the line search may halve a step; 0: full steps.
+    `rounds` is the most linear solves, `halvings` how often the line search may halve a step; with
+    0 steps are full.
     """
     target, nearest, force = np.empty_like(f), np.empty_like(f), f
     before, seen = np.empty_like(states), np.full_like(states, -9)

@@ -1,10 +1,7 @@
 """Slower ways to the solution of a local problem: each leads Newton's method to where it settles.
 
 None of them is proved to converge under Coulomb's law, where the bounds depend on the solution;
-hence a chain of them stands behind Newton's method. Of 768 problems that full steps left of 9600
-random ones in the plane and in space, each alone settles this many, in so many microseconds each:
-line search 487 (150), other r 507 (250), continuation 726 (600), a proximal term 249 (200),
-Gauss-Seidel 668 (800), enumeration all of the few points in the plane (5000); together all.
+hence a chain of them stands behind Newton's method. docs/method.md has what each of them settles.
 """
 
 from __future__ import annotations
@@ -20,11 +17,10 @@ from solver.law.newton import (
     SLIP,
     STICK,
     Local,
-    diagonal,
+    lengths,
     linearised,
     newton,
     project,
-    row_sums,
     trial_of,
 )
 from solver.types import Array, Indices
@@ -48,16 +44,9 @@ ENUMERATED_POINTS = 7
 
 @compiled
 def rescue(method: int, local: Local, f: Array, states: Indices) -> bool:
-    """Solve by one of the slower methods.
-
-    Args:
-        method: Its place in `RESCUES`.
-        local: The problem.
-        f: Guess and, where it succeeds, answer, (d m,).
-        states: Of the answer, (m,).
-    """
+    """Solve by the method at this place in `RESCUES`; f is the guess and becomes the answer."""
     if method == 0:
-        r = diagonal(local.d, local.W)
+        r = lengths(local.d, local.W, False)
         return newton(local, r, f, states, ROUNDS + len(states), HALVINGS)
     if method == 1:
         return _with_other_lengths(local, f, states)
@@ -73,9 +62,9 @@ def rescue(method: int, local: Local, f: Array, states: Indices) -> bool:
 @compiled
 def _polished(local: Local, f: Array, states: Indices, rounds: int) -> bool:
     """Newton's method with either r, with full steps; f stays the guess where neither settles."""
-    for r in (row_sums(local.d, local.W), diagonal(local.d, local.W)):
+    for shared in (True, False):
         trial = f.copy()
-        if newton(local, r, trial, states, rounds, 0):
+        if newton(local, lengths(local.d, local.W, shared), trial, states, rounds, 0):
             f[:] = trial
             return True
     return False
@@ -87,7 +76,7 @@ def _with_other_lengths(local: Local, f: Array, states: Indices) -> bool:
 
     The root is the same for all r, but which states are tried on the way to it is not.
     """
-    usual, rounds = diagonal(local.d, local.W), ROUNDS + len(states)
+    usual, rounds = lengths(local.d, local.W, False), ROUNDS + len(states)
     for normal, tangential in LENGTHS:
         r, trial = usual * np.array([normal, tangential]), f.copy()
         if newton(local, r, trial, states, rounds, 0) and newton(
@@ -101,7 +90,7 @@ def _with_other_lengths(local: Local, f: Array, states: Indices) -> bool:
 @compiled
 def _by_continuation(local: Local, f: Array, states: Indices) -> bool:
     """From the problem without friction to that with all of it, with line search."""
-    bounds, r = local.bounds, row_sums(local.d, local.W)
+    bounds, r = local.bounds, lengths(local.d, local.W, True)
     done, step, share, now = 0.0, 0.25, 0.0, f.copy()
     while step > 1e-3:
         slope = bounds.slope if bounds.slope == np.inf else share * bounds.slope
@@ -200,7 +189,7 @@ def _by_enumeration(local: Local, f: Array, states: Indices) -> bool:
     m = len(states)
     if m > ENUMERATED_POINTS or local.d != 2:
         return False
-    r, somewhere = row_sums(2, local.W), np.full_like(f, np.inf)
+    r, somewhere = lengths(2, local.W, True), np.full_like(f, np.inf)
     nearest, following = np.empty_like(f), np.empty_like(states)
     for choice in range(4**m):
         rest = choice

@@ -30,6 +30,19 @@ REGULAR = 1e-8
 ENERGY_ROUND_OFF = 1e-14
 
 
+class ImpulseCorrection(NamedTuple):
+    """Change of the impulses and the energy that it takes (per metre of thickness in 2-D)."""
+
+    found: bool
+    """Whether there is one."""
+    q: Array
+    """Of the closed points in their frames, (d m,) or (m, d), N s."""
+    contact: float
+    """Energy taken in the normal directions, J."""
+    friction: float
+    """In the tangential ones, J."""
+
+
 @compiled
 def _slipping(d: int, impulse: Array, bounds: Bounds) -> Indices:
     """1 for the points whose impulse is at its bound, (m,)."""
@@ -67,7 +80,7 @@ def correct_impulses(
     bounds: Bounds,
     counts: Indices,
     patience: int,
-) -> tuple[bool, Array, float, float]:
+) -> ImpulseCorrection:
     """Correct the impulses of closed points.
 
     Args:
@@ -78,10 +91,6 @@ def correct_impulses(
         bounds: Of the impulses: mu and dt c.
         counts: Of outcomes of local problems.
         patience: How many of the slower methods may be tried for each of them.
-
-    Returns:
-        Whether a correction was found, it (d m,), and the energy that it takes: contact's and
-        friction's share, J.
     """
     m, regular = len(bounds.mu), W.copy()
     for k in range(len(W)):
@@ -104,20 +113,9 @@ def correct_impulses(
         normal, lost = -np.sum(work[::d]), -np.sum(work)
         if lost >= -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
             friction = friction_share(lost - normal, lost)
-            return True, q, lost - friction, friction
+            return ImpulseCorrection(True, q, lost - friction, friction)
     counts[-1] += 1
-    return False, np.zeros_like(impulse), 0.0, 0.0
-
-
-class ImpulseCorrection(NamedTuple):
-    """Change of the impulses and the energy that it takes."""
-
-    q: Array
-    """Of the closed points in their frames, (m, d), N s."""
-    contact: float
-    """Energy lost in contact, J."""
-    friction: float
-    """Energy lost in friction, J."""
+    return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
 
 
 def impulse_correction(
@@ -125,16 +123,12 @@ def impulse_correction(
 ) -> ImpulseCorrection | None:
     """The correction after a step, or None where no point is closed or none was found.
 
-    Args:
-        local: Says how patient to be, and counts the outcomes.
-        velocity: Of the closed points in their frames, (m, d), m/s.
-        W: G M^-1 G^T of these points, (m, d, m, d), 1/kg.
-        impulse: dt f of the step, (m, d), N s.
-        bounds: Of the impulses: mu and dt c.
+    As `correct_impulses` with arrays (m, d) and W (m, d, m, d); `local` says how patient to be, and
+    counts the outcomes.
     """
     m, d = impulse.shape
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    found, q, contact, friction = correct_impulses(d, *flat, bounds, local.counts, local.patience)
-    return ImpulseCorrection(q.reshape(m, d), contact, friction) if found else None
+    found = correct_impulses(d, *flat, bounds, local.counts, local.patience)
+    return found._replace(q=found.q.reshape(m, d)) if found.found else None

@@ -11,6 +11,7 @@ from solver.law.friction import (
     at_bound,
     coefficient,
     followed,
+    is_frictionless,
     law_of,
     slips,
 )
@@ -54,9 +55,9 @@ def test_which_laws_are_constant():
 
 
 def test_bounds_know_whether_there_is_any_friction():
-    assert Bounds.uniform(0.0, 3).frictionless
-    assert not Bounds.uniform(0.1, 3).frictionless
-    assert not Bounds(np.zeros(2), np.array([0.0, 1.0])).frictionless
+    assert is_frictionless(Bounds.uniform(0.0, 3))
+    assert not is_frictionless(Bounds.uniform(0.1, 3))
+    assert not is_frictionless(Bounds(np.zeros(2), np.array([0.0, 1.0])))
 
 
 def test_laws_of_several_surfaces_are_those_of_each():

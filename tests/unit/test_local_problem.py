@@ -10,7 +10,7 @@ from scipy.optimize import nnls
 
 from solver.law.friction import TOUCHING_SLOPE, Bounds
 from solver.law.local_problem import LocalProblem, NoContactSolution, image
-from solver.law.newton import OPEN, STICK, Local, diagonal, newton, row_sums
+from solver.law.newton import OPEN, STICK, Local, lengths, newton
 from solver.law.rescues import ENUMERATED_POINTS, RESCUES, rescue
 
 deterministic = settings(derandomize=True, deadline=None, max_examples=60)
@@ -320,9 +320,9 @@ def test_image_is_the_matrix_product(d):
 def test_lengths_by_hand():
     """One over row sums within a direction, over the diagonal; one for both tangential ones."""
     W = (np.arange(1.0, 37.0).reshape(2, 3, 2, 3) * (1, -1, 1)).reshape(6, 6)
-    assert row_sums(3, W)[1] == pytest.approx([1 / (19 + 22), 1 / (33 + 36)])
-    assert row_sums(2, W[:4, :4])[1, 1] == pytest.approx(1 / (20 + 22))
-    assert diagonal(3, np.abs(W))[1] == pytest.approx([1 / 22, 1 / 36])
+    assert lengths(3, W, True)[1] == pytest.approx([1 / (19 + 22), 1 / (33 + 36)])
+    assert lengths(2, W[:4, :4], True)[1, 1] == pytest.approx(1 / (20 + 22))
+    assert lengths(3, np.abs(W), False)[1] == pytest.approx([1 / 22, 1 / 36])
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -444,7 +444,7 @@ def test_without_patience_a_hard_case_is_given_up(d):
 def test_newton_gives_up_forces_beyond_all_numbers(d, halvings):
     """Those of an iteration that diverges; large ones, whose squares are infinite, scale."""
     W, q = easy(900, 4, d)
-    r, states = diagonal(d, W.reshape(q.size, q.size)), np.empty(4, dtype=np.int64)
+    r, states = lengths(d, W.reshape(q.size, q.size), False), np.empty(4, dtype=np.int64)
     found = []
     for size in (1.0, 1e200, np.inf, np.nan):
         bounds, f = Bounds.uniform(0.5, 4), np.zeros(q.size)

@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from solver.law import compiled as module
 from solver.law.compiled import borrowed, compiled
-from solver.rigid.plane.model import new_memory
+from solver.rigid.plane.model import PlaneMemory, new_memory
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -104,6 +106,43 @@ def test_borrowed_arrays_are_the_same_arrays() -> None:
     assert memory.gap.tolist() == [0.0, 7.0, 0.0]
 
 
+class Nested(NamedTuple):
+    """A tuple of arrays in another."""
+
+    inner: PlaneMemory
+    numbers: np.ndarray
+
+
+@compiled
+def rest(arrays: Nested) -> tuple[float, np.ndarray]:
+    """Write one number, return the sum of some and an array of its own."""
+    own = borrowed(arrays)
+    own.inner.gap[0] = 5.0
+    return own.numbers[1:].sum(), 2.0 * own.numbers
+
+
+def test_borrowed_arrays_outlive_their_use() -> None:
+    """Also those of tuples in tuples: nobody frees what Python holds, nor keeps what it drops."""
+    for k in range(200):
+        arrays = Nested(new_memory(2), np.full(1000, float(k)))
+        counts = [sys.getrefcount(arrays.numbers), sys.getrefcount(arrays.inner.gap)]
+        total, twice = rest(arrays)
+        assert total == 999.0 * k and (twice == 2.0 * k).all()
+        assert arrays.inner.gap.tolist() == [5.0, 0.0] and (arrays.numbers == k).all()
+        assert [sys.getrefcount(arrays.numbers), sys.getrefcount(arrays.inner.gap)] == counts
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_numba_is_one_that_borrowing_is_known_to_work_with() -> None:
+    """`borrowed` reaches into its internals: the versions that pyproject.toml allows."""
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    (wanted,) = (each for each in project["dependencies"] if each.startswith("numba"))
+    least, beyond = wanted.removeprefix("numba>=").split(",<")
+    version = [int(part) for part in module.NUMBA.__version__.split(".")[:2]]
+    low, high = ([int(part) for part in each.split(".")] for each in (least, beyond))
+    assert low <= version < high
+
+
 @pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
 def test_what_was_compiled_is_known_to_be_kept(tmp_path: Path) -> None:
     """Not before a function of the module was called, though its folder is there by then."""
@@ -113,7 +152,7 @@ from solver.law import newton
 from solver.law.compiled import is_kept
 name = newton.__name__
 before = is_kept(name)
-newton.row_sums(2, np.eye(2))
+newton.lengths(2, np.eye(2), True)
 print(before, is_kept(name), is_kept("solver.rigid.plane.rows"))
 """
     done = subprocess.run(

@@ -30,14 +30,14 @@ def correct_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, dt:
     rows = work.rows[: 2 * count]
     W = (rows * system.flexibility) @ rows.T
     bounds = Bounds(work.friction[:count], dt * work.cohesion[:count], np.inf)
-    found, q, normal, tangential = correct_impulses(
+    found = correct_impulses(
         2, W, rows @ state.v, dt * work.force[: 2 * count], bounds, work.counts[2:], METHODS
     )
-    if found:
-        state.v[:] += (q @ rows) * system.flexibility
-        state.exchanged[3] += normal
-        state.exchanged[1] += tangential
-        add_impulses(system, work, q)
+    if found.found:
+        state.v[:] += (found.q @ rows) * system.flexibility
+        state.exchanged[3] += found.contact
+        state.exchanged[1] += found.friction
+        add_impulses(system, work, found.q)
 
 
 @compiled

@@ -52,13 +52,11 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> 
     W = compliance(shut, rows, yields, turning)
     velocity = changes(shut, rows, state.velocity, _spins(state, frames)).reshape(3 * m)
     impulse, bounds = s.dt * s.force[kept], Bounds(s.mu[kept], s.dt * s.cohesion[kept], np.inf)
-    found, added, normal, tangential = correct_impulses(
-        3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, METHODS
-    )
-    if found:
-        state.exchanged[3] += normal
-        state.exchanged[1] += tangential
-        force, moment, _ = act(shut, rows, added.reshape((m, 3)), len(frames))
+    found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, METHODS)
+    if found.found:
+        state.exchanged[3] += found.contact
+        state.exchanged[1] += found.friction
+        force, moment, _ = act(shut, rows, found.q.reshape((m, 3)), len(frames))
         state.velocity[:, :] += yields * force
         for b in range(len(frames) - 1):
             state.spin[b] += to_body(frames[b], moment[b]) / model.inertia[b]
