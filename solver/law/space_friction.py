@@ -11,9 +11,9 @@ the disc being open (no force, no cohesion) where f_n = 0. Newton's method of Al
 
 with full steps: a line search on |phi| stops it four times as often. Four corners of one block are
 12 rows on 6 unknowns, so the caller adds a small diagonal to W. Started from nothing on random
-loads near the limits of friction, Newton settles 94 of 100; the others are left to Newton with a
-proximal term, or brought nearer by projected or nonsmooth Gauss-Seidel sweeps (2 of 1000 remain,
-for a smaller step).
+loads near the limits of friction, Newton settles 94 of 100. The others start again from the forces
+of polygons instead of discs (`solver.law.lemke`), which bodies of very different masses need; then
+follow Newton with a proximal term, and projected or nonsmooth Gauss-Seidel sweeps.
 
 Vectors have 3 m entries, those of a point side by side.
 """
@@ -27,13 +27,14 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.discs import TOUCHING_SLOPE, Discs, line
+from solver.law.lemke import polygonal
 from solver.law.space_sweeps import project, sweep
 from solver.types import Array, Indices
 
 TOLERANCE = 1e-10
 """Of phi, relative to the largest force."""
 
-UNSETTLED, NEWTON, PROXIMAL, SWEEPS, TOUCHING = 0, 1, 2, 3, 4
+UNSETTLED, NEWTON, POLYGONS, PROXIMAL, SWEEPS, TOUCHING = 0, 1, 2, 3, 4, 5
 """What settled a local problem: `TOUCHING` is cohesion that grows over the first forces."""
 
 LOOSE = 1e-8
@@ -274,6 +275,11 @@ def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> int:
     """The same with one law of friction: Newton's method, then all the slower ones."""
     if _newton_twice(W, q, f, discs, _strict(20)):
         return NEWTON
+    for sides in (6, 8, 12):
+        found, guess = polygonal(W, q, discs, sides)
+        if found and _newton_twice(W, q, guess, discs, _strict(40)):
+            f[:] = guess
+            return POLYGONS
     for softness in (1e-5, 1e-4, 1e-6):
         if _proximal(W, q, f, discs, softness):
             return PROXIMAL

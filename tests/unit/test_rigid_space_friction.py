@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from solver.law.discs import Discs
-from solver.law.space_friction import eliminate, image, settle
+from solver.law.lemke import lemke
+from solver.law.space_friction import POLYGONS, eliminate, image, settle
 from solver.law.space_sweeps import one_point
 
 Array = NDArray[np.float64]
@@ -138,3 +140,32 @@ def test_elimination() -> None:
     assert eliminate(matrix.copy(), solution)
     np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
     assert not eliminate(np.zeros((2, 2)), np.ones(2))
+
+
+@pytest.mark.parametrize("case", ["thrown", "thrown_later"])
+@pytest.mark.parametrize("start", [0.0, 1e6])
+def test_a_heavy_block_slides_on_a_light_one(case: str, start: float) -> None:
+    """Recorded at a density ratio of 1e4: friction above and below the light block is nearly equal.
+
+    Newton's method cycles for both scalings; from the forces of polygons it settles.
+    """
+    with np.load(Path(__file__).parent / "data" / "heavy_on_light.npz") as recorded:
+        W, q, mu = (recorded[f"{name}_{case}"] for name in ("W", "q", "mu"))
+    f = np.full(len(q), start)
+    assert settle(W, q, f, mu, np.zeros(len(mu))) == POLYGONS
+    assert violation(W, q, f, float(mu[0])) < 1e-6
+
+
+def test_a_linear_complementarity_problem() -> None:
+    """Lemke's method: z >= 0, M z + q >= 0, their product 0; and a problem without solution."""
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        root = random.normal(size=(6, 6))
+        matrix, right = root @ root.T + root - root.T, random.normal(size=6)
+        found, z = lemke(matrix, right)
+        rest = matrix @ z + right
+        assert found
+        assert min(z.min(), rest.min()) > -1e-9
+        assert np.abs(z * rest).max() < 1e-9
+    found, _ = lemke(np.zeros((1, 1)), np.array([-1.0]))
+    assert not found

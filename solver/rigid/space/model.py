@@ -74,7 +74,7 @@ class SpaceState(NamedTuple):
     slip: Array
     """(n, 2) slip on what carries the block, m."""
     settled: Indices
-    """(5,) number of local problems by what settled them (`solver.law.space_friction`)."""
+    """Number of local problems by what settled them, see `solver.law.space_friction`."""
     exchanged: Array
     """(5,) work of the ground; dissipated by friction, damping, contact, time integration, J."""
 

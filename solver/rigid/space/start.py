@@ -9,6 +9,7 @@ import numpy as np
 
 from geometry.arrangement import Pose
 from geometry.block import Block
+from solver.law.space_friction import TOUCHING
 from solver.rigid.space.boxes import SLOTS
 from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
 from solver.rigid.space.rotation import quaternion_of, rotation_of
@@ -176,6 +177,6 @@ def state_of(
         inertia_force=inertia_force,
         memory=new_memory(pairs),
         slip=np.zeros((n, 2)),
-        settled=np.zeros(5, dtype=np.int64),
+        settled=np.zeros(TOUCHING + 1, dtype=np.int64),
         exchanged=np.zeros(5),
     )

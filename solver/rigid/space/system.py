@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.history.history import columns
-from solver.law.space_friction import PROXIMAL, SWEEPS, TOUCHING
+from solver.law.space_friction import POLYGONS, PROXIMAL, SWEEPS, TOUCHING
 from solver.rigid.ground import ground_of_steps
 from solver.rigid.outcome import Advance
 from solver.rigid.space.advance import run
@@ -32,7 +32,7 @@ from solver.scene import Scene
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array
 
-RESCUES = {PROXIMAL: "proximal", SWEEPS: "sweeps", TOUCHING: "touching"}
+RESCUES = {POLYGONS: "polygons", PROXIMAL: "proximal", SWEEPS: "sweeps", TOUCHING: "touching"}
 """Names of the methods behind Newton's."""
 
 TRIAL = 0.1
