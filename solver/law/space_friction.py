@@ -277,7 +277,10 @@ def settle_with(W: Array, q: Array, f: Array, discs: Discs) -> int:
         return NEWTON
     for sides in (6, 8, 12):
         found, guess = polygonal(W, q, discs, sides)
-        if found and _newton_twice(W, q, guess, discs, _strict(40)):
+        if not found:
+            continue
+        nearer = _newton_twice(W, q, guess, discs, _strict(40))
+        if nearer or _proximal(W, q, guess, discs, 1e-5):
             f[:] = guess
             return POLYGONS
     for softness in (1e-5, 1e-4, 1e-6):

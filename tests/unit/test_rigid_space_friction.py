@@ -142,10 +142,10 @@ def test_elimination() -> None:
     assert not eliminate(np.zeros((2, 2)), np.ones(2))
 
 
-@pytest.mark.parametrize("case", ["thrown", "thrown_later"])
+@pytest.mark.parametrize("case", ["1e4", "1e4_halved", "1e6"])
 @pytest.mark.parametrize("start", [0.0, 1e6])
 def test_a_heavy_block_slides_on_a_light_one(case: str, start: float) -> None:
-    """Recorded at a density ratio of 1e4: friction above and below the light block is nearly equal.
+    """Density ratios of 1e4 and 1e6: friction above and below the light block is nearly equal.
 
     Newton's method cycles for both scalings; from the forces of polygons it settles.
     """
