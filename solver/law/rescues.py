@@ -12,6 +12,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds, radius
+from solver.law.lemke import polygonal
 from solver.law.newton import (
     OPEN,
     SLIP,
@@ -27,7 +28,7 @@ from solver.types import Array, Indices
 
 #: Names of the methods, in the order in which they are tried.
 RESCUES = (
-    "line search", "other r", "continuation", "proximal", "Gauss-Seidel", "enumeration"
+    "line search", "other r", "continuation", "proximal", "Gauss-Seidel", "enumeration", "polygons"
 )  # fmt: skip
 
 #: Linear solves of Newton's method, and two more for each point.
@@ -38,6 +39,10 @@ HALVINGS = 12
 LENGTHS = ((1e-3, 10.0), (1e-2, 10.0), (1e-3, 0.1), (1e-3, 1.0), (0.1, 100.0), (1.0, 10.0))
 #: What is added to the diagonal of W, relative to it, by the proximal term.
 SOFTNESS = 1e-2
+#: The same behind the polygons: they are near the solution already.
+POLYGON_SOFTNESS = 1e-5
+#: Sides of the polygons that stand for discs, one after another.
+POLYGON_SIDES = (6, 8, 12)
 #: Enumeration of 4^m states: 25 ms for the most points.
 ENUMERATED_POINTS = 7
 
@@ -53,10 +58,28 @@ def rescue(method: int, local: Local, f: Array, states: Indices) -> bool:
     if method == 2:
         return _by_continuation(local, f, states)
     if method == 3:
-        return _with_proximal_term(local, f, states)
+        return _with_proximal_term(local, f, states, SOFTNESS)
     if method == 4:
         return _by_sweeps(local, f, states)
-    return _by_enumeration(local, f, states)
+    if method == 5:
+        return _by_enumeration(local, f, states)
+    return _from_polygons(local, f, states)
+
+
+@compiled
+def _from_polygons(local: Local, f: Array, states: Indices) -> bool:
+    """Newton's method from the solution with polygons for discs, then with a proximal term."""
+    if local.d == 1:
+        return False
+    for sides in POLYGON_SIDES if local.d == 3 else (2, 2, 2):
+        found, trial = polygonal(local, sides)
+        if found and (
+            _polished(local, trial, states, 2 * ROUNDS)
+            or _with_proximal_term(local, trial, states, POLYGON_SOFTNESS)
+        ):
+            f[:] = trial
+            return True
+    return False
 
 
 @compiled
@@ -110,13 +133,13 @@ def _by_continuation(local: Local, f: Array, states: Indices) -> bool:
 
 
 @compiled
-def _with_proximal_term(local: Local, f: Array, states: Indices) -> bool:
+def _with_proximal_term(local: Local, f: Array, states: Indices, softness: float) -> bool:
     """Newton's method with a larger diagonal on the change of the forces since the last round.
 
     It holds back forces that only balance each other, for which W says next to nothing.
     """
     soft, now = local.W.copy(), f.copy()
-    added = SOFTNESS * np.diag(soft)
+    added = softness * np.diag(soft)
     for k in range(len(f)):
         soft[k, k] += added[k]
     for _ in range(20):

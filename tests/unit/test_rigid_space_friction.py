@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from solver.law.friction import TOUCHING_SLOPE, Bounds, radius
+from solver.law.lemke import lemke
 from solver.law.local_problem import METHODS, new_counts, solve
 from solver.law.newton import solve_dense
 from solver.law.rescues import one_point
@@ -144,3 +146,33 @@ def test_elimination() -> None:
     assert solve_dense(matrix.copy(), solution)
     np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
     assert not solve_dense(np.zeros((2, 2)), np.ones(2))
+
+
+@pytest.mark.parametrize("case", ["1e4", "1e4_halved", "1e6"])
+@pytest.mark.parametrize("start", [0.0, 1e6])
+def test_a_heavy_block_slides_on_a_light_one(case: str, start: float) -> None:
+    """Density ratios of 1e4 and 1e6: friction above and below the light block is nearly equal.
+
+    Newton's method cycles for both scalings; from the forces of polygons it settles.
+    """
+    with np.load(Path(__file__).parent / "data" / "heavy_on_light.npz") as recorded:
+        W, q, mu = (recorded[f"{name}_{case}"] for name in ("W", "q", "mu"))
+    f, counts, states = np.full(len(q), start), new_counts(), np.empty(len(mu), np.int64)
+    bounds = Bounds(mu, np.zeros(len(mu)))
+    assert solve(3, W, q, bounds, f, states, counts, METHODS)
+    assert violation(W, q, f, float(mu[0])) < 1e-6
+
+
+def test_a_linear_complementarity_problem() -> None:
+    """Lemke's method: z >= 0, M z + q >= 0, their product 0; and a problem without solution."""
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        root = random.normal(size=(6, 6))
+        matrix, right = root @ root.T + root - root.T, random.normal(size=6)
+        found, z = lemke(matrix, right)
+        rest = matrix @ z + right
+        assert found
+        assert min(z.min(), rest.min()) > -1e-9
+        assert np.abs(z * rest).max() < 1e-9
+    found, _ = lemke(np.zeros((1, 1)), np.array([-1.0]))
+    assert not found
