@@ -59,7 +59,9 @@ def lengths(d: int, W: Array, shared: bool) -> Array:
     for i in range(m):
         for k in range(d):  # one length for both tangential directions: a disc has no favourite
             row, way = W[d * i + k], min(k, 1)
-            own = np.sum(np.abs(row[k::d])) if shared else row[d * i + k]
+            own = 0.0 if shared else row[d * i + k]
+            for j in range(k, len(row) if shared else 0, d):
+                own += abs(row[j])
             compliance[i, way] = own if k < 2 else max(compliance[i, way], own)
     return np.reciprocal(compliance)
 
