@@ -13,10 +13,10 @@ from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.contact_model import ContactModel, Tangents
-from solver.stepping.contact_points import PointTable
 from solver.stepping.delassus import LastDelassus, Softening
+from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
+from solver.stepping.point_table import PointTable
 from solver.stepping.step_problem import StepProblem
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array

@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.contact_points import PointTable
+from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
 from solver.stepping.system import Link, System
 from solver.types import Array

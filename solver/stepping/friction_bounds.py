@@ -9,7 +9,7 @@ import numpy as np
 from solver.contact.memory import Memory
 from solver.law.friction import Bounds
 from solver.law.local_problem import image
-from solver.stepping.contact_points import PointTable, joined
+from solver.stepping.point_table import PointTable, joined
 from solver.types import Array, Indices
 
 GLUE = 1e6

@@ -15,7 +15,7 @@ from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem
 from solver.law.velocity import impulse_correction
 from solver.stepping.contact_forces import Contact
-from solver.stepping.contact_points import PointTable, joined
+from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet
 from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices

@@ -10,8 +10,8 @@ import numpy as np
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
-from solver.stepping.contact_points import joined
 from solver.stepping.interfaces import StepStart
+from solver.stepping.point_table import joined
 from solver.stepping.state import State
 from solver.stepping.system import Link, System
 from solver.stepping.turning import Turning

@@ -21,8 +21,6 @@ from solver.contact.projection import ContactKinematics
 from solver.law.local_problem import image
 from solver.stepping.balance import Balance
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
-from solver.stepping.contact_model import ContactModel, Tangents
-from solver.stepping.contact_points import REACH, EdgeWatch, Observed, joined
 from solver.stepping.delassus import (
     Delassus,
     DelassusKey,
@@ -30,6 +28,8 @@ from solver.stepping.delassus import (
     assembled,
 )
 from solver.stepping.friction_bounds import FrictionBounds
+from solver.stepping.model import ContactModel, Tangents
+from solver.stepping.point_table import REACH, EdgeWatch, Observed, joined
 from solver.stepping.response import CandidateSet, FreeMotion
 from solver.types import Array, Indices, Mask
 
