@@ -6,14 +6,22 @@ a chain of slower methods, and the names of those that settled a problem are cou
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.friction import TOUCHING_SLOPE, Bounds, is_frictionless
-from solver.law.newton import Local, lengths, newton
-from solver.law.rescues import RESCUES, ROUNDS, rescue
+from solver.law.friction import (
+    BOUND_ROUND_OFF,
+    TOUCHING_SLOPE,
+    Bounds,
+    at_bound,
+    is_frictionless,
+    radius,
+)
+from solver.law.newton import OPEN, SLIP, STICK, Local, lengths, newton
+from solver.law.rescues import RESCUES, ROUNDS, one_point, rescue
 from solver.types import Array, Indices
 
 #: What can become of a local problem, as counted.
@@ -75,12 +83,30 @@ def solve(
 
 
 @compiled
+def _settle_one(local: Local, f: Array, states: Indices) -> bool:
+    """The closed form of a single point without cohesion; False where it does not hold."""
+    found = one_point(local.d, local.W, local.q, local.bounds, 0)
+    size = math.hypot(found[1], found[2])
+    if not size <= radius(local.bounds, 0, found[0]) * (1.0 + BOUND_ROUND_OFF):
+        return False
+    f[:] = found[: local.d]
+    states[0] = OPEN
+    if found[0] > 0.0:
+        slip = -SLIP if local.d == 2 and found[1] < 0.0 else SLIP
+        states[0] = slip if at_bound(local.bounds, 0, found[0], size) else STICK
+    return True
+
+
+@compiled
 def _settle(local: Local, f: Array, states: Indices, counts: Indices, patience: int) -> bool:
     """Newton's method, then the slower ones.
 
     All cohesion at once may lift its own point, and then there is no solution: behind the first
     try it is built up over the first pressure instead.
     """
+    if len(states) == 1 and local.bounds.cohesion[0] == 0.0 and _settle_one(local, f, states):
+        counts[0] += 1
+        return True
     guess, r = f.copy(), lengths(local.d, local.W, True)
     if newton(local, r, f, states, ROUNDS + 2 * len(states), 0):
         counts[0] += 1

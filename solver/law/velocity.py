@@ -80,6 +80,7 @@ def correct_impulses(
     bounds: Bounds,
     counts: Indices,
     patience: int,
+    first: int,
 ) -> ImpulseCorrection:
     """Correct the impulses of closed points.
 
@@ -91,12 +92,14 @@ def correct_impulses(
         bounds: Of the impulses: mu and dt c.
         counts: Of outcomes of local problems.
         patience: How many of the slower methods may be tried for each of them.
+        first: Where the ladder begins: 0 at the law for all points, 1 where points that slip keep
+            their friction. In space its direction lags by half a step behind a slip that turns.
     """
     m, regular = len(bounds.mu), W.copy()
     for k in range(len(W)):
         regular[k, k] *= 1.0 + REGULAR
     states, slipping = np.empty(m, np.int64), _slipping(d, impulse, bounds)
-    for keep in range(3):
+    for keep in range(first, 3):
         # Points whose friction is kept have none that is unknown.
         kept, mu, cohesion = np.zeros_like(impulse), bounds.mu.copy(), bounds.cohesion.copy()
         for i in range(m):
@@ -130,5 +133,5 @@ def impulse_correction(
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    found = correct_impulses(d, *flat, bounds, local.counts, local.patience)
+    found = correct_impulses(d, *flat, bounds, local.counts, local.patience, 0)
     return found._replace(q=found.q.reshape(m, d)) if found.found else None

@@ -181,7 +181,8 @@ def test_no_closed_point_no_correction():
 def test_a_correction_that_would_add_energy_is_left_out():
     """W is that of no mass: a negative one, in the normal direction, which impulses speed up."""
     local = LocalProblem(2)
-    velocity, W = np.array([[1.0, 0.0]]), np.diag([-1.0, 1.0]).reshape(1, 2, 1, 2)
-    result = impulse_correction(local, velocity, W, np.ones((1, 2)), Bounds.uniform(5.0, 1))
+    velocity, W = np.array([[-1.0, 0.0]]), np.diag([-1.0, 1.0]).reshape(1, 2, 1, 2)
+    impulse = np.array([[1.0, 0.0]])
+    result = impulse_correction(local, velocity, W, impulse, Bounds.uniform(5.0, 1))
     assert result is None
     assert local.rescues["velocity solve left out"] == 1

@@ -31,7 +31,7 @@ def correct_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, dt:
     W = (rows * system.flexibility) @ rows.T
     bounds = Bounds(work.friction[:count], dt * work.cohesion[:count], np.inf)
     found = correct_impulses(
-        2, W, rows @ state.v, dt * work.force[: 2 * count], bounds, work.counts[2:], METHODS
+        2, W, rows @ state.v, dt * work.force[: 2 * count], bounds, work.counts[2:], METHODS, 0
     )
     if found.found:
         state.v[:] += (found.q @ rows) * system.flexibility

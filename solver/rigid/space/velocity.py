@@ -52,7 +52,9 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> 
     W = compliance(shut, rows, yields, turning)
     velocity = changes(shut, rows, state.velocity, _spins(state, frames)).reshape(3 * m)
     impulse, bounds = s.dt * s.force[kept], Bounds(s.mu[kept], s.dt * s.cohesion[kept], np.inf)
-    found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, METHODS)
+    found = correct_impulses(
+        3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, METHODS, 1
+    )
     if found.found:
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
