@@ -20,7 +20,6 @@ import numpy as np
 
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import ground_motion
-from solver.rigid.ground import motion_at
 from solver.rigid.space.start import SpaceBlock, blocks_of
 from solver.rigid.space.system import SpaceSystem
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -88,7 +87,8 @@ def run(scene: Scene, seed: int) -> dict[str, Any]:
     system = SpaceSystem(turned(blocks_of(scene), seed), scheme)
     count, motion = round(scene.time.end / step), ground_motion(scene)
     assert motion is not None
-    ground, mean = motion_at(motion, np.arange(count + 1) * step)
+    times = np.arange(count + 1) * step
+    ground, mean = motion.accelerations(times), motion.means(times)
     outcome = system.advance(count, step, ground, mean=mean)
     table = dict(zip(system.columns, outcome.rows.T, strict=True))
     total, work = table["energy.total_J"], table["energy.input_J"]

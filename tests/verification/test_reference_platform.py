@@ -13,11 +13,11 @@ from solver.reference.friction import Resistance
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
 from solver.scene import FrictionSpec
-from solver.scene.foundation import platform
+from solver.scene.foundation import Platform
 from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81
-PLATFORM = platform(1.0, period=0.5, stiffness=None, damping_ratio=0.05)
+PLATFORM = Platform.on_spring(1.0, period=0.5, stiffness=None, damping_ratio=0.05)
 
 
 def shaken(
@@ -84,7 +84,7 @@ def test_momentum_and_acceleration() -> None:
 
 
 def test_a_stiff_platform_is_the_ground() -> None:
-    stiff = platform(1.0, period=2e-3, stiffness=None, damping_ratio=1.0)
+    stiff = Platform.on_spring(1.0, period=2e-3, stiffness=None, damping_ratio=1.0)
 
     def ground(time: float) -> float:
         return 0.5 * G * math.sin(math.pi * time / 0.5) if time <= 0.5 else 0.0
@@ -108,7 +108,7 @@ def test_a_frictionless_block_leaves_the_empty_platform_alone() -> None:
 
 def test_a_thrown_block_drags_its_platform() -> None:
     """Momentum of a free pair: a very soft spring, the block stops on the platform."""
-    soft = platform(1.0, period=1e4, stiffness=None, damping_ratio=0.0)
+    soft = Platform.on_spring(1.0, period=1e4, stiffness=None, damping_ratio=0.0)
     found = sliding_on_platform(
         platform=soft,
         mass=2.0,

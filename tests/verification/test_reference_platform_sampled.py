@@ -16,7 +16,7 @@ from solver.reference.friction import Resistance, coulomb
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.platform_sampled import sampled_sliding_on_platform
 from solver.scene import FrictionSpec
-from solver.scene.foundation import platform
+from solver.scene.foundation import Platform
 
 pytestmark = pytest.mark.serial
 
@@ -30,7 +30,7 @@ def shaking(step: float = 0.02, count: int = 150) -> SampledMotion:
 
 def answer(motion: SampledMotion, step: float = 5e-3, **changes: Any) -> PlatformReference:
     given: dict[str, Any] = {
-        "platform": platform(500.0, period=0.5, stiffness=None, damping_ratio=0.05),
+        "platform": Platform.on_spring(500.0, period=0.5, stiffness=None, damping_ratio=0.05),
         "mass": 1000.0,
         "friction": coulomb(0.1),
         "gravity": 9.81,
@@ -54,7 +54,7 @@ GLUE = Resistance(law=FrictionSpec(static=0.1, cohesion=1.0, cohesion_lost=True)
         {"friction": GLUE},
         {"friction": coulomb(0.0), "velocity": 0.3},
         {"friction": coulomb(5.0), "velocity": -0.2},
-        {"platform": platform(500.0, period=0.5, stiffness=None, damping_ratio=1.4)},
+        {"platform": Platform.on_spring(500.0, period=0.5, stiffness=None, damping_ratio=1.4)},
     ],
 )
 def test_it_agrees_with_the_integrator(changes: dict[str, Any]) -> None:
@@ -82,7 +82,7 @@ def test_momentum_and_energy_are_kept_to_round_off() -> None:
     """Impulse of the ground, spring and dashpot; work of the ground against what is lost."""
     motion = shaking()
     found = answer(motion, step=2e-4)
-    m, k, c = platform(500.0, period=0.5, stiffness=None, damping_ratio=0.05)
+    m, k, c = Platform.on_spring(500.0, period=0.5, stiffness=None, damping_ratio=0.05)
     momentum = 1000.0 * (found.slip_velocity + found.drift_velocity) + m * found.drift_velocity
     ground = motion.velocities(found.time)
     spring = np.cumsum(np.concatenate([[0], (found.drift[1:] + found.drift[:-1]) / 2 * 2e-4]))

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import random_columns
 from numpy.typing import NDArray
 
+from benchmarks import random_columns
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import ground_motion
-from solver.rigid.ground import motion_at
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
 
@@ -40,7 +39,8 @@ def run(scene: Scene) -> tuple[str | None, dict[str, Array]]:
     count, motion = round(scene.time.end / step), ground_motion(scene)
     ground = mean = None
     if motion is not None:
-        ground, mean = motion_at(motion, np.arange(count + 1) * step)
+        times = np.arange(count + 1) * step
+        ground, mean = motion.accelerations(times), motion.means(times)
     outcome = system.advance(count, step, ground, mean=mean)
     return outcome.failure, dict(zip(system.columns, outcome.rows.T, strict=True))
 
