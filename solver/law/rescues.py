@@ -28,7 +28,8 @@ from solver.types import Array, Indices
 
 #: Names of the methods, in the order in which they are tried.
 RESCUES = (
-    "line search", "other r", "continuation", "proximal", "Gauss-Seidel", "enumeration", "polygons"
+    "line search", "other r", "continuation", "proximal", "Gauss-Seidel", "enumeration", "polygons",
+    "loosely",
 )  # fmt: skip
 
 #: Linear solves of Newton's method, and two more for each point.
@@ -41,6 +42,8 @@ LENGTHS = ((1e-3, 10.0), (1e-2, 10.0), (1e-3, 0.1), (1e-3, 1.0), (0.1, 100.0), (
 SOFTNESS = 1e-2
 #: The same behind the polygons: they are near the solution already.
 POLYGON_SOFTNESS = 1e-5
+#: Error over the largest force with which a solution is accepted when all else has failed.
+LOOSE = 1e-8
 #: Sides of the polygons that stand for discs, one after another.
 POLYGON_SIDES = (6, 8, 12)
 #: Enumeration of 4^m states: 25 ms for the most points.
@@ -63,7 +66,9 @@ def rescue(method: int, local: Local, f: Array, states: Indices) -> bool:
         return _by_sweeps(local, f, states)
     if method == 5:
         return _by_enumeration(local, f, states)
-    return _from_polygons(local, f, states)
+    if method == 6:
+        return _from_polygons(local, f, states)
+    return _loosely(local, f, states)
 
 
 @compiled
@@ -80,6 +85,61 @@ def _from_polygons(local: Local, f: Array, states: Indices) -> bool:
             f[:] = trial
             return True
     return False
+
+
+@compiled
+def _approached(local: Local, guess: Array, rounds: int, best: Array, least: float) -> float:
+    """Take Newton's best iterate from a guess for `best` where its error is below `least`.
+
+    Returns:
+        The error of `best`, over the largest force.
+    """
+    nearest, target = np.empty_like(guess), np.empty_like(guess)
+    states = np.empty(len(local.bounds.mu), np.int64)
+    for shared in (True, False):
+        r, now = lengths(local.d, local.W, shared), guess.copy()
+        for _ in range(rounds):
+            trial = trial_of(local, r, now)
+            project(local, trial, nearest, states)
+            error = np.max(np.abs(now - nearest)) / max(np.max(np.abs(now)), 1e-300)
+            if error < least:
+                least = error
+                best[:] = nearest
+            if not linearised(local, r, trial, states, target):
+                break
+            now[:] = target
+    return least
+
+
+@compiled
+def _loosely(local: Local, f: Array, states: Indices) -> bool:
+    """The best of Newton's iterates, where its error is small enough.
+
+    They start from the guess, from polygons, and from problems with a proximal term. Forces that
+    balance each other within a rigid body, which only the small diagonal of W decides, may still go
+    to and fro in their last digits; they move nothing.
+    """
+    best = f.copy()
+    least = _approached(local, f, 2 * ROUNDS, best, np.inf)
+    if local.d == 3:
+        for sides in POLYGON_SIDES:
+            least = _approached(local, polygonal(local, sides)[1], 2 * ROUNDS, best, least)
+    for softness in (1e-5, 1e-4, 1e-6):
+        soft, now = local.W.copy(), f.copy()
+        added = softness * np.diag(soft)
+        for k in range(len(f)):
+            soft[k, k] += added[k]
+        for _ in range(20):
+            if least <= LOOSE:
+                break
+            eased = Local(local.d, soft, local.q - added * now, local.bounds)
+            if _approached(eased, now.copy(), ROUNDS, now, np.inf) > LOOSE:
+                break
+            least = _approached(local, now, 6, best, least)
+    f[:] = best
+    nearest = np.empty_like(f)
+    project(local, trial_of(local, lengths(local.d, local.W, True), f), nearest, states)
+    return least <= LOOSE
 
 
 @compiled
