@@ -63,7 +63,7 @@ class Statement(SceneError):
         self.args = (where, predicate)
 
     def under(self, prefix: str) -> Statement:
-        """The same error for a table that stands at `prefix`."""
+        """This error with its key below the table `prefix`."""
         return Statement(f"{prefix}.{self.where}" if prefix else self.where, self.allowed)
 
     def __str__(self) -> str:

@@ -69,21 +69,21 @@ class DenseBody(ABC):
         return self.diagonal[self.own] * vector
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
-        """Nothing to prepare."""
+        """Prepare for a step or an equilibrium: a body without strain needs no preparation."""
 
     def begin_static(self, u: Array) -> None:
-        """Nothing to prepare."""
+        """Prepare for a step or an equilibrium: a body without strain needs no preparation."""
 
     def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
-        """None: nothing deforms."""
+        """Internal force of strain: None, because the body does not deform."""
         return None
 
     def impulsive_force(self, dt: float) -> Array | None:
-        """None: nothing deforms."""
+        """Internal force of strain: None, because the body does not deform."""
         return None
 
     def settle(self, u: Array) -> None:
-        """Nothing to do: a step starts from the unknowns at the end of the last one."""
+        """Keep the unknowns as they are: the next step starts from them."""
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""

@@ -251,7 +251,7 @@ class ElasticBody:
         return self.damping.stiffness / dt * self._assembled(self._forms.viscous)
 
     def settle(self, u: Array) -> None:
-        """Nothing to do: a step starts from the unknowns at the end of the last one."""
+        """Keep the unknowns as they are: the next step starts from them."""
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""

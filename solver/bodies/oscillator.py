@@ -64,5 +64,5 @@ class Oscillator(DenseBody):
         return self._rows[count]
 
     def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
-        """The same at any time."""
+        """Rows of an increment, which do not depend on where the platform is."""
         return self.rows(points, new)

@@ -258,7 +258,7 @@ def _crossings(bottom: Face, top: Face) -> Crossings:
 
 
 def rim(points: FacePoints) -> FacePoints:
-    """Those points of a level face that lie on its outline: of a mesh some, of others all."""
+    """Points of a level face that lie on its outline: some of a mesh, all of other bodies."""
     if not isinstance(points, NodePoints):
         return points
     level = points.reference[:, :-1]
