@@ -112,7 +112,7 @@ def build(
     stepper = Stepper(
         System(bodies),
         contacts,
-        GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps),
+        GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps * scene.time.step),
         gravity=np.array(scene.gravity_vector),
         ground=ground if ground.moves else None,
         velocity_solve=scene.contact.velocity_solve,

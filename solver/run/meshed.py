@@ -102,9 +102,9 @@ class MeshedRun:
                 status, reason = "not converged", f"{where}: {trouble}"
                 break
             judge = self._judge
-            if judge is not None and not judge.accepts(new, step) and ladder.reject():
+            if judge and not judge.accepts(new, step) and ladder.shorten(judge.halvings):
                 continue
-            self._damped += bool(self.state.unsettled)
+            self._damped += self.state.is_damped(step)
             ladder.accept(climb=judge is None or judge.climbs())
             self.state = replace(new, time=ladder.time)
             self._record(desk, exchange, step)

@@ -76,6 +76,7 @@ class Scene(Checked):
         object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
+        object.__setattr__(self, "time", self._filled_time())
         refuse_beyond(self, self.known_shaking)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
@@ -106,6 +107,14 @@ class Scene(Checked):
         except SceneError as error:
             raise error.under(block.name) from None
         return filled
+
+    def _filled_time(self) -> TimeSpec:
+        """Time stepping with nothing left open."""
+        fastest = max(block.shape.frequency(self.gravity) for block in self.blocks)
+        try:
+            return self.time.in_scene(is_rigid=self.is_rigid, frequency=fastest)
+        except SceneError as error:
+            raise error.under("time") from None
 
     def _check_thickness(self, first: BlockSpec) -> None:
         """In the plane all bodies are equally thick."""

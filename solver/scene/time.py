@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from solver.errors import SceneError, not_applicable
-from solver.scene.checking import Checked, Number, shown
+from solver.scene.checking import OPEN, Checked, Number, is_open, shown
 from solver.scene.ranges import NotNegative, Positive
+
+LONGEST_STEP = 0.04
+"""Longest adaptive step over the time scale of rocking, 1/p."""
+STEP_OF_RIGID_SCENES = 1e-3
+"""Step of scenes in which nothing is meshed, over the time scale of rocking."""
+FEWEST_STEPS = 100
+"""Fewest steps in which a run without `time.step` reaches its end."""
+DAMPED_STEPS = 8
+"""Damped steps after a change of contact where steps are fixed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,36 +26,43 @@ class TimeSpec(Checked):
 
     end: Positive
     """Time at which the run ends, s."""
-    step: Positive
-    """dt, s; no longer than `end`. What it decides: [small steps](method.md#small-steps)."""
+    step: Positive = OPEN
+    """dt of fixed steps, s; no longer than `end`. What it decides:
+    [small steps](method.md#small-steps). Default: none: steps are adaptive and resolve each impact,
+    and `step` becomes a quarter of `largest`; where nothing is meshed, a thousandth of 1/p."""
     rho_inf: Annotated[float, Number(at_least=0, at_most=1)] = 0.8
     """Spectral radius that the weights of generalized-alpha come from; smaller ones damp more of
     the vibration of the blocks."""
-    damped_steps: Annotated[int, Number(at_least=0)] = 8
-    """Steps after a change of contact (open, stick, slip) that are taken with `rho_inf` = 0, which
-    takes out vibration that the step does not resolve; 0 for none, as with `rho_inf = 1`. All
-    bodies of a scene together; without effect where nothing is meshed."""
+    damped_steps: Annotated[int, Number(at_least=0)] = OPEN
+    """For how many times `step` after a change of contact (open, stick, slip) the scheme takes
+    `rho_inf` = 0, which takes out vibration that fixed steps do not resolve; 0 for none, as with
+    `rho_inf = 1`. All bodies of a scene together; without effect where nothing is meshed. Default:
+    8; adaptive: 0, as these steps resolve what vibrates."""
     initial: Literal["static", "unstressed"] = "static"
     """Begin in equilibrium with gravity, where no block is tilted; or without stress."""
     smallest: NotNegative = 0.0
-    """Smallest step to which steps that do not converge are halved, s; 0 becomes step/1024."""
+    """Smallest step to which steps that do not converge, or are not accurate enough, are halved, s;
+    0 becomes step/1024, with adaptive steps step/16384."""
     adaptive: bool = False
     """Whether steps are chosen by their error: `step`, with which the run begins, times powers of
-    two. Not where nothing is meshed: there steps are cut at events anyway."""
+    two; always so in meshed scenes without `step`. Not where nothing is meshed: there steps are cut
+    at events anyway."""
     tolerance: Positive | None = None
-    """Error of a step in the motion of a body, over half its diagonal, around events; ten times
-    that elsewhere. Adaptive only. Default: adaptive: `1e-7`."""
+    """About the error of the restitution of an impact. Adaptive only. Default: adaptive: `1e-3`."""
     largest: Positive | None = None
-    """Longest step, s. Adaptive only. Default: adaptive: 4 `step`."""
+    """Longest step, s. Adaptive only. Default: adaptive: 4 `step`; without `step` 0.02/p of the
+    block that rocks fastest, p = sqrt(3 g/(4 R)), at most a hundredth of `end`."""
 
     def __post_init__(self) -> None:
         """Check the values."""
         Checked.__post_init__(self)
+        if is_open(self.step):
+            return  # the scene has what is missing
         for key in ("tolerance", "largest"):
             if getattr(self, key) is not None and not self.adaptive:
                 raise not_applicable(key, "adaptive steps only (adaptive = true)")
         if self.adaptive and self.tolerance is None:
-            object.__setattr__(self, "tolerance", 1e-7)
+            object.__setattr__(self, "tolerance", 1e-3)
         if self.adaptive and self.largest is None:
             object.__setattr__(self, "largest", 4 * self.step)
         if self.largest is not None and self.largest < self.step:
@@ -55,4 +72,33 @@ class TimeSpec(Checked):
         if self.smallest > self.step:
             raise SceneError("smallest", shown(self.smallest), f"smallest <= step = {self.step:g}")
         if self.smallest == 0:
-            object.__setattr__(self, "smallest", self.step / 1024)
+            parts = 16384 if self.adaptive else 1024
+            object.__setattr__(self, "smallest", self.step / parts)
+        if is_open(self.damped_steps):
+            object.__setattr__(self, "damped_steps", 0 if self.adaptive else DAMPED_STEPS)
+
+    def in_scene(self, *, is_rigid: bool, frequency: float) -> TimeSpec:
+        """The same with nothing left open.
+
+        Args:
+            is_rigid: Whether nothing in the scene is meshed.
+            frequency: p of the block that rocks fastest, 1/s; 0 without gravity.
+        """
+        if not is_open(self.step):
+            return self
+        longest = self.end / FEWEST_STEPS
+        if frequency > 0:
+            share = STEP_OF_RIGID_SCENES if is_rigid else LONGEST_STEP
+            longest = min(longest, share / frequency)
+        longest = _rounded(longest)
+        if is_rigid:
+            return replace(self, step=longest)
+        largest = longest if self.largest is None else self.largest
+        return replace(self, step=min(largest / 4, self.end), largest=largest, adaptive=True)
+
+
+def _rounded(step: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a step."""
+    power = 10.0 ** math.floor(math.log10(step) + 1e-9)
+    digit = next(digit for digit in (5, 2, 1) if digit * power <= step * (1 + 1e-9))
+    return float(f"{digit * power:.0e}")

@@ -34,11 +34,11 @@ class GeneralizedAlpha:
 
     Attributes:
         rho_inf: Spectral radius that the weights come from.
-        damped_steps: Steps after a change of contact that are taken with rho_inf = 0.
+        damped_time: How long steps are taken with rho_inf = 0 after a change of contact, s.
     """
 
     rho_inf: float
-    damped_steps: int = 8
+    damped_time: float = 0.0
 
     @property
     def damped(self) -> GeneralizedAlpha:

@@ -72,47 +72,63 @@ class Ladder:
 
     def reject(self) -> bool:
         """The step failed: halve it. False where no shorter step is allowed."""
+        self._wait = min(2 * self._wait, self.LONGEST_WAIT)
+        return self.shorten()
+
+    def shorten(self, halvings: int = 1) -> bool:
+        """The step is not accurate enough: halve it so often; False where no shorter is allowed.
+
+        That says nothing of the steps that follow: the ladder is climbed as early as before.
+        """
         self.rejected += 1
-        self._wait, self._succeeded = min(2 * self._wait, self.LONGEST_WAIT), 0
+        self._succeeded = 0
         self._tries = False
         if self._level == self.depth:
             return False
-        self._level += 1
+        self._level = min(self._level + halvings, self.depth)
         return True
 
 
 class Tolerance:
-    """Judges steps by the error they make, and more strictly around events.
+    """Judges steps by the error they make in the motion of bodies, over half their diagonal.
 
-    A step that is refused has met something sudden: an impact, the end of a slip. The error that
-    such a step makes is of first order and stays, while smooth motion and vibration leave next to
-    nothing. So the tolerance is `CALM` times as large until a step is refused; then it counts as it
-    is until `WATCH` steps have passed, of which none is longer than the one before.
+    Where contact changes within a step, the error of the rigid motion is of first order, and what
+    an impact takes is decided there: the bound is strict. Elsewhere it is of third order and evens
+    out, as the forces swing with the vibration of the bodies: the bound is `CALM` times as large.
+    Vibration itself is judged by a bound of its own, since it decides how a block that has left the
+    ground after an impact meets it again.
     """
 
-    CALM = 10.0
-    """Factor of the tolerance while nothing sudden happens."""
-
-    WATCH = 32
-    """Steps that do not grow after a step was refused."""
+    CHANGE = 1e-5
+    """Error of the rigid motion in a step in which contact changes, over the tolerance."""
+    CALM = 100.0
+    """Factor of that error in all other steps."""
+    VIBRATION = 2.5e-4
+    """Error of the vibration in a step, over the tolerance."""
+    GROWTH = 8.0
+    """By what the error grows when the step doubles."""
+    MARGIN = 1.25
+    """What a step that may double has left besides."""
 
     def __init__(self, tolerance: float):
-        """Judge by a tolerance, in the unit of the errors."""
-        self._tolerance, self._watch = tolerance, 0
+        """Judge by a tolerance, which is about the error of the restitution of an impact."""
+        self._tolerance = tolerance
 
-    @property
-    def _bound(self) -> float:
-        """Error up to which a step is accepted at present."""
-        return self._tolerance if self._watch else self.CALM * self._tolerance
+    def used(self, *, rigid: float, vibration: float, changed: bool) -> float:
+        """The share of what is allowed that a step used; above 1 it is refused.
 
-    def accepts(self, error: float) -> bool:
-        """Whether a step with this error is good enough; if not, something has happened."""
-        if error <= self._bound:
-            return True
-        self._watch = self.WATCH
-        return False
+        Args:
+            rigid: Error of the motion as a whole, over half the diagonal.
+            vibration: Root of the mean square error of the points of a body, over the same length.
+            changed: Whether contact changed in the step.
+        """
+        bound = self.CHANGE * (1.0 if changed else self.CALM)
+        return max(rigid / bound, vibration / self.VIBRATION) / self._tolerance
 
-    def climbs(self, error: float) -> bool:
-        """After an accepted step: whether twice the step may be tried, its error being 8 times."""
-        self._watch = max(self._watch - 1, 0)
-        return not self._watch and 8 * error <= self._bound / 2
+    def climbs(self, used: float) -> bool:
+        """Whether twice the step may be tried after one that used this share."""
+        return self.MARGIN * self.GROWTH * used <= 1.0
+
+    def halvings(self, used: float) -> int:
+        """How often a step is halved that used this share, above 1, of what is allowed."""
+        return max(1, math.floor(math.log(used, self.GROWTH)))

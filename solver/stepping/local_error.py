@@ -1,23 +1,64 @@
-"""How far a step is wrong, told from the motion of the bodies as a whole."""
+"""How far a step is wrong, told from third differences of the motion."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
 import numpy as np
 
+from solver.bodies.elastic_body import ElasticBody
 from solver.scheme.step_control import Tolerance
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array
 
 
+@dataclass(frozen=True, slots=True)
+class StepError:
+    """Error of a step, over a length of the scene.
+
+    Attributes:
+        rigid: Of the motion of a body as a whole, the largest.
+        vibration: Of the points of a meshed body, root of the mean square, the largest.
+    """
+
+    rigid: float
+    vibration: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Past:
+    """What earlier steps leave for the estimate.
+
+    Attributes:
+        u: Displacement at t_n, m.
+        rigid: Velocities of the bodies as a whole at t_n, m/s.
+        rigid_change: Their mean accelerations in the last step, m/s2; None before the first.
+        mean: Mean velocities of all points in the last step, m/s; None likewise.
+        change: Accelerations between the last two steps, m/s2; None before the second.
+        dt: Length of the last step, s.
+        dt_before: Of the one before it, s.
+    """
+
+    u: Array
+    rigid: Array
+    rigid_change: Array | None = None
+    mean: Array | None = None
+    change: Array | None = None
+    dt: float = 0.0
+    dt_before: float = 0.0
+
+
 class LocalError:
-    """Estimates the error that a step makes in the rigid motion of the bodies.
+    """Estimates the error that a step makes in the motion of the bodies.
 
     The scheme moves every body by u_{n+1} - u_n = dt (v_n + v_{n+1})/2, the trapezoidal rule, whose
-    error in a step is dt^3/12 u''' (Hairer, Norsett and Wanner 1993, II.1). The third derivative is
-    the change of the mean acceleration from one step to the next. Only the velocity of the centre
-    of mass and the angular momentum go in: a stiff block's vibration, which no step but the
-    shortest resolves, does not hold the steps down.
+    error in a step is dt^3/12 u''' (Hairer, Norsett and Wanner 1993, II.1). For bodies as a whole
+    u''' is the change of the mean acceleration from one step to the next; for the points of meshed
+    bodies it is the third difference of the displacement: velocities at the shortest waves of the
+    mesh change their sign from step to step and are no measure of anything.
     """
 
     def __init__(self, system: System, state: State, size: float):
@@ -29,28 +70,42 @@ class LocalError:
             size: Length R to which errors are referred, m.
         """
         self._system, self._size = system, size
-        self._velocity = self._rigid_velocity(state)
-        self._acceleration: Array | None = None
-        self._dt = 0.0
-        self._tried: tuple[Array, Array, float] | None = None
+        self._past = _Past(u=state.u, rigid=self._rigid_velocity(state))
+        self._tried = self._past
 
-    def of(self, new: State, dt: float) -> float:
-        """Error of the step of length `dt` (s) that led to `new`, over R; 0 for the first step."""
-        velocity = self._rigid_velocity(new)
-        acceleration = np.asarray((velocity - self._velocity) / dt)
-        self._tried = velocity, acceleration, dt
-        if self._acceleration is None:
-            return 0.0
-        jerk = (acceleration - self._acceleration) / ((dt + self._dt) / 2)
-        error = dt**3 / 12 * float(np.abs(jerk).max()) / self._size
-        comm = self._system.comm
-        return error if comm.size == 1 else float(comm.bcast(error, root=0))  # to the last digit
+    def of(self, new: State, dt: float) -> StepError:
+        """Error of the step of length `dt` (s) that led to `new`; 0 where too few came before."""
+        past, third = self._past, dt**3 / 12 / self._size
+        rigid, mean = self._rigid_velocity(new), np.asarray((new.u - past.u) / dt)
+        rigid_change = np.asarray((rigid - past.rigid) / dt)
+        change: Array | None = None
+        errors = np.zeros(2)
+        if past.rigid_change is not None and past.mean is not None:
+            jerk = (rigid_change - past.rigid_change) / ((dt + past.dt) / 2)
+            errors[0] = third * np.abs(jerk).max()
+            change = np.asarray((mean - past.mean) / ((dt + past.dt) / 2))
+            if past.change is not None:
+                jerk = (change - past.change) / ((dt + 2 * past.dt + past.dt_before) / 4)
+                errors[1] = third * self._mean_square_root(jerk)
+        self._tried = _Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
+        if self._system.comm.size > 1:  # all ranks decide by the same digits
+            self._system.comm.Bcast(errors, root=0)
+        return StepError(*map(float, errors))
 
     def accept(self) -> None:
         """The step that was judged last is taken."""
-        assert self._tried is not None
-        self._velocity, self._acceleration, self._dt = self._tried
-        self._tried = None
+        self._past = self._tried
+
+    def _mean_square_root(self, motion: Array) -> float:
+        """Root of the mean square of a motion over the mass of a meshed body, the largest."""
+        squares = [
+            float(motion[own] @ body.inertia(motion[own])) / body.mass
+            for body, own in zip(self._system.bodies, self._system.slices, strict=True)
+            if isinstance(body, ElasticBody)
+        ]
+        if self._system.comm.size > 1:
+            squares = list(self._system.comm.allreduce(np.array(squares), op=MPI.SUM))
+        return float(np.sqrt(max(squares, default=0.0)))
 
     def _rigid_velocity(self, state: State) -> Array:
         """Velocities of the centres of all bodies, and of points at R for their turning, m/s."""
@@ -67,14 +122,22 @@ class Judge:
     def __init__(self, error: LocalError, tolerance: Tolerance):
         """Compare an error with a tolerance."""
         self._estimate, self._tolerance = error, tolerance
-        self._error = 0.0
+        self._used = 0.0
 
     def accepts(self, new: State, dt: float) -> bool:
         """Whether the step of length `dt` (s) that led to `new` is good enough."""
-        self._error = self._estimate.of(new, dt)
-        return self._tolerance.accepts(self._error)
+        error = self._estimate.of(new, dt)
+        self._used = self._tolerance.used(
+            rigid=error.rigid, vibration=error.vibration, changed=new.changed
+        )
+        return self._used <= 1.0
+
+    @property
+    def halvings(self) -> int:
+        """How often the step that was judged last, and refused, is halved."""
+        return self._tolerance.halvings(self._used)
 
     def climbs(self) -> bool:
         """The step that was judged last is taken: whether one twice as long may follow."""
         self._estimate.accept()
-        return self._tolerance.climbs(self._error)
+        return self._tolerance.climbs(self._used)

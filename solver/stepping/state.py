@@ -27,7 +27,8 @@ class State:
         strain: Strain energy, J.
         spring: Energy of springs to the ground, J.
         turning: How bodies turned at the start of the last step; None before the first.
-        unsettled: Steps that are still to be damped since contact changed.
+        changed: Whether contact changed in the step that led here.
+        damped_until: Time until which steps are damped since contact changed, s.
         motions: What `rigid_motion` found for u and v, by the number of the body.
     """
 
@@ -41,8 +42,13 @@ class State:
     strain: float = 0.0
     spring: float = 0.0
     turning: Turning | None = None
-    unsettled: int = 0
+    changed: bool = False
+    damped_until: float = 0.0
     motions: dict[int, RigidMotion] = field(default_factory=dict, compare=False, repr=False)
+
+    def is_damped(self, dt: float) -> bool:
+        """Whether a step of length `dt` (s) from here is taken with rho_inf = 0."""
+        return self.damped_until - self.time > 1e-6 * dt
 
     def rigid_motion(self, system: System, number: int) -> RigidMotion:
         """The motion of a body as a whole; asked for by several, and worked out once."""

@@ -124,7 +124,7 @@ class Stepper:
     def launch(self, state: State, v: Array) -> State:
         """The state with other velocities."""
         return consistent(
-            self.system, self.links, replace(state, v=v, turning=None, unsettled=0, motions={})
+            self.system, self.links, replace(state, v=v, turning=None, damped_until=0.0, motions={})
         )
 
     def static_start(
@@ -223,7 +223,7 @@ class Stepper:
         turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
             dt=dt,
-            scheme=self.scheme.damped if state.unsettled else self.scheme,
+            scheme=self.scheme.damped if state.is_damped(dt) else self.scheme,
             start=start,
             load=self._load(state.time, dt),
             turning=turning,
@@ -245,12 +245,12 @@ class Stepper:
         ends = StepEnds(dt=dt, u=u, v=v, du=du, dp=p - step.p, residual=solution.residual)
         sums = step_sums(system, ends)
         correction = self._velocity_correction(u, v, solution, dt)
-        changed = contact_changed(old, contacts, self._rigid)
-        unsettled = max(state.unsettled - 1, 0)
-        if any_rank(system.comm, changed):
-            unsettled = self.scheme.damped_steps
+        changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
+        time, damped_until = state.time + dt, state.damped_until
+        if changed:
+            damped_until = time + self.scheme.damped_time
         new = State(
-            time=state.time + dt,
+            time=time,
             u=system.settled(u),
             v=v + correction.change,
             p=turned(self.system, p, step.turning.halves),
@@ -260,7 +260,8 @@ class Stepper:
             strain=sums.energies.strain,
             spring=sums.energies.spring,
             turning=step.turning,
-            unsettled=unsettled,
+            changed=changed,
+            damped_until=damped_until,
         )
         lost = [dissipation for _, dissipation in remembered]
         exchange = Exchange(
