@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from solver.errors import SceneError
@@ -57,13 +58,9 @@ def refuse_beyond(scene: Scene, shaking: float) -> None:
     meshed = [block for block in scene.blocks if block.model == "elastic"]
     corners = {block.name: _corner_cell(block, scene.dimension) for block in meshed}
     for block in meshed:
-        cell, otherwise = corners[block.name], ', or model = "rigid"'
-        _refuse_long(block, cell)
-        edge = min(cell) / block.degree
-        _refuse_stiff(f"{block.name}.young", block.material(plane), edge, scene, otherwise)
-    turning = scene.foundation.turning_cells(plane, carried)
-    if turning is not None:
-        _refuse_stiff("foundation.young", *turning, scene)
+        _refuse_long(block, corners[block.name])
+    for turning in _turning_bodies(scene):
+        _refuse_stiff(turning, scene.time.largest or scene.time.step)
     acceleration = scene.gravity + shaking
     pressed = scene.foundation.pressed_material(plane, carried)
     for block in scene.blocks:
@@ -148,9 +145,51 @@ def _refuse_without_energy(
         raise SceneError("contact.theta", got, f"1, or gamma >= {least:.3g}")
 
 
-def _longest_step(scene: Scene) -> float:
-    """The longest step that a run may take, s."""
-    return scene.time.largest or scene.time.step
+def longest_step(scene: Scene) -> float:
+    """The longest step in which sound crosses few enough cells of the bodies that may turn, s."""
+    return min(
+        (MOST_CELLS_A_STEP * body.crossing_time for body in _turning_bodies(scene)),
+        default=math.inf,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _TurningBody:
+    """A meshed body that may turn.
+
+    Attributes:
+        where: Path of its modulus.
+        material: Its material.
+        edge: Of its smallest cells, over the degree, m.
+        otherwise: What else than a smaller modulus is allowed, in words.
+    """
+
+    where: str
+    material: Material
+    edge: float
+    otherwise: str = ""
+
+    @property
+    def crossing_time(self) -> float:
+        """Time in which sound crosses a cell, s."""
+        return self.edge / math.sqrt(self.material.young / self.material.density)
+
+
+def _turning_bodies(scene: Scene) -> Iterator[_TurningBody]:
+    """The meshed bodies of a scene that may turn."""
+    plane = scene.material_plane
+    for block in scene.blocks:
+        if block.model == "elastic":
+            yield _TurningBody(
+                where=f"{block.name}.young",
+                material=block.material(plane),
+                edge=min(_corner_cell(block, scene.dimension)) / block.degree,
+                otherwise=', or model = "rigid"',
+            )
+    turning = scene.foundation.turning_cells(plane, scene.carried_mass)
+    if turning is not None:
+        material, edge = turning
+        yield _TurningBody(where="foundation.young", material=material, edge=edge)
 
 
 def _sides(block: BlockSpec, dimension: int) -> tuple[float, ...]:
@@ -200,25 +239,14 @@ def _refuse_long(block: BlockSpec, cell: Sequence[float]) -> None:
         raise SceneError(f"{block.name}.cells", got, f"at most {LARGEST_ASPECT:g} times")
 
 
-def _refuse_stiff(
-    where: str, material: Material, edge: float, scene: Scene, otherwise: str = ""
-) -> None:
-    """Refuse a body that may turn, whose smallest cells (m) sound crosses too often in a step.
-
-    Args:
-        where: Path of its modulus.
-        material: Its material.
-        edge: Of its smallest cells, over the degree, m.
-        scene: What it is part of.
-        otherwise: What else is allowed, in words.
-    """
-    young, step = material.young, _longest_step(scene)
-    crossed = math.sqrt(young / material.density) * step / edge
-    if crossed > MOST_CELLS_A_STEP:
+def _refuse_stiff(body: _TurningBody, step: float) -> None:
+    """Refuse a body whose smallest cells sound crosses too often in a step (s)."""
+    young, crossed = body.material.young, step / body.crossing_time
+    if crossed > MOST_CELLS_A_STEP * (1 + 1e-12):
         most = young * (MOST_CELLS_A_STEP / crossed) ** 2
         got = f"{young:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
-        allowed = f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){otherwise}"
-        raise SceneError(where, got, allowed)
+        allowed = f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){body.otherwise}"
+        raise SceneError(body.where, got, allowed)
 
 
 def _refuse_loose_cohesion(scene: Scene) -> None:

@@ -6,6 +6,7 @@ A new kind is a class here, its name in `MotionSpec`, and a module of that name 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,9 @@ from solver.errors import SceneError, not_applicable
 from solver.scene.checking import Checked, Number, exactly_one, shown
 from solver.scene.ranges import Count, Finite, NotNegative, Positive
 from solver.scene.units import G_UNIT
+
+SHORTEST_PERIOD_OF_RECORDS = 0.1
+"""Period below which the ground's motion in earthquakes hardly moves a block, s."""
 
 Units: TypeAlias = Literal["g", "m/s2", "cm/s2"]
 """Units of accelerations in files."""
@@ -47,6 +51,11 @@ class Motion(Checked):
         """
         return None
 
+    @property
+    def shortest_period(self) -> float:
+        """Period of the fastest part of the motion that moves blocks, s; infinite without one."""
+        return SHORTEST_PERIOD_OF_RECORDS
+
     def beside(self) -> Iterator[tuple[str, MotionSpec]]:
         """The motions in the other directions, with their keys."""
         if self.vertical is not None:
@@ -61,6 +70,11 @@ class StillSpec(Motion):
 
     kind: Literal["none"] = "none"
     """Shape of the acceleration; left out where nothing moves along x."""
+
+    @property
+    def shortest_period(self) -> float:
+        """No motion has no period."""
+        return math.inf
 
     @property
     def known_peak(self) -> float | None:
@@ -83,6 +97,11 @@ class SineSpec(Motion):
     """Time at which the motion begins, s."""
 
     @property
+    def shortest_period(self) -> float:
+        """The period, s."""
+        return self.period
+
+    @property
     def known_peak(self) -> float | None:
         """The amplitude, m/s^2."""
         return abs(self.amplitude_g) * G_UNIT
@@ -98,6 +117,11 @@ class _Pulse(Motion):
     """Duration, s."""
     start: NotNegative = 0.0
     """Time at which the motion begins, s."""
+
+    @property
+    def shortest_period(self) -> float:
+        """The duration, s."""
+        return self.duration
 
     @property
     def known_peak(self) -> float | None:
@@ -145,6 +169,14 @@ class RickerSpec(Motion):
         """Check the values."""
         Motion.__post_init__(self)
         exactly_one(self, "duration", "frequency")
+
+    @property
+    def shortest_period(self) -> float:
+        """1/f, s."""
+        if self.frequency is not None:
+            return 1 / self.frequency
+        assert self.duration is not None  # one of the two is given
+        return self.duration / 3
 
     @property
     def known_peak(self) -> float | None:

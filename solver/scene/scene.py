@@ -19,7 +19,7 @@ from solver.scene.checking import (
 from solver.scene.contact import ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, Platform, RigidSpec
-from solver.scene.limits import refuse_beyond
+from solver.scene.limits import longest_step, refuse_beyond
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
@@ -112,7 +112,14 @@ class Scene(Checked):
         """Time stepping with nothing left open."""
         fastest = max(block.shape.frequency(self.gravity) for block in self.blocks)
         try:
-            return self.time.in_scene(is_rigid=self.is_rigid, frequency=fastest)
+            return self.time.in_scene(
+                is_rigid=self.is_rigid,
+                frequency=fastest,
+                period=min(
+                    (motion.shortest_period for _, motion in self.motions), default=math.inf
+                ),
+                stiffest=longest_step(self),
+            )
         except SceneError as error:
             raise error.under("time") from None
 

@@ -14,6 +14,8 @@ LONGEST_STEP = 0.04
 """Longest adaptive step over the time scale of rocking, 1/p."""
 STEP_OF_RIGID_SCENES = 1e-3
 """Step of scenes in which nothing is meshed, over the time scale of rocking."""
+STEPS_A_PERIOD = 20
+"""Fewest steps in the shortest period of the ground's motion."""
 FEWEST_STEPS = 100
 """Fewest steps in which a run without `time.step` reaches its end."""
 DAMPED_STEPS = 8
@@ -50,8 +52,9 @@ class TimeSpec(Checked):
     tolerance: Positive | None = None
     """About the error of the restitution of an impact. Adaptive only. Default: adaptive: `1e-3`."""
     largest: Positive | None = None
-    """Longest step, s. Adaptive only. Default: adaptive: 4 `step`; without `step` 0.02/p of the
-    block that rocks fastest, p = sqrt(3 g/(4 R)), at most a hundredth of `end`."""
+    """Longest step, s. Adaptive only. Default: adaptive: 4 `step`; without `step` 0.04/p of the
+    block that rocks fastest, p = sqrt(3 g/(4 R)), at most a hundredth of `end` and a twentieth of
+    the shortest period of the ground's motion. It is shortened where a body is too stiff for it."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -77,24 +80,33 @@ class TimeSpec(Checked):
         if is_open(self.damped_steps):
             object.__setattr__(self, "damped_steps", 0 if self.adaptive else DAMPED_STEPS)
 
-    def in_scene(self, *, is_rigid: bool, frequency: float) -> TimeSpec:
+    def in_scene(
+        self, *, is_rigid: bool, frequency: float, period: float, stiffest: float
+    ) -> TimeSpec:
         """The same with nothing left open.
 
         Args:
             is_rigid: Whether nothing in the scene is meshed.
             frequency: p of the block that rocks fastest, 1/s; 0 without gravity.
+            period: The shortest of the ground's motion, s.
+            stiffest: Longest step that the stiffest meshed body allows, s.
         """
         if not is_open(self.step):
+            if self.largest is not None and self.step <= stiffest < self.largest:
+                return replace(self, largest=max(_rounded(stiffest), self.step))
             return self
-        longest = self.end / FEWEST_STEPS
+        longest = min(self.end / FEWEST_STEPS, period / STEPS_A_PERIOD)
         if frequency > 0:
             share = STEP_OF_RIGID_SCENES if is_rigid else LONGEST_STEP
             longest = min(longest, share / frequency)
-        longest = _rounded(longest)
         if is_rigid:
-            return replace(self, step=longest)
-        largest = longest if self.largest is None else self.largest
-        return replace(self, step=min(largest / 4, self.end), largest=largest, adaptive=True)
+            return replace(self, step=_rounded(longest))
+        if self.largest is not None:
+            longest = self.largest
+        elif longest < stiffest:
+            longest = _rounded(longest)
+        longest = min(longest, self.end, stiffest)
+        return replace(self, step=longest / 4, largest=longest, adaptive=True)
 
 
 def _rounded(step: float) -> float:

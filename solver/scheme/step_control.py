@@ -99,11 +99,11 @@ class Tolerance:
     ground after an impact meets it again.
     """
 
-    CHANGE = 1e-5
+    CHANGE = 8e-6
     """Error of the rigid motion in a step in which contact changes, over the tolerance."""
     CALM = 100.0
     """Factor of that error in all other steps."""
-    VIBRATION = 2.5e-4
+    VIBRATION = 2.6e-4
     """Error of the vibration in a step, over the tolerance."""
     GROWTH = 8.0
     """By what the error grows when the step doubles."""

@@ -103,22 +103,42 @@ def test_a_step_may_be_accepted_without_climbing():
         ladder.accept(climb=False)
 
 
-def test_the_tolerance_is_wide_until_something_happens_and_again_some_steps_later():
-    tolerance = Tolerance(1.0)
-    wide = Tolerance.CALM
-    assert tolerance.accepts(0.9 * wide)
-    assert not tolerance.accepts(1.1 * wide)
-    assert not tolerance.accepts(0.9 * wide), "now it is strict"
-    for _ in range(Tolerance.WATCH):
-        assert tolerance.accepts(0.9)
-        grown = tolerance.climbs(0.0)
-    assert grown, "the watch is over"
-    assert tolerance.accepts(0.9 * wide)
+def test_steps_that_are_not_accurate_enough_are_halved_at_once_and_grow_again_at_once():
+    ladder = Ladder(0.1, 10.0, 0.1 / 64)
+    assert ladder.shorten(3)
+    assert ladder.step == pytest.approx(0.1 / 8)
+    ladder.accept()
+    ladder.accept()
+    assert ladder.step == pytest.approx(0.1 / 4)
+    assert ladder.shorten(10), "down to the smallest"
+    assert ladder.step == pytest.approx(0.1 / 64)
+    assert not ladder.shorten()
+    assert ladder.rejected == 3
+
+
+def test_the_bound_on_rigid_motion_is_strict_where_contact_changes():
+    tolerance = Tolerance(1e-3)
+    strict = 1e-3 * Tolerance.CHANGE
+    assert tolerance.used(rigid=strict, vibration=0.0, changed=True) == pytest.approx(1.0)
+    calm = tolerance.used(rigid=strict, vibration=0.0, changed=False)
+    assert calm == pytest.approx(1.0 / Tolerance.CALM)
+
+
+def test_vibration_is_judged_by_itself():
+    tolerance = Tolerance(1e-3)
+    most = 1e-3 * Tolerance.VIBRATION
+    for changed in (False, True):
+        used = tolerance.used(rigid=0.0, vibration=2 * most, changed=changed)
+        assert used == pytest.approx(2.0)
 
 
 def test_steps_grow_only_where_twice_the_step_would_pass():
-    """The error grows with the cube of the step; half the bound is kept in reserve."""
-    tolerance = Tolerance(1.0)
-    bound = Tolerance.CALM
-    assert tolerance.climbs(0.99 * bound / 16)
-    assert not tolerance.climbs(1.01 * bound / 16)
+    """The error grows with the cube of the step; a quarter is kept in reserve."""
+    tolerance = Tolerance(1e-3)
+    assert tolerance.climbs(0.99 / 10)
+    assert not tolerance.climbs(1.01 / 10)
+
+
+def test_a_step_is_halved_as_often_as_its_error_asks_for():
+    tolerance = Tolerance(1e-3)
+    assert [tolerance.halvings(used) for used in (1.1, 7.0, 63.0, 65.0, 8.1**5)] == [1, 1, 1, 2, 5]

@@ -28,30 +28,32 @@ def thrown(young: float, speed: float, step: float, *overrides: str) -> Scene:
 
 @pytest.mark.parametrize("count", [3, 8])
 def test_so_many_steps_after_each_change(count: int) -> None:
-    """Counted down from a change on, from the start again at the next one."""
+    """For so long from a change on, and again from the next one."""
     scene = thrown(1e9, 0.3, 2e-3, f"time.damped_steps={count}")
     assembly = build(scene)
     stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
-    left, landings = 0, 0
+    left, landings, dt = 0, 0, scene.time.step
     for _ in range(100):
         closed = state.contacts[0].force[:, 0] > 0
-        state, _ = stepper.advance(state, scene.time.step)
+        state, _ = stepper.advance(state, dt)
         landed = not closed.any() and bool((state.contacts[0].force[:, 0] > 0).any())
         landings += landed
         flies = not closed.any() and not landed
         left = count if landed else max(left - 1, 0)
         if landed or flies:
-            assert state.unsettled == left
-        left = state.unsettled
+            assert round((state.damped_until - state.time) / dt) == left or left == 0
+            assert state.is_damped(dt) == (left > 0)
+        left = max(round((state.damped_until - state.time) / dt), 0)
     assert landings > 0
 
 
-def test_a_step_that_fails_leaves_the_count(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_step_that_fails_leaves_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is tried again with half the step is as damped as the step would have been."""
     scene = thrown(1e9, 0.3, 2e-3)
     assembly = build(scene)
     stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
-    state = replace(state, unsettled=5)
+    until = 5 * scene.time.step
+    state = replace(state, damped_until=until)
     skews: list[float] = []
     ended = Stepper._ended
 
@@ -62,9 +64,10 @@ def test_a_step_that_fails_leaves_the_count(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(Stepper, "_ended", watch)
     one, _ = stepper.advance(state, scene.time.step)
     two, _ = stepper.advance(state, scene.time.step / 2)
-    assert state.unsettled == 5
+    assert state.damped_until == until
     assert skews == [0.5, 0.5]
-    assert {one.unsettled, two.unsettled} <= {4, 8}
+    for new in (one, two):
+        assert new.damped_until == (new.time + 8 * scene.time.step if new.changed else until)
 
 
 def test_landing_after_a_flight_that_began_with_damped_steps() -> None:
@@ -86,3 +89,14 @@ def test_without_them() -> None:
     )
     assert abs(kept["numerical_J"]) < 1e-6 * lost["numerical_J"]
     assert np.isfinite(lost["contact_J"])
+
+
+def test_adaptive_steps_need_none() -> None:
+    """They resolve what vibrates; where it is asked for, time is counted in first steps."""
+    scene = thrown(1e9, 0.3, 2e-3, "time.adaptive=true")
+    assert scene.time.damped_steps == 0
+    assert simulate(scene).summary["cost"]["damped_steps"] == 0
+    asked = simulate(thrown(1e9, 0.3, 2e-3, "time.adaptive=true", "time.damped_steps=4"))
+    step, damped = asked.history["step_s"], asked.summary["cost"]["damped_steps"]
+    assert damped > 4, "steps are shorter than the first one"
+    assert damped < len(step)
