@@ -41,6 +41,14 @@ def test_every_package_has_its_place(drawing: ModuleType) -> None:
     assert packages - drawing.SHARED - {"solver"} <= set(drawing.ORDER)
 
 
+def test_the_program_runs_without_benchmarks(drawing: ModuleType) -> None:
+    """Only the study of stability, a check of the program, takes what it needs from there."""
+    users = [
+        name for name, file in drawing.modules().items() if "from benchmarks" in file.read_text()
+    ]
+    assert users == ["solver.study.stability"]
+
+
 def test_few_files_stand_at_the_root_of_the_solver() -> None:
     assert len(list((REPOSITORY / "solver").glob("*.py"))) <= 10
 

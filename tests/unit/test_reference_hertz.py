@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from solver.verification.hertz import (
+from benchmarks.verification.hertz import (
     HertzLine,
     HertzPoint,
     contact_modulus,

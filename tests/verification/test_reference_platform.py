@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from benchmarks.verification.newmark import incline_distance, sliding_block, sliding_stop
 from solver.reference.friction import Resistance
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
 from solver.scene import FrictionSpec
 from solver.scene.foundation import Platform
-from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81
 PLATFORM = Platform.on_spring(1.0, period=0.5, stiffness=None, damping_ratio=0.05)
