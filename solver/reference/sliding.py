@@ -15,7 +15,6 @@ from solver.reference.phases import (
     Recorder,
     event,
     first_beyond,
-    first_step,
     output_times,
     solve,
     still,
@@ -116,6 +115,5 @@ class _Slider:
             (start, self.end),
             (slip, speed),
             step=self.step,
-            first=first_step(self.end - start, self.step, speed, rate(start, speed)),
             events=[event(lambda time, y: way * y[1], falling=True, terminal=True)],
         )
