@@ -21,10 +21,8 @@ import numpy as np
 
 from benchmarks.hertz import PHASES, Disc, constant, true_pressure
 from rockslip import load_scene
-from solver.study.error_runtime.beside import read_beside
-from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
-from solver.study.error_runtime.findings import Findings
-from solver.study.error_runtime.ladders import NAMES
+from solver.study.error_runtime.findings import Findings, read_beside
+from solver.study.error_runtime.ladders import NAMES, LadderFamily, Rung, RunOutcome, climb
 from solver.study.error_runtime.picture import picture
 from solver.study.error_runtime.reference import Reference
 from solver.study.error_runtime.study import study

@@ -11,21 +11,11 @@ from typing import Any
 from solver import VERSION
 from solver.errors import EnvironmentTrouble
 
-#: Python packages whose versions matter, by the attribute that holds the version.
-PACKAGES = {
-    "dolfinx": "__version__",
-    "petsc4py": "__version__",
-    "mpi4py": "__version__",
-    "gmsh": "__version__",
-    "numpy": "__version__",
-    "scipy": "__version__",
-    "numba": "__version__",
-    "pyvista": "__version__",
-    "matplotlib": "__version__",
-}
-
 #: Packages without which `rockslip run` does not work.
 NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy", "numba")
+
+#: Python packages whose versions matter.
+PACKAGES = (*NEEDED, "pyvista", "matplotlib")
 
 #: Direct solvers that PETSc may have, and the factorization that shows whether it does.
 DIRECT_SOLVERS = {
@@ -84,7 +74,7 @@ def _version(package: str) -> str:
         module = importlib.import_module(package)
     except ImportError:
         return "missing"
-    return str(getattr(module, PACKAGES[package], "unknown"))
+    return str(getattr(module, "__version__", "unknown"))
 
 
 def petsc_version() -> str:

@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from solver.fields.ground import floor_level, half_floor, platform_corners
-from solver.fields.paraview import paraview_script
+from solver.fields.ground import platform_corners
+from solver.fields.paraview import write_script
 from solver.fields.pvd import PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
 from solver.scene import Scene
@@ -65,13 +65,7 @@ class RigidSnapshots:
             for part, (name, corners) in enumerate(parts)
         ]
         if writes:
-            script = paraview_script(
-                half_floor(scene),
-                dimension=scene.dimension,
-                level=floor_level(scene),
-                stress=False,
-            )
-            (folder / "open_in_paraview.py").write_text(script, encoding="utf-8")
+            write_script(folder, scene, stress=False)
 
     def write(self, time: float) -> None:
         """Write the bodies as they stand.

@@ -68,8 +68,21 @@ class StillSpec(Motion):
         return 0.0
 
 
+class _Peaked(Motion):
+    """Base of the kinds whose largest acceleration is their amplitude."""
+
+    __slots__ = ()
+
+    amplitude_g: float
+
+    @property
+    def known_peak(self) -> float | None:
+        """The amplitude, m/s^2."""
+        return abs(self.amplitude_g) * G_UNIT
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SineSpec(Motion):
+class SineSpec(_Peaked):
     """A sine of the ground's acceleration: `[motion]` with kind = "sine"."""
 
     kind: Literal["sine"] = "sine"
@@ -82,14 +95,9 @@ class SineSpec(Motion):
     start: NotNegative = 0.0
     """Time at which the motion begins, s."""
 
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Pulse(Motion):
+class _Pulse(_Peaked):
     """A motion that is over after a while."""
 
     amplitude_g: Finite
@@ -98,11 +106,6 @@ class _Pulse(Motion):
     """Duration, s."""
     start: NotNegative = 0.0
     """Time at which the motion begins, s."""
-
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +130,7 @@ class RectangularSpec(_Pulse):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RickerSpec(Motion):
+class RickerSpec(_Peaked):
     """A Ricker wavelet, its largest acceleration in the middle: kind = "ricker"."""
 
     kind: Literal["ricker"] = "ricker"
@@ -145,11 +148,6 @@ class RickerSpec(Motion):
         """Check the values."""
         Motion.__post_init__(self)
         exactly_one(self, "duration", "frequency")
-
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,10 +15,16 @@ import pytest
 from rockslip import Scene, parse_scene
 from solver import cli
 from solver.errors import SceneError
-from solver.study.error_runtime.beside import Beside, read_beside
-from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
-from solver.study.error_runtime.findings import Findings
-from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
+from solver.study.error_runtime.findings import Beside, Findings, read_beside
+from solver.study.error_runtime.ladders import (
+    NAMES,
+    LadderFamily,
+    Rung,
+    RunOutcome,
+    climb,
+    coarsest_step,
+    families,
+)
 from solver.study.error_runtime.measures import check_patterns, chosen, words
 from solver.study.error_runtime.reference import Reference, limit, own_limit
 from solver.study.error_runtime.table import as_csv, everything, rows, text

@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     from solver.run.folders import claim_folder
     from solver.scene import load_scene, scene_to_toml
-    from solver.study.error_runtime.beside import read_beside
+    from solver.study.error_runtime.findings import read_beside
     from solver.study.error_runtime.ladders import NAMES, check_names
     from solver.study.error_runtime.measures import check_patterns
     from solver.study.error_runtime.study import study, write

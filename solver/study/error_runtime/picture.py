@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.pictures.style import GREY, PALETTE, new_figure, save
-from solver.study.error_runtime.beside import Beside
-from solver.study.error_runtime.findings import Findings
+from solver.study.error_runtime.findings import Beside, Findings
 
 #: One for each family; colours come round earlier.
 MARKERS = "osD^vP*<>Xhp"

@@ -11,8 +11,7 @@ from solver.errors import SceneError
 from solver.reference.answer import ROCKING, reference_history, reference_name
 from solver.results.summary import summarise
 from solver.scene import Scene
-from solver.study.error_runtime.family import Trial, ladder_of
-from solver.study.error_runtime.ladders import with_step
+from solver.study.error_runtime.ladders import Trial, ladder_of, with_step
 from solver.study.error_runtime.measures import measures, scale_of
 from solver.types import Array
 

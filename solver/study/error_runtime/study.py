@@ -13,10 +13,15 @@ from mpi4py import MPI
 from solver.errors import SceneError
 from solver.run.simulate import simulate
 from solver.scene import Scene
-from solver.study.error_runtime.beside import Beside
-from solver.study.error_runtime.family import RunOutcome, Trial, climb
-from solver.study.error_runtime.findings import Findings
-from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
+from solver.study.error_runtime.findings import Beside, Findings
+from solver.study.error_runtime.ladders import (
+    NAMES,
+    RunOutcome,
+    Trial,
+    climb,
+    coarsest_step,
+    families,
+)
 from solver.study.error_runtime.measures import chosen, measures, words
 from solver.study.error_runtime.reference import references
 from solver.study.error_runtime.table import as_csv, everything, text
