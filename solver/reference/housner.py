@@ -98,8 +98,8 @@ def housner(
         recorder.rest(time, math.copysign(math.pi / 2, angle))
     return RockingReference(
         time=recorder.time,
-        angle=recorder.position,
-        angular_velocity=recorder.velocity,
+        angle=recorder.states[:, 0],
+        angular_velocity=recorder.states[:, 1],
         impacts=np.array(impacts),
         peaks=np.array(peaks),
         overturned=overturned,

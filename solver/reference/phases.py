@@ -65,16 +65,6 @@ class Recorder:
         """Begin with a body at rest."""
         self.states = np.zeros((len(self.time), self.size))
 
-    @property
-    def position(self) -> NDArray[np.float64]:
-        """The first number of the state."""
-        return self.states[:, 0]
-
-    @property
-    def velocity(self) -> NDArray[np.float64]:
-        """The second number of the state."""
-        return self.states[:, 1]
-
     def rest(self, start: float, position: float) -> None:
         """From `start` on the body stays where it is; later phases write over it."""
         later = self.time >= start

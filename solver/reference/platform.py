@@ -147,7 +147,7 @@ def sliding_on_platform(
         if way:
             state[1], slipped = 0.0, True
     ground = np.array([pair.ground(float(t)) for t in recorder.time])
-    rows = zip(recorder.time, np.abs(recorder.velocity), strict=True)
+    rows = zip(recorder.time, np.abs(recorder.states[:, 1]), strict=True)
     slides = np.array([law.slides(pair.normal(float(t)), float(speed)) for t, speed in rows])
     return pair.history(recorder.time, recorder.states, ground, slides)
 

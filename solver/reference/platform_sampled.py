@@ -17,7 +17,6 @@ import numpy as np
 
 from solver.excitation.sampled import SampledMotion
 from solver.reference.friction import Resistance
-from solver.reference.oscillator import LinearOscillator
 from solver.reference.phases import output_times
 from solver.reference.platform import BEYOND, Pair, PlatformReference
 from solver.scene import Platform
@@ -25,6 +24,44 @@ from solver.types import Array
 
 APART = 1e-9
 """Samples that are this near to an output time are taken to come with it, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class LinearOscillator:
+    """A damped one, u'' + 2 d u' + w2 u = load, in closed form for loads linear in time."""
+
+    w2: float
+    """Stiffness over mass, 1/s^2."""
+    d: float
+    """Half of the damping over mass, 1/s."""
+
+    def after(
+        self, drift: float, velocity: float, load: float, slope: float, tau: float
+    ) -> tuple[float, float]:
+        """Drift (m) and velocity (m/s) after a time tau (s).
+
+        Args:
+            drift: At the start, m.
+            velocity: At the start, m/s.
+            load: At the start, over the mass, m/s^2.
+            slope: Of the load, m/s^3.
+            tau: s.
+        """
+        w2, d = self.w2, self.d
+        steady = slope / w2
+        level = (load - 2 * d * steady) / w2
+        u, v = drift - level, velocity - steady
+        root, fade = w2 - d * d, math.exp(-d * tau)
+        if root > 0:
+            turn = math.sqrt(root)
+            c, s = math.cos(turn * tau), math.sin(turn * tau) / turn
+        elif root < 0:
+            turn = math.sqrt(-root)
+            c, s = math.cosh(turn * tau), math.sinh(turn * tau) / turn
+        else:
+            c, s = 1.0, tau
+        moved = fade * (u * (c + d * s) + v * s)
+        return level + steady * tau + moved, steady + fade * (v * (c - d * s) - w2 * u * s)
 
 
 class PlatformState(NamedTuple):

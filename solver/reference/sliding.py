@@ -71,7 +71,9 @@ def sliding(
         phase = block.slide(way, start, slip, speed)
         recorder.move(start, phase.t[-1], phase.sol)
         time, slip, speed, slipped = float(phase.t[-1]), float(phase.y[0, -1]), 0.0, True
-    return SlidingReference(time=recorder.time, slip=recorder.position, velocity=recorder.velocity)
+    return SlidingReference(
+        time=recorder.time, slip=recorder.states[:, 0], velocity=recorder.states[:, 1]
+    )
 
 
 @dataclass(frozen=True, slots=True)
