@@ -1,7 +1,6 @@
 """`rockslip study stability`: scenes driven far, each with a verdict.
 
-The study checks the program itself, so it stands with the measurements of the repository, in
-`benchmarks/stability/`; here are its options.
+The study itself stands in `benchmarks/stability/`; here are its options.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from solver.errors import Statement
+from solver.study.repository import run_from_repository
 
 TEXT = "scenes driven far, each with a verdict: held, refused by name, or failed"
 
@@ -36,11 +35,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """The study; 0 where every scene holds or is refused, 3 where one failed."""
-    try:
-        from benchmarks.stability import run as stability
-    except ModuleNotFoundError as error:
-        if not (error.name or "").startswith("benchmarks"):
-            raise
-        needs = "needs benchmarks/ of rockslip's repository: call ./in-env rockslip there"
-        raise Statement("study stability", needs) from None
-    return stability.run(options)
+    return run_from_repository("stability", options)

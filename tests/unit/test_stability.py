@@ -322,14 +322,16 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "--family: got no such, allowed the beginning of one of" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [["stability"], ["error-runtime", "scene.toml"]])
 def test_without_the_repository_it_says_what_it_needs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str]
 ) -> None:
     """The installed package alone has no `benchmarks`."""
-    monkeypatch.setitem(sys.modules, "benchmarks.stability", None)
-    assert main(["study", "stability"]) == 2
+    monkeypatch.setitem(sys.modules, f"benchmarks.{words[0].replace('-', '_')}.run", None)
+    assert main(["study", *words]) == 2
     said = capsys.readouterr().err
-    assert said.startswith("rockslip: study stability needs benchmarks/") and said.count("\n") == 1
+    assert said.startswith(f"rockslip: study {words[0]} needs benchmarks/")
+    assert said.count("\n") == 1
 
 
 def test_the_sentence_says_the_largest_of_what_is_a_number() -> None:

@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.error_runtime.ladders import LadderFamily, Trial
+from benchmarks.error_runtime.reference import Reference
 from solver.errors import SceneError
 from solver.scene.checking import shown
-from solver.study.error_runtime.ladders import LadderFamily, Trial
-from solver.study.error_runtime.reference import Reference
 
 #: A slope is fitted to errors above this many times the floor of their reference.
 CLEAR_OF_FLOOR = 2.0
