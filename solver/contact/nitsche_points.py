@@ -20,6 +20,7 @@ from solver.contact.kernels.nitsche import (
     evaluate,
     traction_gradient,
 )
+from solver.law.compiled import runs_machine_code
 from solver.parallel import Layer
 from solver.scene.material import Material
 from solver.types import Array, Indices
@@ -93,7 +94,8 @@ class ContactPoints:
             stress_rows=np.ascontiguousarray(material.normal_stress_map(table.normal)),
             reference=np.ascontiguousarray(self.reference),
         )
-        self._compile()
+        if runs_machine_code():
+            self._compile()
 
     def _compile(self) -> None:
         """Let what is compiled be compiled, or read what was kept, before time counts."""
