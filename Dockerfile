@@ -52,7 +52,8 @@ RUN rm /usr/local/bin/rockslip \
  && rm -rf /opt/rockslip/build /opt/rockslip/*.egg-info \
  && useradd --create-home rockslip \
  && chmod 1777 /home/rockslip
-ENV HOME=/home/rockslip
+# Two studies and demos/hertz take what they need from benchmarks/ of the repository.
+ENV HOME=/home/rockslip PYTHONPATH=/opt/rockslip
 USER rockslip
 WORKDIR /home/rockslip
 CMD ["rockslip"]

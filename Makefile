@@ -25,7 +25,7 @@ quick:
 lint: $(RUFF)
 	$(RUFF) check .
 	$(RUFF) format --check .
-	./in-env python3 -m mypy geometry solver
+	./in-env python3 -m mypy
 
 # Debian 13 has no ruff: one of our own, on the host, where the package index is reached.
 .cache/lint/bin/ruff:

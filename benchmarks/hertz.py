@@ -32,14 +32,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
+from benchmarks.verification.load_steps import Tractions, pressed
+from benchmarks.verification.pressed_disc import disc_on_ground
 from solver.contact.body_points import SurfaceState
 from solver.contact.plane_target import Plane
 from solver.contact.projection import ContactKinematics
 from solver.scene.material import Material
 from solver.stepping.stepper import Stepper
-from solver.verification.hertz import HertzLine, centre_approach, contact_modulus
-from solver.verification.load_steps import Tractions, pressed
-from solver.verification.pressed_disc import disc_on_ground
 
 Array = NDArray[np.float64]
 

@@ -19,17 +19,15 @@ from time import perf_counter
 
 import numpy as np
 
+from benchmarks.error_runtime.findings import Findings, read_beside
+from benchmarks.error_runtime.ladders import NAMES, LadderFamily, Rung, RunOutcome, climb
+from benchmarks.error_runtime.machine import machine
+from benchmarks.error_runtime.picture import picture
+from benchmarks.error_runtime.reference import Reference
+from benchmarks.error_runtime.study import study
+from benchmarks.error_runtime.table import as_csv, text
 from benchmarks.hertz import PHASES, Disc, constant, true_pressure
 from rockslip import load_scene
-from solver.study.error_runtime.beside import read_beside
-from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
-from solver.study.error_runtime.findings import Findings
-from solver.study.error_runtime.ladders import NAMES
-from solver.study.error_runtime.picture import picture
-from solver.study.error_runtime.reference import Reference
-from solver.study.error_runtime.study import study
-from solver.study.error_runtime.table import as_csv, text
-from solver.study.machine import machine
 from solver.study.tables import write
 
 HERE = Path(__file__).resolve().parent

@@ -31,7 +31,6 @@ ORDER = (
     "reference",
     "run",
     "pictures",
-    "verification",
     "study",
     "cli",
 )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.block import Block
-from geometry.types import Array
+from solver.types import Array
 
 Placement = Callable[[Array], Array]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from geometry.types import Array
+from solver.types import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

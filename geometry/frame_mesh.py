@@ -13,7 +13,7 @@ import numpy as np
 from geometry.foundation import Frame
 from geometry.gmsh_model import CELLS, MeshedBody, make, split_into_simplices
 from geometry.tags import CellTag, FacetTag
-from geometry.types import Array
+from solver.types import Array
 
 Box = tuple[int, ...]
 """A box of the coarse grid, by its place along each direction."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from geometry.compat import model_to_mesh
 from geometry.tags import CellTag, FacetTag
-from geometry.types import Array, Indices, Mask
+from solver.types import Array, Indices, Mask
 
 CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 """Shapes of cells in the plane and in space, the usual one first."""

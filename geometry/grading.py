@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.types import Array
+from solver.types import Array
 
 
 def graded(count: int, ratio: float) -> Array:

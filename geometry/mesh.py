@@ -12,7 +12,7 @@ from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS, MeshedBody, box, make, rectangle
 from geometry.grading import centred, graded, graded_to_both_ends
 from geometry.tags import CellTag
-from geometry.types import Array
+from solver.types import Array
 
 
 def block_mesh(

@@ -11,34 +11,17 @@ from typing import Any
 from solver import VERSION
 from solver.errors import EnvironmentTrouble
 
-#: Python packages whose versions matter, by the attribute that holds the version.
-PACKAGES = {
-    "dolfinx": "__version__",
-    "petsc4py": "__version__",
-    "mpi4py": "__version__",
-    "gmsh": "__version__",
-    "numpy": "__version__",
-    "scipy": "__version__",
-    "numba": "__version__",
-    "pyvista": "__version__",
-    "matplotlib": "__version__",
-}
-
 #: Packages without which `rockslip run` does not work.
 NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy", "numba")
 
-#: Direct solvers that PETSc may have, and the factorization that shows whether it does.
-DIRECT_SOLVERS = {
-    "petsc": "lu",
-    "mumps": "lu",
-    "cholmod": "cholesky",
-    "umfpack": "lu",
-    "klu": "lu",
-    "superlu": "lu",
-    "superlu_dist": "lu",
-    "strumpack": "lu",
-    "mkl_pardiso": "lu",
-}
+#: Python packages whose versions matter.
+PACKAGES = (*NEEDED, "pyvista", "matplotlib")
+
+#: Direct solvers that PETSc may have; cholmod factors symmetric matrices only.
+DIRECT_SOLVERS = (
+    *("petsc", "mumps", "cholmod", "umfpack", "klu"),
+    *("superlu", "superlu_dist", "strumpack", "mkl_pardiso"),
+)
 
 #: Beginnings of the file names of libraries that do the work of BLAS.
 BLAS_LIBRARIES = ("libopenblas", "libblas", "libmkl_rt", "libmkl_core", "libblis", "libatlas")
@@ -84,7 +67,7 @@ def _version(package: str) -> str:
         module = importlib.import_module(package)
     except ImportError:
         return "missing"
-    return str(getattr(module, PACKAGES[package], "unknown"))
+    return str(getattr(module, "__version__", "unknown"))
 
 
 def petsc_version() -> str:
@@ -103,10 +86,10 @@ def mpi_version() -> str:
 
 def direct_solvers() -> list[str]:
     """Direct solvers that PETSc was built with: those that factor a small matrix."""
-    return [name for name, kind in DIRECT_SOLVERS.items() if _factors(name, kind)]
+    return [name for name in DIRECT_SOLVERS if _factors(name)]
 
 
-def _factors(name: str, kind: str) -> bool:
+def _factors(name: str) -> bool:
     """Whether a solver of that name factors a unit matrix."""
     from mpi4py import MPI
     from petsc4py import PETSc
@@ -115,7 +98,7 @@ def _factors(name: str, kind: str) -> bool:
     preconditioner: Any = PETSc.PC().create(MPI.COMM_SELF)
     try:
         preconditioner.setOperators(matrix)
-        preconditioner.setType(kind)
+        preconditioner.setType("cholesky" if name == "cholmod" else "lu")
         preconditioner.setFactorSolverType(name)
         preconditioner.setUp()
     except PETSc.Error:

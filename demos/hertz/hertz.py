@@ -18,7 +18,7 @@
 # - solve a sequence of equilibria, each of which starts from the one before,
 # - compare contact tractions with a closed form.
 #
-# It uses `solver/verification/`, a small library of problems with known answers.
+# It uses `benchmarks/verification/`, a small library of problems with known answers.
 #
 # ## The problem
 #
@@ -41,12 +41,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
+from benchmarks.verification.load_steps import Tractions, pressed
+from benchmarks.verification.pressed_disc import disc_on_ground
 from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.results.verdict import verdict
 from solver.scene.material import Material
-from solver.verification.hertz import HertzLine, centre_approach, contact_modulus
-from solver.verification.load_steps import Tractions, pressed
-from solver.verification.pressed_disc import disc_on_ground
 
 OUTPUT = Path(__file__).resolve().parent / "output"
 

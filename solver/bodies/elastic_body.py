@@ -158,12 +158,10 @@ class ElasticBody:
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """Motion of the rigid body that has the same momentum and angular momentum."""
         d = self.dimension
-        momentum, arm = self.inertia(v).reshape(-1, d), self.arm + u.reshape(-1, d)
-        if d == 2:
-            about = [float(arm[:, 1] @ momentum[:, 0] - arm[:, 0] @ momentum[:, 1])]
-        else:
-            about = np.cross(arm, momentum).sum(axis=0).tolist()
-        parts = [*(self.directional_mass @ u), *momentum.sum(axis=0), *about]
+        moments = (self.arm + u.reshape(-1, d)).T @ self.inertia(v).reshape(-1, d)
+        planes = [(1, 0)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
+        about = [moments[i, j] - moments[j, i] for i, j in planes]
+        parts = [*(self.directional_mass @ u), *(self.directional_mass @ v), *about]
         sums = global_sum(self.comm, np.array(parts))
         moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
         if d == 2:

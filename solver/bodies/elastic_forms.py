@@ -10,8 +10,7 @@ which keeps energy and does no work in rotations.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from petsc4py import PETSc
 
@@ -26,8 +25,7 @@ STRAINED_STIFFNESS_CHANGE = 0.1
 it: what iterations with the undeformed tangent leave of an error is of that size."""
 
 
-@dataclass(frozen=True, slots=True)
-class StrainWeights:
+class StrainWeights(NamedTuple):
     """Weights of the strains in the stress of a step's internal force.
 
     Attributes:

@@ -12,7 +12,8 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.nitsche_points import ContactPoints, NitscheState
+from solver.contact.kernels.nitsche import NitscheState
+from solver.contact.nitsche_points import ContactPoints
 from solver.parallel import Layer
 from solver.types import Array, Indices
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.contact.body_points import FacePoints, SurfaceState
 from solver.contact.foot_way import FootWay
+from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, feet_on_chain
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, Projection
 from solver.types import Array, Indices, Mask
@@ -20,10 +21,6 @@ the square of that."""
 
 FOOT_ITERATIONS = 4
 """Corrections of Newton's method for a foot, at most."""
-
-EDGE_BLEND_WIDTH = 0.02
-"""Part of a facet: as near as this to its edge, a foot goes over to the slope averaged over the
-facets that meet there."""
 
 FACETS_TRIED = 4
 """Facets around a point, the nearest ones first, among which its foot is looked for."""
@@ -175,26 +172,9 @@ class Face(FacetCarrier):
 
     def _foot_on_chain(self, along: Array, nodes: Array) -> Projection:
         """Feet on straight facets in the plane, in closed form."""
-        chain = nodes[self._chain]
-        last = len(chain) - 2
-        facet = np.minimum(np.maximum(chain[:, 1].searchsorted(along, "right") - 1, 0), last)
-        steps, reference = chain[1:] - chain[:-1], self._reference
-        length = steps[facet, 1]
-        where = (along - chain[facet, 1]) / length
-        weights = np.empty((len(where), 2))
-        weights[:, 0], weights[:, 1] = 1 - where, where
-        own = np.diff(reference)
-        outside = (where < -self.margin) | (where > 1 + self.margin)
-        slope = _blended(steps[:, 0] / steps[:, 1], facet, where)
-        stretch = _blended(steps[:, 1] / own, facet, where)
-        return Projection(
-            self.facets[facet],
-            weights,
-            (reference[facet] + where * own[facet])[:, None],
-            slope[:, None],
-            stretch[:, None, None],
-            outside,
-        )
+        feet = feet_on_chain(along, nodes[self._chain], self._reference, self.margin)
+        at = self.facets[feet.facet]
+        return Projection(at, feet.weights, feet.along, feet.slope, feet.stretch, feet.outside)
 
     def _shapes(self, where: Array) -> tuple[Array, Array]:
         """Shape functions (m, k) and their derivatives (d-1, m, k)."""
@@ -256,17 +236,3 @@ class Face(FacetCarrier):
         """Points beyond the edge of the face."""
         assert isinstance(seat.foot, Projection)
         return seat.foot.beyond_edge
-
-
-def _blended(values: Array, facet: Indices, where: Array) -> Array:
-    """What is constant on each facet of a chain, blended with the next facet near its ends.
-
-    Args:
-        values: On each facet, (facets,).
-        facet: Facet of each point, (m,).
-        where: Place of each point on its facet, 0 to 1, (m,).
-    """
-    ends = np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
-    distance = np.abs(np.stack([where, 1 - where]))
-    start, end = np.maximum(0.0, 1 - distance / EDGE_BLEND_WIDTH)
-    return (1 - start - end) * values[facet] + start * ends[facet] + end * ends[facet + 1]

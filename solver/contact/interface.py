@@ -21,8 +21,8 @@ import numpy as np
 from solver.contact.body_points import NitschePoints, SurfacePoints, SurfaceState
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
+from solver.contact.kernels.nitsche import NitscheState, traction_pull
 from solver.contact.memory import Dissipation, Memory
-from solver.contact.nitsche_points import NitscheState
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
 from solver.contact.theta_term import theta_matrix
@@ -98,7 +98,8 @@ class Interface:
             self.area = np.full((self.count,), points.area / self.count)
         self._weight_column, self._gamma_column = self.weight[:, None], self.inverse_gamma[:, None]
         self._soft_column = self.softness[:, None]
-        self._pull_column = self.theta * self._gamma_column
+        self._pull_scale = self.theta * self.inverse_gamma
+        self._pull_column = self._pull_scale[:, None]
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
         self._keys = self._named()
 
@@ -237,12 +238,10 @@ class Interface:
             contact_weight: w_c.
         """
         assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
-        pull = -contact_weight * (force @ self.carrier.frame)
-        if traction_weight:
-            averaged = traction_weight * new.traction + (1 - traction_weight) * old.traction
-            pull += self._weight_column * averaged
-        pull *= self._pull_column
-        return pull
+        pressure = contact_weight * (force @ self.carrier.frame)
+        return traction_pull(
+            self._pull_scale, self.weight, pressure, old.traction, new.traction, traction_weight
+        )
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
 
 from solver.contact.body_points import SurfaceState
 from solver.contact.projection import ContactKinematics
@@ -57,8 +58,7 @@ REMEMBERED = tuple(field.name for field in fields(Memory) if field.name not in K
 """Fields of a memory that hold what only the past tells, one row for each point."""
 
 
-@dataclass(frozen=True, slots=True)
-class Dissipation:
+class Dissipation(NamedTuple):
     """What a step lost in an interface, J."""
 
     friction: float

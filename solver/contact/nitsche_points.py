@@ -7,7 +7,6 @@ average. A corner thus carries one point for each face that meets there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,29 +14,19 @@ import scipy.sparse as sp
 from dolfinx import fem, mesh
 
 from solver.contact.facets import Evaluations, evaluate_facets, gather
+from solver.contact.kernels.nitsche import (
+    NitscheState,
+    SurfaceRows,
+    evaluate,
+    traction_gradient,
+)
+from solver.law.compiled import runs_machine_code
 from solver.parallel import Layer
 from solver.scene.material import Material
 from solver.types import Array, Indices
 
 DENSE_ENTRIES = 50_000
 """Entries up to which a matrix is multiplied as a dense one: a sparse product costs 10 us."""
-
-
-@dataclass(slots=True)
-class NitscheState:
-    """What the surface knows of one configuration: positions and nominal tractions of its points.
-
-    Attributes:
-        position: x, (points, d), m.
-        traction: T = F S N, (points, d), Pa, averaged over the facets that meet in a point.
-        deformation: F, (evaluations, d, d).
-        normal_stress: S N, second Piola-Kirchhoff stress on the normal, (evaluations, d, 1), Pa.
-    """
-
-    position: Array
-    traction: Array
-    deformation: Array
-    normal_stress: Array
 
 
 def same(chosen: Indices, before: Indices) -> bool:
@@ -81,7 +70,7 @@ class ContactPoints:
         """
         self.layer, self.material, self.size = layer, material, size
         self.node_positions = table.node_positions
-        self.dimension = dimension = table.position.shape[1]
+        self.dimension = table.position.shape[1]
         first, point = _merged(table, size) if merge else _apart(table)
         self.count = len(first)
         self.weight: Array = np.asarray(np.bincount(point, table.weight), dtype=np.float64)
@@ -91,58 +80,42 @@ class ContactPoints:
         self.normal = average @ table.normal
         self.gamma_h: Array = gamma * material.longitudinal * degree**2 / (average @ table.size)
         self._normal = table.normal
-        self._normal_stress_map = material.normal_stress_map(table.normal)
-        self._twice_normal_stress_map = 2 * self._normal_stress_map
-        values = average @ _node_rows(table, table.values, layer)
-        values.data[np.abs(values.data) < 1e-14] = 0.0  # what tabulation leaves at other nodes
-        values.eliminate_zeros()
-        gradient = _gradient_rows(table, layer)
-        self._sparse = average, values, gradient
-        self._average, self._average_T = compact(average), compact(average.T)
+        shape_functions = np.where(np.abs(table.values) < 1e-14, 0.0, table.values)
+        values = sp.csr_matrix(average @ _node_rows(table, shape_functions, layer))
+        values.eliminate_zeros()  # what tabulation leaves at other nodes
+        self._sparse = average, values, _gradient_rows(table, layer)
         self.values, self.values_T = compact(values), compact(values.T)
-        self._gradient, self._gradient_T = compact(gradient), compact(gradient.T)
-        self._identity = np.eye(dimension)
+        self._rows = SurfaceRows(
+            nodes=np.ascontiguousarray(table.nodes, dtype=np.int64),
+            values=np.ascontiguousarray(shape_functions),
+            gradients=np.ascontiguousarray(table.gradients),
+            point=np.ascontiguousarray(point, dtype=np.int64),
+            share=np.ascontiguousarray(table.weight / self.weight[point]),
+            stress_rows=np.ascontiguousarray(material.normal_stress_map(table.normal)),
+            reference=np.ascontiguousarray(self.reference),
+        )
+        if runs_machine_code():
+            self._compile()
+
+    def _compile(self) -> None:
+        """Let what is compiled be compiled, or read what was kept, before time counts."""
+        at_rest = np.zeros((self.layer.size, self.dimension))
+        state = self.evaluate(at_rest)
+        self.traction_gradient(state, state, np.zeros_like(state.traction))
 
     def evaluate(self, displacement: Array) -> NitscheState:
         """Positions and tractions for the displacements (nodes, d) of the layer."""
-        d = self.dimension
-        transposed = (self._gradient @ displacement).reshape(-1, d, d)  # [e, j, i] = du_i/dX_j
-        gradient = transposed.swapaxes(1, 2)
-        twice = transposed @ gradient
-        twice += gradient
-        twice += transposed
-        deformation = gradient + self._identity
-        normal_stress = self._normal_stress_map @ twice.reshape(-1, d * d, 1)
-        return NitscheState(
-            position=self.reference + self.values @ displacement,
-            traction=self._average @ (deformation @ normal_stress)[:, :, 0],
-            deformation=deformation,
-            normal_stress=normal_stress,
-        )
+        return evaluate(self._rows, displacement)
 
     def traction_gradient(self, old: NitscheState, new: NitscheState, vector: Array) -> Array:
-        """Nodal values of `vector`.DT[v]: the discrete gradient of the traction between two states.
-
-        With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is
-        exactly T_new - T_old: work against a traction is a difference of states (after Simo and
-        Tarnow 1992).
+        """Nodal values of `vector`.DT[v], (nodes, d), by the discrete gradient of the traction.
 
         Args:
             old: State at t_n.
             new: State at t_{n+1}.
             vector: One vector per point, (points, d).
         """
-        d = self.dimension
-        deformation = old.deformation + new.deformation
-        deformation *= 0.5
-        normal_stress = old.normal_stress + new.normal_stress
-        normal_stress *= 0.5
-        each = (self._average_T @ vector)[:, None, :]
-        inner = (each @ deformation @ self._twice_normal_stress_map).reshape(-1, d, d)
-        # Transposed: the rows are directions of the gradient.
-        outer = inner @ deformation.swapaxes(1, 2)
-        outer += normal_stress * each
-        return self._gradient_T @ outer.reshape(-1, d)
+        return traction_gradient(self._rows, old, new, vector, self.layer.size)
 
     def traction_rows(self) -> sp.csr_matrix:
         """T of the undeformed body as a linear map, (points d, nodes d): C sym(grad u) N."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -60,8 +61,7 @@ class EdgeInterpolation(Interpolation):
     position: Array
 
 
-@dataclass(frozen=True, slots=True)
-class ContactKinematics:
+class ContactKinematics(NamedTuple):
     """Gaps and tangential positions of points over a carrier at one instant.
 
     Attributes:

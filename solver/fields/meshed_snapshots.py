@@ -13,8 +13,8 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
-from solver.fields.ground import floor_level, half_floor, platform_corners
-from solver.fields.paraview import paraview_script
+from solver.fields.ground import platform_corners
+from solver.fields.paraview import write_script
 from solver.fields.pvd import PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
 from solver.fields.writer import FieldWriter
@@ -49,13 +49,8 @@ class Snapshots:
                 writer = RigidFieldWriter(file, corners, index=index, part=number, writes=writes)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         if writes:
-            script = paraview_script(
-                half_floor(scene),
-                dimension=scene.dimension,
-                level=floor_level(scene),
-                stress=any(isinstance(body, ElasticBody) for body in system.bodies),
-            )
-            (folder / "open_in_paraview.py").write_text(script, encoding="utf-8")
+            elastic = any(isinstance(body, ElasticBody) for body in system.bodies)
+            write_script(folder, scene, stress=elastic)
 
     def write(self, time: float) -> None:
         """Write the fields of the run's state."""

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from string import Template
+
+from solver.fields.ground import floor_level, half_floor
+from solver.scene import Scene
 
 SCRIPT = Template('''\
 """Opens this run in ParaView: paraview --script=open_in_paraview.py
@@ -72,6 +76,14 @@ floor = Plane(
     Point1=[HALF_FLOOR, -HALF_FLOOR, LEVEL],
     Point2=[-HALF_FLOOR, HALF_FLOOR, LEVEL],
 )"""
+
+
+def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
+    """Write `open_in_paraview.py` for the run of a scene; `stress`: whether a body is elastic."""
+    text = paraview_script(
+        half_floor(scene), dimension=scene.dimension, level=floor_level(scene), stress=stress
+    )
+    (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")
 
 
 def paraview_script(

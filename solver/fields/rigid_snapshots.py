@@ -3,46 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.fields.ground import floor_level, half_floor, platform_corners
-from solver.fields.paraview import paraview_script
+from solver.fields.ground import platform_corners
+from solver.fields.paraview import write_script
 from solver.fields.pvd import PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
 from solver.scene import Scene
 from solver.types import Array
 
-
-class Bodies(Protocol):
-    """The rigid blocks that snapshots are taken of: `PlaneSystem` or `SpaceSystem`."""
-
-    @property
-    def drift(self) -> float | Array:
-        """Displacement of the platform along each horizontal direction, m."""
-
-    @property
-    def drift_velocity(self) -> float | Array:
-        """Velocity of the platform, m/s."""
-
-    def centre(self, block: int) -> Array:
-        """Centre of a block, m."""
-
-    def rotation(self, block: int) -> Array:
-        """Rotation matrix of a block."""
-
-    def velocity(self, block: int) -> Array:
-        """Velocity of the centre of a block, m/s."""
-
-    def angular_velocity(self, block: int) -> float | Array:
-        """Angular velocity of a block, rad/s: clockwise, or in space."""
+if TYPE_CHECKING:
+    from solver.rigid.plane.system import PlaneSystem
+    from solver.rigid.space.system import SpaceSystem
 
 
 class RigidSnapshots:
     """Displacement and velocity of all blocks and of the platform."""
 
-    def __init__(self, bodies: Bodies, folder: Path, scene: Scene, *, writes: bool = True):
+    def __init__(
+        self, bodies: PlaneSystem | SpaceSystem, folder: Path, scene: Scene, *, writes: bool = True
+    ):
         """Open `fields.pvd` and write the script that shows it in ParaView.
 
         Args:
@@ -65,13 +47,7 @@ class RigidSnapshots:
             for part, (name, corners) in enumerate(parts)
         ]
         if writes:
-            script = paraview_script(
-                half_floor(scene),
-                dimension=scene.dimension,
-                level=floor_level(scene),
-                stress=False,
-            )
-            (folder / "open_in_paraview.py").write_text(script, encoding="utf-8")
+            write_script(folder, scene, stress=False)
 
     def write(self, time: float) -> None:
         """Write the bodies as they stand.

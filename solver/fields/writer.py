@@ -7,7 +7,6 @@ the ground frame, so "warp by vector" with factor 1 shows the block as it stands
 from __future__ import annotations
 
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import ufl
@@ -106,16 +105,3 @@ class FieldWriter:
     def close(self) -> None:
         """Finish the files."""
         self._writer.close()
-
-    def __enter__(self) -> FieldWriter:
-        """The writer itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Finish the files."""
-        self.close()

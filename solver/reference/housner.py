@@ -15,8 +15,8 @@ from solver.reference.phases import (
     Recorder,
     event,
     first_beyond,
-    integrate,
     output_times,
+    solve,
     still,
 )
 
@@ -98,8 +98,8 @@ def housner(
         recorder.rest(time, math.copysign(math.pi / 2, angle))
     return RockingReference(
         time=recorder.time,
-        angle=recorder.position,
-        angular_velocity=recorder.velocity,
+        angle=recorder.states[:, 0],
+        angular_velocity=recorder.states[:, 1],
         impacts=np.array(impacts),
         peaks=np.array(peaks),
         overturned=overturned,
@@ -149,4 +149,10 @@ class _RigidBlock:
         ]
         # Over ground that moves, no feature of its motion may be stepped over.
         step = math.inf if self.ground is still else self.step
-        return integrate(rate, start, self.end, state, step=step, events=events)
+        return solve(
+            lambda time, y: (y[1], rate(time, y[0])),
+            (start, self.end),
+            state,
+            step=step,
+            events=events,
+        )

@@ -65,16 +65,6 @@ class Recorder:
         """Begin with a body at rest."""
         self.states = np.zeros((len(self.time), self.size))
 
-    @property
-    def position(self) -> NDArray[np.float64]:
-        """The first number of the state."""
-        return self.states[:, 0]
-
-    @property
-    def velocity(self) -> NDArray[np.float64]:
-        """The second number of the state."""
-        return self.states[:, 1]
-
     def rest(self, start: float, position: float) -> None:
         """From `start` on the body stays where it is; later phases write over it."""
         later = self.time >= start
@@ -101,37 +91,7 @@ def event(function: Callable[..., float], *, falling: bool, terminal: bool) -> A
     return marked
 
 
-def integrate(
-    rate: Callable[[float, float], float],
-    start: float,
-    end: float,
-    state: tuple[float, float],
-    *,
-    step: float,
-    events: list[Any],
-) -> Any:
-    """Solve position'' = rate(time, position) until a terminal event; scipy's solution object.
-
-    Args:
-        rate: Second derivative, smooth over the phase or nearly so.
-        start: s.
-        end: s.
-        state: Position and velocity at the start.
-        step: Largest step of the integrator, s: no feature of the ground's motion is stepped over.
-        events: As `scipy.integrate.solve_ivp` takes them.
-    """
-    first = first_step(end - start, step, state[1], rate(start, state[0]))
-    return solve(
-        lambda time, y: (y[1], rate(time, y[0])),
-        (start, end),
-        state,
-        step=step,
-        first=first,
-        events=events,
-    )
-
-
-def first_step(span: float, step: float, velocity: float, pull: float) -> float:
+def _first_step(span: float, step: float, velocity: float, pull: float) -> float:
     """First step of the integrator, s.
 
     A flight that begins with velocity v and is pulled back by a lasts about 2 v / a: the first step
@@ -153,7 +113,6 @@ def solve(
     state: Sequence[float] | NDArray[np.float64],
     *,
     step: float,
-    first: float,
     events: list[Any],
 ) -> Any:
     """Solve y' = derivative(time, y) until a terminal event; scipy's solution object.
@@ -161,13 +120,14 @@ def solve(
     Args:
         derivative: Smooth over the phase or nearly so.
         span: Start and end, s.
-        state: y at the start.
-        step: Largest step of the integrator, s.
-        first: Its first step, s.
+        state: y at the start, a position, its velocity, and what follows.
+        step: Largest step of the integrator, s: no feature of the ground's motion is stepped over.
         events: As `scipy.integrate.solve_ivp` takes them.
     """
     from scipy.integrate import solve_ivp
 
+    start, end = span
+    first = _first_step(end - start, step, float(state[1]), derivative(start, state)[1])
     # Where nothing moves yet, scipy's estimate of the error may be 0/0: it then shortens the step.
     with np.errstate(invalid="ignore"):
         return solve_ivp(

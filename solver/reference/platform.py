@@ -8,7 +8,7 @@ holds f = -m_L (a_P + a_g), and then both are one oscillator.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,6 @@ from solver.reference.phases import (
     Acceleration,
     Recorder,
     event,
-    first_step,
     output_times,
     solve,
     still,
@@ -51,6 +50,58 @@ class PlatformReference:
     """Force of the platform on the block over the mass of the block, m/s^2."""
 
 
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """The block and its platform; states are slip, its rate, drift, its rate."""
+
+    platform: Platform
+    mass: float
+    """Mass of the block, kg."""
+    law: Resistance
+    """Law of friction."""
+
+    def needed(self, drift: Any, velocity: Any) -> Any:
+        """Force that holds the block, over its mass, m/s^2: a_P + a_g of both together."""
+        m, k, c = self.platform
+        return -(c * velocity + k * drift) / (m + self.mass)
+
+    def acceleration(self, ground: Any, drift: Any, velocity: Any, force: Any) -> Any:
+        """Acceleration a_P of the platform under a force on the block, given over its mass."""
+        m, k, c = self.platform
+        return -ground - (c * velocity + k * drift + self.mass * force) / m
+
+    def way(self, state: Iterable[float], normal: float, slipped: bool) -> float:
+        """Direction in which the block slides from here on, +1 or -1; 0 if it sticks."""
+        _, rate, drift, velocity = state
+        if rate or self.law.none:
+            return math.copysign(1, rate)
+        needed = self.needed(drift, velocity)
+        limit = self.law.slides(normal, 0.0) if slipped else self.law.holds(normal, slipped)
+        # The block stays behind the platform.
+        return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
+
+    def history(self, time: Array, states: Array, ground: Array, slides: Any) -> PlatformReference:
+        """The history, with accelerations and forces from the states.
+
+        Args:
+            time: s, (n,).
+            states: (n, 4).
+            ground: a_g at these times, an incline counted in, m/s^2.
+            slides: Friction on the block where it slides, over its mass, m/s^2.
+        """
+        slip, rate, drift, velocity = states.T
+        force = np.where(rate != 0, -np.sign(rate) * slides, self.needed(drift, velocity))
+        return PlatformReference(
+            time=time,
+            slip=slip,
+            slip_velocity=rate,
+            drift=drift,
+            drift_velocity=velocity,
+            drift_acceleration=self.acceleration(ground, drift, velocity, force),
+            friction=force,
+        )
+
+
 def sliding_on_platform(
     *,
     platform: Platform,
@@ -79,102 +130,61 @@ def sliding_on_platform(
         vertical: Acceleration of the ground upwards, m/s^2, > -g.
     """
     law = friction if isinstance(friction, Resistance) else coulomb(friction)
-    pair = _Pair(
+    pair = _MovingPair(
         platform,
         mass,
-        lambda time: acceleration(time) - along,
-        lambda time: gravity + vertical(time),
         law,
+        ground=lambda time: acceleration(time) - along,
+        normal=lambda time: gravity + vertical(time),
     )
     recorder = Recorder(output_times(end, step), size=4)
     time, state, slipped = 0.0, np.array([0.0, velocity, 0.0, 0.0]), velocity != 0
     while time < end:
-        way = pair.way(time, state, slipped)
+        way = pair.way(state, pair.normal(time), slipped)
         phase = pair.move(way, slipped, (time, end, step), state)
         recorder.move(time, phase.t[-1], phase.sol)
         time, state = float(phase.t[-1]), phase.y[:, -1].copy()
         if way:
             state[1], slipped = 0.0, True
-    return _result(pair, recorder)
+    ground = np.array([pair.ground(float(t)) for t in recorder.time])
+    rows = zip(recorder.time, np.abs(recorder.states[:, 1]), strict=True)
+    slides = np.array([law.slides(pair.normal(float(t)), float(speed)) for t, speed in rows])
+    return pair.history(recorder.time, recorder.states, ground, slides)
 
 
-@dataclass(frozen=True, slots=True)
-class _Pair:
-    """The block and its platform; states are slip, its rate, drift, its rate."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _MovingPair(Pair):
+    """Block and platform over a ground of any motion, integrated from event to event."""
 
-    platform: Platform
-    mass: float
     ground: Acceleration
+    """a_g, an incline counted in, m/s^2."""
     normal: Acceleration
-    law: Resistance
-
-    def needed(self, state: Any) -> Any:
-        """Force that holds the block, over its mass, m/s^2: a_P + a_g of both together."""
-        p = self.platform
-        return -(p.damping * state[3] + p.stiffness * state[2]) / (p.mass + self.mass)
-
-    def way(self, time: float, state: Array, slipped: bool) -> float:
-        """Direction in which the block slides from here on, +1 or -1; 0 if it sticks."""
-        if state[1] != 0 or self.law.none:
-            return math.copysign(1, state[1])
-        normal, needed = self.normal(time), float(self.needed(state))
-        limit = self.law.slides(normal, 0.0) if slipped else self.law.holds(normal, slipped)
-        # The block stays behind the platform.
-        return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
-
-    def acceleration(self, time: float, state: Any, force: Any) -> Any:
-        """Acceleration a_P of the platform under a force on the block, given over its mass."""
-        p = self.platform
-        pull = p.damping * state[3] + p.stiffness * state[2] + self.mass * force
-        return -self.ground(time) - pull / p.mass
+    """Gravity and the ground's acceleration across the platform, m/s^2."""
 
     def move(
         self, way: float, slipped: bool, span: tuple[float, float, float], state: Array
     ) -> Any:
         """Stick until friction gives way, or slide until the slip rate vanishes."""
         start, end, step = span
-        derivative = self._sliding(way) if way else self._sticking
-        first = first_step(end - start, step, float(state[1]), derivative(start, state)[1])
 
         def excess(time: float, y: Array) -> float:
-            return abs(float(self.needed(y))) - BEYOND * self.law.holds(self.normal(time), slipped)
+            limit = BEYOND * self.law.holds(self.normal(time), slipped)
+            return abs(float(self.needed(y[2], y[3]))) - limit
 
         stop = event(lambda time, y: way * y[1], falling=True, terminal=True)
         give = event(excess, falling=False, terminal=True)
         events = [] if self.law.none else [stop if way else give]
-        return solve(derivative, (start, end), state, step=step, first=first, events=events)
+        derivative = self._sliding(way) if way else self._sticking
+        return solve(derivative, (start, end), state, step=step, events=events)
 
     def _sticking(self, time: float, y: Array) -> tuple[float, float, float, float]:
-        return 0.0, 0.0, y[3], self.needed(y) - self.ground(time)
+        return 0.0, 0.0, y[3], self.needed(y[2], y[3]) - self.ground(time)
 
     def _sliding(self, way: float) -> Callable[[float, Array], tuple[float, float, float, float]]:
         def derivative(time: float, y: Array) -> tuple[float, float, float, float]:
             force = -way * self.law.slides(self.normal(time), abs(y[1]))
-            under = self.acceleration(time, y, force)
-            return y[1], force - self.ground(time) - under, y[3], under
+            ground = self.ground(time)
+            under = self.acceleration(ground, y[2], y[3], force)
+            return y[1], force - ground - under, y[3], under
 
         return derivative
-
-
-def _result(pair: _Pair, recorder: Recorder) -> PlatformReference:
-    """The history, with accelerations and forces from the states."""
-    states = recorder.states.T
-    slip, rate, drift, velocity = states
-    sliding = [
-        -math.copysign(pair.law.slides(pair.normal(float(t)), abs(w)), w)
-        for t, w in zip(recorder.time, rate, strict=True)
-    ]
-    force = np.where(rate != 0, sliding, pair.needed(states))
-    accelerations = [
-        pair.acceleration(float(t), state, f)
-        for t, state, f in zip(recorder.time, recorder.states, force, strict=True)
-    ]
-    return PlatformReference(
-        time=recorder.time,
-        slip=slip,
-        slip_velocity=rate,
-        drift=drift,
-        drift_velocity=velocity,
-        drift_acceleration=np.array(accelerations),
-        friction=force,
-    )

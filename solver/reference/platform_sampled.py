@@ -17,14 +17,51 @@ import numpy as np
 
 from solver.excitation.sampled import SampledMotion
 from solver.reference.friction import Resistance
-from solver.reference.oscillator import LinearOscillator
 from solver.reference.phases import output_times
-from solver.reference.platform import BEYOND, PlatformReference
+from solver.reference.platform import BEYOND, Pair, PlatformReference
 from solver.scene import Platform
 from solver.types import Array
 
 APART = 1e-9
 """Samples that are this near to an output time are taken to come with it, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class LinearOscillator:
+    """A damped one, u'' + 2 d u' + w2 u = load, in closed form for loads linear in time."""
+
+    w2: float
+    """Stiffness over mass, 1/s^2."""
+    d: float
+    """Half of the damping over mass, 1/s."""
+
+    def after(
+        self, drift: float, velocity: float, load: float, slope: float, tau: float
+    ) -> tuple[float, float]:
+        """Drift (m) and velocity (m/s) after a time tau (s).
+
+        Args:
+            drift: At the start, m.
+            velocity: At the start, m/s.
+            load: At the start, over the mass, m/s^2.
+            slope: Of the load, m/s^3.
+            tau: s.
+        """
+        w2, d = self.w2, self.d
+        steady = slope / w2
+        level = (load - 2 * d * steady) / w2
+        u, v = drift - level, velocity - steady
+        root, fade = w2 - d * d, math.exp(-d * tau)
+        if root > 0:
+            turn = math.sqrt(root)
+            c, s = math.cos(turn * tau), math.sin(turn * tau) / turn
+        elif root < 0:
+            turn = math.sqrt(-root)
+            c, s = math.cosh(turn * tau), math.sinh(turn * tau) / turn
+        else:
+            c, s = 1.0, tau
+        moved = fade * (u * (c + d * s) + v * s)
+        return level + steady * tau + moved, steady + fade * (v * (c - d * s) - w2 * u * s)
 
 
 class PlatformState(NamedTuple):
@@ -56,45 +93,25 @@ class Segment:
         return Segment(self.ground + self.slope * tau, self.slope, self.length - tau)
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
-    """The block and its platform."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampledPair(Pair):
+    """The block and its platform, with a friction force that does not depend on the speed."""
 
-    platform: Platform
-    mass: float
-    """Mass of the block, kg."""
     normal: float
     """Gravity across the platform, m/s^2."""
-    law: Resistance
-    """Law of friction, with a force that does not depend on the speed."""
     both: LinearOscillator
     """Block and platform as one."""
     alone: LinearOscillator
     """The platform below a block that slides."""
 
     @classmethod
-    def of(cls, platform: Platform, mass: float, normal: float, law: Resistance) -> Pair:
+    def of(cls, platform: Platform, mass: float, normal: float, law: Resistance) -> SampledPair:
         """Set up the two oscillators."""
         m, k, c = platform
         together = m + mass
-        both, alone = (
-            LinearOscillator(k / together, c / together / 2),
-            LinearOscillator(k / m, c / m / 2),
-        )
-        return cls(platform, mass, normal, law, both, alone)
-
-    def needed(self, drift: float, velocity: float) -> float:
-        """Force that holds the block, over its mass, m/s^2."""
-        m, k, c = self.platform
-        return -(c * velocity + k * drift) / (m + self.mass)
-
-    def way(self, state: PlatformState, slipped: bool) -> float:
-        """Direction in which the block slides from here on, +1 or -1; 0 if it sticks."""
-        if state.rate or self.law.none:
-            return math.copysign(1, state.rate)
-        needed = self.needed(state.drift, state.velocity)
-        limit = self.law.slides(self.normal, 0.0) if slipped else self.law.holds(self.normal, False)
-        return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
+        both = LinearOscillator(k / together, c / together / 2)
+        alone = LinearOscillator(k / m, c / m / 2)
+        return cls(platform, mass, law, normal=normal, both=both, alone=alone)
 
     def stick(self, state: PlatformState, segment: Segment, tau: float) -> PlatformState:
         """State after sticking for a time tau (s)."""
@@ -197,7 +214,7 @@ def sampled_sliding_on_platform(
     """
     if friction.law.decay:
         raise ValueError("a friction force that depends on the speed has no closed form here")
-    pair = Pair.of(platform, mass, gravity, friction)
+    pair = SampledPair.of(platform, mass, gravity, friction)
     times = output_times(end, step)
     grid = _grid(times, motion)
     first, last = _ends(grid, motion)
@@ -205,7 +222,8 @@ def sampled_sliding_on_platform(
     rows = np.stack([first - along, (last - first) / lengths, lengths], axis=1)
     segments = [Segment(*row) for row in rows.tolist()]
     states = np.array(list(_states(pair, segments, velocity)))
-    return _result(pair, times, states[np.isin(grid, times)], motion.accelerations(times) - along)
+    ground = motion.accelerations(times) - along
+    return pair.history(times, states[np.isin(grid, times)], ground, friction.slides(gravity, 0.0))
 
 
 def _grid(times: Array, motion: SampledMotion) -> Array:
@@ -224,10 +242,12 @@ def _ends(grid: Array, motion: SampledMotion) -> tuple[Array, Array]:
     return np.where(inside, values[:-1], 0.0), np.where(inside, values[1:], 0.0)
 
 
-def _states(pair: Pair, segments: Sequence[Segment], velocity: float) -> Iterator[PlatformState]:
+def _states(
+    pair: SampledPair, segments: Sequence[Segment], velocity: float
+) -> Iterator[PlatformState]:
     """The states at the start and after each segment."""
     state, slipped = PlatformState(0.0, velocity, 0.0, 0.0), velocity != 0
-    way = pair.way(state, slipped)
+    way = pair.way(state, pair.normal, slipped)
     yield state
     for whole in segments:
         segment, idle = whole, False  # idle: sliding that would end where it begins is none
@@ -237,7 +257,7 @@ def _states(pair: Pair, segments: Sequence[Segment], velocity: float) -> Iterato
 
 
 def _phase(
-    pair: Pair, state: PlatformState, segment: Segment, way: float, slipped: bool, idle: bool
+    pair: SampledPair, state: PlatformState, segment: Segment, way: float, slipped: bool, idle: bool
 ) -> tuple[PlatformState, Segment, float, bool, bool]:
     """Go on to the next event, or to the end of the segment."""
     rest = Segment(0.0, 0.0, 0.0)
@@ -249,12 +269,13 @@ def _phase(
             return end, rest, way, True, False
         moved = pair.slide(state, segment, force, stop)._replace(rate=0.0)
         idle = stop == 0
-        return moved, segment.from_(stop), 0.0 if idle else pair.way(moved, True), True, idle
+        way = 0.0 if idle else pair.way(moved, pair.normal, True)
+        return moved, segment.from_(stop), way, True, idle
     end = pair.stick(state, segment, segment.length)
     give = None if idle else pair.gives(state, segment, end, slipped)
     if give is None:
         # What an idle stretch leaves beyond the limit is let go with the next segment.
-        return end, rest, pair.way(end, slipped) if idle else 0.0, slipped, False
+        return end, rest, pair.way(end, pair.normal, slipped) if idle else 0.0, slipped, False
     state = pair.stick(state, segment, give)
     way = -math.copysign(1, pair.needed(state.drift, state.velocity))
     return state, segment.from_(give), way, slipped, False
@@ -275,21 +296,3 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     if function(low) * function(high) > 0:  # by round-off: one of the ends is the zero
         return low if abs(function(low)) < abs(function(high)) else high
     return float(brentq(function, low, high, xtol=1e-16, rtol=1e-15))
-
-
-def _result(pair: Pair, times: Array, states: Array, ground: Array) -> PlatformReference:
-    """The history, with accelerations and forces from the states."""
-    slip, rate, drift, velocity = states.T
-    m, k, c = pair.platform
-    needed = -(c * velocity + k * drift) / (m + pair.mass)
-    force = np.where(rate != 0, -np.sign(rate) * pair.law.slides(pair.normal, 0.0), needed)
-    pull = c * velocity + k * drift + pair.mass * force
-    return PlatformReference(
-        time=times,
-        slip=slip,
-        slip_velocity=rate,
-        drift=drift,
-        drift_velocity=velocity,
-        drift_acceleration=-ground - pull / m,
-        friction=force,
-    )

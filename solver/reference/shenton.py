@@ -19,13 +19,6 @@ def rocking_friction(acceleration: float, slenderness_ratio: float) -> float:
     return (a * (4 + r**2) + 3 * r) / (1 + 4 * r**2 + 3 * r * a)
 
 
-def rocking_acceleration(friction: float, slenderness_ratio: float) -> float:
-    """The inverse: A_R = [mu (1 + 4 r^2) - 3 r] / [4 + r^2 - 3 mu r]; infinite from its pole on."""
-    mu, r = friction, slenderness_ratio
-    below = 4 + r**2 - 3 * mu * r
-    return (mu * (1 + 4 * r**2) - 3 * r) / below if below > 0 else math.inf
-
-
 def initial_mode(acceleration: float, friction: float, slenderness_ratio: float) -> str:
     """Mode in which a block at rest answers to a sudden acceleration of its base.
 

@@ -15,7 +15,6 @@ from solver.reference.phases import (
     Recorder,
     event,
     first_beyond,
-    first_step,
     output_times,
     solve,
     still,
@@ -72,7 +71,9 @@ def sliding(
         phase = block.slide(way, start, slip, speed)
         recorder.move(start, phase.t[-1], phase.sol)
         time, slip, speed, slipped = float(phase.t[-1]), float(phase.y[0, -1]), 0.0, True
-    return SlidingReference(time=recorder.time, slip=recorder.position, velocity=recorder.velocity)
+    return SlidingReference(
+        time=recorder.time, slip=recorder.states[:, 0], velocity=recorder.states[:, 1]
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +117,5 @@ class _Slider:
             (start, self.end),
             (slip, speed),
             step=self.step,
-            first=first_step(self.end - start, self.step, speed, rate(start, speed)),
             events=[event(lambda time, y: way * y[1], falling=True, terminal=True)],
         )

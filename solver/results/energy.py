@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from solver.history.columns import DISSIPATED_ENERGIES, STORED_ENERGIES
+from solver.history.columns import DISSIPATED_ENERGIES
 from solver.history.history import History
 from solver.types import Array
 
@@ -39,18 +39,6 @@ def ledger_error_fraction(error: Array, scale: float) -> float:
 def _over(energy: float, scale: float) -> float:
     """An energy over the scale; not known where nothing weighs and nothing moves."""
     return energy / scale if scale > 0 else math.nan
-
-
-def total(history: History) -> Array:
-    """Sum of the stored energies, J."""
-    return np.sum([history[f"energy.{name}_J"] for name in STORED_ENERGIES], axis=0)
-
-
-def ledger_error(history: History) -> Array:
-    """Total - total at the start - work of the ground + everything dissipated, J."""
-    stored = total(history)
-    lost = np.sum([history[f"energy.{name}_J"] for name in DISSIPATED_ENERGIES], axis=0)
-    return np.asarray(stored - stored[0] - history["energy.input_J"] + lost)
 
 
 def losses(history: History) -> dict[str, float]:

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Protocol
 
 from solver.history.history import History
@@ -57,12 +56,7 @@ class RunFiles:
         """The files are open already."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: object) -> None:
         """Write what is still in memory, whatever happened."""
         if self._history is not None:
             self._history.flush()

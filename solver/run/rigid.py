@@ -83,14 +83,10 @@ class RigidRun:
 
         return SpaceSystem.from_scene(self._scene)
 
-    def _first_acceleration(self) -> tuple[float, ...]:
-        """Acceleration of the ground at t = 0, m/s2."""
-        return tuple(self._motion.acceleration(0.0))
-
     def first_row(self) -> Array:
         """The row of the history at t = 0."""
-        row = self._system.row(self._scene.time.step, self._first_acceleration())
-        return row[self._columns]
+        ground = tuple(self._motion.acceleration(0.0))
+        return self._system.row(self._scene.time.step, ground)[self._columns]
 
     def open_fields(self, folder: Path) -> RigidSnapshots:
         """What writes the fields."""
@@ -111,12 +107,8 @@ class RigidRun:
         if not reason:
             reason = self._rest(desk)
             status = "not converged" if reason else status
-        desk.files.snapshot(self._now(desk))
+        desk.files.snapshot(float(desk.history["time_s"][-1]))
         return status, reason
-
-    def _now(self, desk: RunContext) -> float:
-        """Time of the last row, s."""
-        return float(desk.history["time_s"][-1])
 
     def _next_stop(self, desk: RunContext, total: int) -> int:
         """Number of steps at which the next snapshot is due, or someone may interrupt."""
@@ -134,9 +126,8 @@ class RigidRun:
         self._steps += len(rows)
         every = self._scene.output.history_every
         ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or outcome.failure
-        kept = (np.arange(first + 1, self._steps + 1) % every == 0) | (
-            np.arange(first + 1, self._steps + 1) == (self._steps if ends else -1)
-        )
+        kept = np.arange(first + 1, self._steps + 1) % every == 0
+        kept[-1:] |= bool(ends)
         desk.history.extend(rows[kept][:, self._columns])
         self._report(desk, outcome)
         due = desk.files.next_snapshot(first * step)

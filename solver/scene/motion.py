@@ -82,8 +82,21 @@ class StillSpec(Motion):
         return 0.0
 
 
+class _Peaked(Motion):
+    """Base of the kinds whose largest acceleration is their amplitude."""
+
+    __slots__ = ()
+
+    amplitude_g: float
+
+    @property
+    def known_peak(self) -> float | None:
+        """The amplitude, m/s^2."""
+        return abs(self.amplitude_g) * G_UNIT
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SineSpec(Motion):
+class SineSpec(_Peaked):
     """A sine of the ground's acceleration: `[motion]` with kind = "sine"."""
 
     kind: Literal["sine"] = "sine"
@@ -101,14 +114,9 @@ class SineSpec(Motion):
         """The period, s."""
         return self.period
 
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Pulse(Motion):
+class _Pulse(_Peaked):
     """A motion that is over after a while."""
 
     amplitude_g: Finite
@@ -122,11 +130,6 @@ class _Pulse(Motion):
     def shortest_period(self) -> float:
         """The duration, s."""
         return self.duration
-
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,7 +154,7 @@ class RectangularSpec(_Pulse):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RickerSpec(Motion):
+class RickerSpec(_Peaked):
     """A Ricker wavelet, its largest acceleration in the middle: kind = "ricker"."""
 
     kind: Literal["ricker"] = "ricker"
@@ -177,11 +180,6 @@ class RickerSpec(Motion):
             return 1 / self.frequency
         assert self.duration is not None  # one of the two is given
         return self.duration / 3
-
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

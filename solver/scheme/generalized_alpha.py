@@ -23,6 +23,7 @@ r = p + F, is the same for every rho_inf, which may therefore change from step t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +101,7 @@ class GeneralizedAlpha:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class TangentWeights:
+class TangentWeights(NamedTuple):
     """Factors of M, K, theta term of Nitsche's method, contact forces and springs in a tangent."""
 
     mass: float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ RESIDUAL_TOLERANCE = 1e-9
 """Residual that counts as zero, over the loads."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Balance:
+class Balance(NamedTuple):
     """What is solved for u: internal forces + mass M (u - start - way) + constant = contact.
 
     Attributes:
@@ -111,8 +110,7 @@ def _add_spring(
         part += (weights.spring - weights.interface) * dashpot
 
 
-@dataclass(frozen=True, slots=True)
-class StepSolution:
+class StepSolution(NamedTuple):
     """What balances, and how the iteration came to it.
 
     Attributes:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from solver.contact.body_points import SurfaceState
 from solver.contact.memory import Memory
@@ -12,8 +13,7 @@ from solver.stepping.system import Link, System
 from solver.types import Array
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
+class Contact(NamedTuple):
     """One interface at the end of a step.
 
     Attributes:
@@ -29,8 +29,7 @@ class Contact:
     bounds: Bounds
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ContactIncrement:
+class ContactIncrement(NamedTuple):
     """An interface over a step, or over an iteration of it.
 
     Attributes:
@@ -53,7 +52,7 @@ class ContactIncrement:
     @property
     def in_equilibrium(self) -> ContactIncrement:
         """This increment with the interface at t_{n+1} at both ends."""
-        return replace(self, before=replace(self.before, surface=self.surface, seat=self.seat))
+        return self._replace(before=replace(self.before, surface=self.surface, seat=self.seat))
 
 
 def add_contact_forces(

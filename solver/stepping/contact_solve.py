@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -70,7 +69,7 @@ class ContactSolve:
         while outcome.converged and problem.continues(u):
             before = outcome.iterations
             u, outcome = self._solver.solve(problem, u, tolerance)
-            outcome = replace(outcome, iterations=outcome.iterations + before)
+            outcome = outcome._replace(iterations=outcome.iterations + before)
         contacts = problem.contacts(u) if outcome.converged else []
         return StepSolution(u, contacts, self._solver.residual, outcome)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +22,7 @@ class IterationVerdict(IntEnum):
     GROWING = -9
 
 
-@dataclass(frozen=True, slots=True)
-class IterationRecord:
+class IterationRecord(NamedTuple):
     """An iteration so far.
 
     Attributes:
@@ -38,8 +38,7 @@ class IterationRecord:
     forces: float
 
 
-@dataclass(frozen=True, slots=True)
-class IterationTolerances:
+class IterationTolerances(NamedTuple):
     """What counts as zero: absolute (N), relative to the first residual, and of a correction."""
 
     absolute: float

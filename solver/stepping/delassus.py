@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,7 @@ WEIGHT_OVER_ROUND_OFF = 1e4
 points on another rigid one makes, at least."""
 
 
-@dataclass(frozen=True, slots=True)
-class DelassusKey:
+class DelassusKey(NamedTuple):
     """What a Delassus operator depends on, besides the configurations of the bodies.
 
     Attributes:
@@ -51,8 +50,7 @@ class DelassusKey:
     solve: int
 
 
-@dataclass(frozen=True, slots=True)
-class Delassus:
+class Delassus(NamedTuple):
     """The operator at some candidate points.
 
     Attributes:

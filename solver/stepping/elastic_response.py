@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from solver.bodies.kinematics import polar_rotation
 from solver.contact.projection import ContactKinematics, in_frames
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance
-from solver.stepping.response import BodyRole, CandidateSet, FreeMotion
+from solver.stepping.response import BodyRole, CandidateSet
 from solver.types import Array, Indices
 
 TURNED = 1e-5
@@ -21,8 +20,7 @@ TURNED = 1e-5
 part of the correction of an iteration, not of the residual, and neglects strains as large."""
 
 
-@dataclass(frozen=True, slots=True)
-class ElasticConfiguration:
+class ElasticConfiguration(NamedTuple):
     """How a meshed body is turned.
 
     Attributes:
@@ -36,8 +34,7 @@ class ElasticConfiguration:
     shift: Array | None
 
 
-@dataclass(frozen=True, slots=True)
-class ElasticCoupling:
+class ElasticCoupling(NamedTuple):
     """How near points act on the ports of a body.
 
     Attributes:
@@ -96,26 +93,26 @@ class ElasticResponse:
         turned = np.abs(now.rotation - before.rotation).max()
         return bool(max(turned, np.abs(now.middle - before.middle).max()) <= TURNED)
 
-    def free(self, at: ElasticConfiguration, residual: Array) -> FreeMotion:
-        """The free correction -K^-1 r."""
+    def free(self, at: ElasticConfiguration, residual: Array) -> Array:
+        """The free motion -K^-1 r."""
         turned = residual.reshape(-1, self.body.dimension) @ at.middle
-        free = -self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
+        free = self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
         if at.shift is not None:
-            free -= at.shift @ global_sum(self.body.comm, turned.sum(axis=0))
-        return FreeMotion((free @ at.rotation.T).ravel(), free)
+            free += at.shift @ global_sum(self.body.comm, turned.sum(axis=0))
+        return np.negative(free, out=free)
 
     def read(
         self,
         at: ElasticConfiguration,
-        free: FreeMotion,
+        free: Array,
         moved: Array,
         frames: Sequence[Array],
         seats: Sequence[ContactKinematics],
     ) -> None:
-        """Add what a free correction does to the augmented positions of all points to `moved`."""
+        """Add what a free motion does to the augmented positions of all points to `moved`."""
         d = self.body.dimension
         for side, port in zip(self.sides, self.compliance.ports, strict=True):
-            layer = port.layer.gather(free.unknowns)
+            layer = port.layer.gather(free)
             turned = frames[side.interface] @ at.rotation
             points = (port.read_rows @ layer.ravel()).reshape(-1, d)
             spots = side.spots(seats)
@@ -176,14 +173,18 @@ class ElasticResponse:
         force: Array,
         weight: float,
     ) -> Array | None:
-        """Correction for forces at near points; None where the body has none of them."""
+        """Motion by forces at near points; None where the body has none of them."""
         if not len(coupling.ports):
             return None
-        vectors = (force[:, None, :] @ near.frames)[:, 0] @ at.middle
+        vectors = ((weight * force)[:, None, :] @ near.frames)[:, 0] @ at.middle
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
         change = self.compliance.among(coupling.ports).responses @ vectors.ravel()
         change = change.reshape(-1, self.body.dimension)
         if at.shift is not None:
             change += at.shift @ vectors.sum(axis=0)
-        return (weight * change @ at.rotation.T).ravel()
+        return change
+
+    def owned(self, at: ElasticConfiguration, motion: Array) -> Array:
+        """A motion in space."""
+        return (motion @ at.rotation.T).ravel()

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,7 @@ from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices
 
 
-@dataclass(frozen=True, slots=True)
-class VelocityCorrection:
+class VelocityCorrection(NamedTuple):
     """Change of the velocity (owned unknowns) and the energy it takes (J)."""
 
     change: Array
@@ -30,8 +28,7 @@ class VelocityCorrection:
     friction: float
 
 
-@dataclass(frozen=True, slots=True)
-class MassOperator:
+class MassOperator(NamedTuple):
     """G M^-1 G^T of closed points.
 
     Attributes:
@@ -106,7 +103,9 @@ class VelocityImpulses:
             strict=True,
         ):
             change = response.respond(at, coupling, operator.near, impulse, 1.0)
-            parts.append(np.zeros(own.stop - own.start) if change is None else change)
+            parts.append(
+                np.zeros(own.stop - own.start) if change is None else response.owned(at, change)
+            )
         return joined(parts)
 
     def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from solver.contact.candidates import ContactPair
 from solver.contact.crossing_interface import CrossingInterface
@@ -17,8 +17,7 @@ Faces = tuple[frozenset[int], ...]
 """Tags of the faces that have joined, for each contact of a scene."""
 
 
-@dataclass(frozen=True, slots=True)
-class StepStart:
+class StepStart(NamedTuple):
     """Contact as a step sees it at its start.
 
     Attributes:

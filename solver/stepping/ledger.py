@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
+from typing import NamedTuple
 
 from mpi4py import MPI
 
@@ -82,8 +83,7 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
     return total
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StepEnds:
+class StepEnds(NamedTuple):
     """Both ends of a step, before velocities are corrected; p in the frame of its middle.
 
     Attributes:

@@ -85,7 +85,9 @@ class LocalError:
             errors[0] = third * np.abs(jerk).max()
             change = np.asarray((mean - past.mean) / ((dt + past.dt) / 2))
             if past.change is not None:
-                third_difference = (change - past.change) / ((dt + 2 * past.dt + past.dt_before) / 4)
+                third_difference = (change - past.change) / (
+                    (dt + 2 * past.dt + past.dt_before) / 4
+                )
                 errors[1] = third * self._mean_square_root(np.asarray(third_difference))
         self._tried = _Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
         if self._system.comm.size > 1:  # all ranks decide by the same digits

@@ -11,8 +11,7 @@ prefix, as in
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -43,8 +42,7 @@ REASONS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class NewtonOutcome:
+class NewtonOutcome(NamedTuple):
     """How a nonlinear solve ended.
 
     Attributes:
@@ -134,6 +132,7 @@ class NonlinearSolver:
         self.snes = self._set_up(comm, options)
         self._tolerance = self.snes.getTolerances()[1]
         """The user's absolute tolerance, N; 0 where options name none."""
+        self._tolerances = IterationTolerances(0.0, 0.0, 0.0)
 
     def _set_up(self, comm: MPI.Intracomm, options: Sequence[str]) -> PETSc.SNES:
         """SNES with a correction in the place of a preconditioned Krylov method."""
@@ -178,14 +177,11 @@ class NonlinearSolver:
         """The verdict on an iterate, called by SNES with the norms of x, of dx and of r."""
         assert self._problem is not None
         unknowns, correction, residual = norms
-        relative, absolute, smallest, _ = snes.getTolerances()
         if iterations == 0:
             self._residuals.clear()
         self._residuals.append(residual)
         progress = IterationRecord(self._residuals, correction, unknowns, self._problem.forces)
-        return int(
-            self._convergence.judge(progress, IterationTolerances(absolute, relative, smallest))
-        )
+        return int(self._convergence.judge(progress, self._tolerances))
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """Called by SNES; the tangent is constant in the frame of the body and not assembled."""
@@ -216,6 +212,8 @@ class NonlinearSolver:
         self._problem = problem
         self._correction.begin(problem)
         self.snes.setTolerances(atol=self._tolerance or tolerance)
+        relative, absolute, smallest, _ = self.snes.getTolerances()
+        self._tolerances = IterationTolerances(absolute, relative, smallest)
         self._x.array[:] = unknowns
         with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
             self.snes.solve(None, self._x)

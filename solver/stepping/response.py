@@ -6,15 +6,16 @@ an elastic body with its factorized tangent in the frame that turns with it, a r
 platform with its mass. The contact problem sees only rows and a small dense matrix.
 
 A response holds nothing of an iteration. What a body is like at a displacement is its
-configuration, what it does without contact forces a `FreeMotion`, and how it takes part in a set of
-points its coupling; each is a value that is passed on to the next call.
+configuration, and how it takes part in a set of points its coupling; each is a value that is passed
+on to the next call. Motions are corrections of its unknowns as surface points are read from them:
+of a meshed body in the frame that turns with it, (nodes, d); of a rigid one all, on every rank.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -63,8 +64,7 @@ class BodyRole:
         return seat.foot if self.carries else seat.own_projection
 
 
-@dataclass(frozen=True, slots=True)
-class CandidateSet:
+class CandidateSet(NamedTuple):
     """Points that are in contact or near it, of all interfaces.
 
     Attributes:
@@ -88,20 +88,6 @@ class CandidateSet:
         return result
 
 
-@dataclass(frozen=True, slots=True)
-class FreeMotion:
-    """The correction of a body to a residual without any change of contact forces.
-
-    Attributes:
-        change: -K^-1 r of the owned unknowns.
-        unknowns: The same as surface points are read from it: of a meshed body in the frame that
-            turns with it, (nodes, d); of a rigid one on every rank.
-    """
-
-    change: Array
-    unknowns: Array
-
-
 class Response(Protocol[Configuration, Coupling]):
     """What a body offers to the contact problem."""
 
@@ -119,18 +105,18 @@ class Response(Protocol[Configuration, Coupling]):
     def close(self, now: Configuration, before: Configuration) -> bool:
         """Whether compliances are the same in both, as far as corrections need it."""
 
-    def free(self, at: Configuration, residual: Array) -> FreeMotion:
-        """The free correction -K^-1 r."""
+    def free(self, at: Configuration, residual: Array) -> Array:
+        """The free motion -K^-1 r, without any change of contact forces."""
 
     def read(
         self,
         at: Configuration,
-        free: FreeMotion,
+        free: Array,
         moved: Array,
         frames: Sequence[Array],
         seats: Sequence[ContactKinematics],
     ) -> None:
-        """Add what a free correction does to the augmented positions of all points to `moved`."""
+        """Add what a free motion does to the augmented positions of all points to `moved`."""
 
     def couple(self, at: Configuration, near: CandidateSet, weight: float, W: Array) -> Coupling:
         """Add `weight` times the compliance among near points to W (m, d, m, d)."""
@@ -138,15 +124,17 @@ class Response(Protocol[Configuration, Coupling]):
     def respond(
         self, at: Configuration, coupling: Coupling, near: CandidateSet, force: Array, weight: float
     ) -> Array | None:
-        """Correction for forces (m, d) at near points, owned unknowns; None where it is zero."""
+        """Motion by forces (m, d) at near points; None where it is zero."""
+
+    def owned(self, at: Configuration, motion: Array) -> Array:
+        """A motion as a correction of the owned unknowns."""
 
 
 AnyResponse = Response[Any, Any]
 """The response of a body, whatever its kind."""
 
 
-@dataclass(frozen=True, slots=True)
-class DenseConfiguration:
+class DenseConfiguration(NamedTuple):
     """Rows of the surface points of a rigid body at a displacement, side by side of its roles.
 
     Attributes:
@@ -194,10 +182,9 @@ class DenseResponse:
             return True
         return bool((now.pose == before.pose).all())
 
-    def free(self, at: DenseConfiguration, residual: Array) -> FreeMotion:
-        """The free correction -K^-1 r."""
-        own = -residual / self.tangent[self.body.own]
-        return FreeMotion(own, self.body.replicate(own))
+    def free(self, at: DenseConfiguration, residual: Array) -> Array:
+        """The free motion -K^-1 r."""
+        return self.body.replicate(-residual / self.tangent[self.body.own])
 
     def _at(
         self,
@@ -217,15 +204,15 @@ class DenseResponse:
     def read(
         self,
         at: DenseConfiguration,
-        free: FreeMotion,
+        free: Array,
         moved: Array,
         frames: Sequence[Array],
         seats: Sequence[ContactKinematics],
     ) -> None:
-        """Add what a free correction does to the positions of all points to `moved`."""
+        """Add what a free motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
             rows = self._at(at, number, seats)
-            moved[side.own] += in_frames(rows @ free.unknowns, frames[side.interface])
+            moved[side.own] += in_frames(rows @ free, frames[side.interface])
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
@@ -244,6 +231,9 @@ class DenseResponse:
         force: Array,
         weight: float,
     ) -> Array | None:
-        """Correction for forces at near points, whose rows are the coupling."""
-        change = weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
-        return change[self.body.own]
+        """Motion by forces at near points, whose rows are the coupling."""
+        return weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
+
+    def owned(self, at: DenseConfiguration, motion: Array) -> Array:
+        """Those of all unknowns that this rank owns."""
+        return motion[self.body.own]

@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from solver.contact.kernels.candidates import candidates, free_values
 from solver.contact.projection import ContactKinematics
-from solver.law.local_problem import image
 from solver.stepping.balance import Balance
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
 from solver.stepping.delassus import (
@@ -30,7 +29,7 @@ from solver.stepping.delassus import (
 from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.point_table import REACH, EdgeWatch, Observed, joined
-from solver.stepping.response import CandidateSet, FreeMotion
+from solver.stepping.response import CandidateSet
 from solver.types import Array, Indices, Mask
 
 MOST_FRICTION_ROUNDS = 50
@@ -48,8 +47,7 @@ ASLEEP_REACHES = 5
 """An interface farther from contact than this many times the reach of its points is left out."""
 
 
-@dataclass(frozen=True, slots=True)
-class Iterate:
+class Iterate(NamedTuple):
     """Where everything is at one displacement: u, and what each interface looks like there."""
 
     u: Array
@@ -95,7 +93,8 @@ class StepProblem:
         self.friction = FrictionBounds(
             model.points, memories, step=balance.step, glued=balance.glued
         )
-        self._softening, self._held = model.softening, None
+        # The softening of rigid points acts on what forces differ by from these.
+        self._softening, self._held = model.softening, self.force
         if model.softening is not None and not balance.static:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
@@ -150,7 +149,6 @@ class StepProblem:
         y, beyond = self.augmented()
         free = self._free(residual, y)
         near = self.near(y, beyond)
-        changes = [each.change for each in free]
         if len(near):
             delassus = self._delassus(near)
             new = self._solved(delassus, y)
@@ -163,8 +161,15 @@ class StepProblem:
                     self._configurations[k], delassus.couplings[k], delassus.near, change, weight
                 )
                 if answer is not None:
-                    changes[k] = changes[k] + answer
-        return joined(changes)
+                    free[k] += answer
+        return joined(
+            [
+                response.owned(at, motion)
+                for response, at, motion in zip(
+                    self._tangents.responses, self._configurations, free, strict=True
+                )
+            ]
+        )
 
     def _placed(self) -> Sequence[Any]:
         """The configurations of all bodies at the iterate."""
@@ -178,8 +183,8 @@ class StepProblem:
             )
         ]
 
-    def _free(self, residual: Array, y: Array) -> list[FreeMotion]:
-        """The free corrections of all bodies; what they do to augmented positions is added to y."""
+    def _free(self, residual: Array, y: Array) -> list[Array]:
+        """The free motions of all bodies; what they do to augmented positions is added to y."""
         frames, seats = self._points.frames, self._seats
         found = []
         for response, at, own in zip(
@@ -232,8 +237,7 @@ class StepProblem:
         points = self._points
         if beyond is not None:
             y[beyond, 0] = points.size[beyond]
-        touching = (y[:, 0] < points.reach) & self._may_touch | (self.force[:, 0] > 0)
-        return touching.nonzero()[0]
+        return candidates(y, points.reach, self._may_touch, self.force)
 
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at candidate points."""
@@ -257,15 +261,17 @@ class StepProblem:
     def _solved(self, delassus: Delassus, y: Array) -> Array:
         """Forces of the near points that obey the contact law after the free step to y."""
         points, near, W = self._points, delassus.near.number, delassus.W
-        force = self.force[near]
-        # W holds the interface's own softness too, which is no part of y.
-        q = y[near] - image(W, force) + force * points.softness[near, None]
-        if self._held is not None:
-            # The softening of rigid points acts on what forces differ by from those of t_n.
-            q += delassus.softening[:, None] * (force - self._held[near])
-        q[:, 1:] -= self._anchor[near]
-        if not force.any():  # nothing tells that a gap of round-off is small
-            q[np.abs(q[:, 0]) < points.round_off[near], 0] = 0.0
+        force, q = free_values(
+            near,
+            W,
+            y,
+            self.force,
+            self._anchor,
+            points.softness,
+            delassus.softening,
+            self._held,
+            points.round_off,
+        )
         if not self.friction.steady:
             slip = y[:, 1:] - self._anchor
             self.friction.tell(slip + points.softness[:, None] * self.force[:, 1:])

@@ -12,8 +12,7 @@ def studies() -> dict[str, ModuleType]:
     A module says what it does in `TEXT`, adds its options in `add_arguments(parser)`, and runs in
     `run(options)`, which returns the exit code; its heavy imports stand inside `run`.
     """
-    from solver.study.error_runtime import command as error_runtime
-    from solver.study.stability import command as stability
+    from solver.study import error_runtime, stability
     from solver.study.suite import command as suite
 
     return {"error-runtime": error_runtime, "stability": stability, "suite": suite}

@@ -41,6 +41,17 @@ def test_every_package_has_its_place(drawing: ModuleType) -> None:
     assert packages - drawing.SHARED - {"solver"} <= set(drawing.ORDER)
 
 
+def test_the_program_runs_without_benchmarks(drawing: ModuleType) -> None:
+    """Only studies of the program itself take what they need from there."""
+    words = ("from benchmarks", "import benchmarks", '"benchmarks.')
+    users = [
+        name
+        for name, file in drawing.modules().items()
+        if any(word in file.read_text() for word in words)
+    ]
+    assert users == ["solver.study.repository"]
+
+
 def test_few_files_stand_at_the_root_of_the_solver() -> None:
     assert len(list((REPOSITORY / "solver").glob("*.py"))) <= 10
 

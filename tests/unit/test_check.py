@@ -16,7 +16,7 @@ Captured = pytest.CaptureFixture[str]
 
 
 def test_check_tells_the_numbers_of_the_paper_s_block(granite: Path, capsys: Captured) -> None:
-    """R, alpha, p and e as in verification.md D.2."""
+    """R, alpha, p and e from B and H by hand (Housner 1963)."""
     assert main(["check", "granite.toml"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     for part in (

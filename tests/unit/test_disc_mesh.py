@@ -10,8 +10,8 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import entities_to_geometry, exterior_facet_indices
 
+from benchmarks.verification.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
-from solver.verification.disc_mesh import disc_mesh
 
 COMM = MPI.COMM_WORLD
 RADIUS, SIZE, CORE = 8.0, 0.05, 1.0

@@ -12,16 +12,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.error_runtime.findings import Beside, Findings, read_beside
+from benchmarks.error_runtime.ladders import (
+    NAMES,
+    LadderFamily,
+    Rung,
+    RunOutcome,
+    climb,
+    coarsest_step,
+    families,
+)
+from benchmarks.error_runtime.measures import check_patterns, chosen, words
+from benchmarks.error_runtime.reference import Reference, limit, own_limit
+from benchmarks.error_runtime.table import as_csv, everything, rows, text
 from rockslip import Scene, parse_scene
 from solver import cli
 from solver.errors import SceneError
-from solver.study.error_runtime.beside import Beside, read_beside
-from solver.study.error_runtime.family import LadderFamily, Rung, RunOutcome, climb
-from solver.study.error_runtime.findings import Findings
-from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
-from solver.study.error_runtime.measures import check_patterns, chosen, words
-from solver.study.error_runtime.reference import Reference, limit, own_limit
-from solver.study.error_runtime.table import as_csv, everything, rows, text
 from solver.study.tables import write
 
 ELASTIC = {
@@ -371,7 +377,7 @@ def test_picture(findings: Findings, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from matplotlib.figure import Figure
 
-    from solver.study.error_runtime.picture import draw
+    from benchmarks.error_runtime.picture import draw
 
     figure: Figure = draw(findings, [MEASURE])
     axes = figure.axes[0]

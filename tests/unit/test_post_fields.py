@@ -24,6 +24,7 @@ DEFORMATION = ROTATION @ np.diag([1 + STRETCH, 1.0])
 # Run on every rank: writes two instants of a turned and stretched block.
 WRITE = """
 import sys
+from contextlib import closing
 from pathlib import Path
 from mpi4py import MPI
 import numpy as np
@@ -42,7 +43,8 @@ u, v, p = fem.Function(V), fem.Function(V), fem.Function(Q)
 lame, shear = 2.0e9, 3.0e9
 material = Material(young=shear * (3 * lame + 2 * shear) / (lame + shear),
                     poisson=lame / (2 * (lame + shear)), density=1.0, plane=plane)
-with FieldWriter(file, displacement=u, velocity=v, contact_pressure=p, material=material) as writer:
+fields = FieldWriter(file, displacement=u, velocity=v, contact_pressure=p, material=material)
+with closing(fields) as writer:
     writer.write(0.0)
     u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
     v.interpolate(lambda x: np.array([x[1], -x[0]]))

@@ -20,7 +20,7 @@ ALPHA = SHAPE.slenderness
 def linear_rocking(
     start: float, restitution: float, swings: int
 ) -> tuple[list[float], list[float]]:
-    """Impact times and peaks of the linear slender block, from verification.md D.1.
+    """Impact times and peaks of the linear slender block (Housner 1963).
 
     First quarter acosh(1/(1 - phi))/p, phi = theta/alpha;
     peaks phi' = 1 - sqrt(1 - e^2 (1 - (1 - phi)^2)).

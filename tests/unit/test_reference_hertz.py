@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from solver.verification.hertz import (
+from benchmarks.verification.hertz import (
     HertzLine,
     HertzPoint,
     contact_modulus,
@@ -22,7 +22,7 @@ POINT = HertzPoint(load=3.0, radius=8.0, modulus=contact_modulus((200.0, 0.3)))
 
 
 def test_public_case() -> None:
-    """Two cylinders of radius 8, E 200, nu 0.3, load 10 (verification.md C.2)."""
+    """Two cylinders of radius 8, E 200, nu 0.3, load 10: a case that contact programs publish."""
     assert LINE.half_width == pytest.approx(0.6808, abs=5e-5)
     assert LINE.peak_pressure == pytest.approx(9.352, abs=1e-3)
 

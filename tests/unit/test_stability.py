@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import re
+import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -14,16 +15,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.stability.families import FAMILIES, matrix
+from benchmarks.stability.matrix import StabilityCase, changed
+from benchmarks.stability.sampler import draw
+from benchmarks.stability.scenes import ROCK, STACK
+from benchmarks.stability.table import as_csv, as_text, sentence
+from benchmarks.stability.verdict import Verdict, judge, trouble
 from rockslip import Scene, parse_scene
 from solver.cli import main
 from solver.errors import SceneError
 from solver.scene import limits
-from solver.study.stability.families import FAMILIES, matrix
-from solver.study.stability.matrix import StabilityCase, changed
-from solver.study.stability.sampler import draw
-from solver.study.stability.scenes import ROCK, STACK
-from solver.study.stability.table import as_csv, as_text, sentence
-from solver.study.stability.verdict import Verdict, judge, trouble
 
 pytestmark = pytest.mark.serial
 
@@ -319,6 +320,18 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "-o: got" in capsys.readouterr().err
     assert main([*words[:3], "no such", "-o", str(tmp_path / "other")]) == 2
     assert "--family: got no such, allowed the beginning of one of" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["stability"], ["error-runtime", "scene.toml"]])
+def test_without_the_repository_it_says_what_it_needs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    """The installed package alone has no `benchmarks`."""
+    monkeypatch.setitem(sys.modules, f"benchmarks.{words[0].replace('-', '_')}.run", None)
+    assert main(["study", *words]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"rockslip: study {words[0]} needs benchmarks/")
+    assert said.count("\n") == 1
 
 
 def test_the_sentence_says_the_largest_of_what_is_a_number() -> None:

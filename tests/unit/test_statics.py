@@ -5,6 +5,12 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from benchmarks.verification.load_steps import (
+    contact_tractions,
+    nodal_pressure,
+    shifted,
+    support_load,
+)
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
@@ -20,7 +26,6 @@ from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link, System
-from solver.verification.load_steps import contact_tractions, nodal_pressure, shifted, support_load
 
 pytestmark = pytest.mark.serial
 

@@ -50,7 +50,7 @@ def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
 
 
 def test_what_it_compares_with_is_housner_s_block(demo: ModuleType) -> None:
-    """Impacts as in verification.md D.2, the nonlinear equation by an independent program."""
+    """Impacts of the nonlinear equation by an independent program."""
     reference = demo.rigid(demo.load_scene(demo.SCENE))
     expected = [0.1916, 0.5305, 0.8323, 1.1024, 1.3451, 1.5637, 1.7612]
     assert reference.impacts[:7] == pytest.approx(expected, abs=6e-5)

@@ -117,7 +117,10 @@ def test_what_a_scene_says_of_time_is_filled_in() -> None:
     rigid = scene('block.model="rigid"')
     assert rigid.time.step == 2e-4 and not rigid.time.adaptive
     shaken = {"kind": "half_sine", "amplitude_g": 0.3, "duration": 0.02}
-    assert parse_scene(scene().to_dict() | {"time": {"end": 1.0}, "motion": shaken}).time.largest == 1e-3
+    assert (
+        parse_scene(scene().to_dict() | {"time": {"end": 1.0}, "motion": shaken}).time.largest
+        == 1e-3
+    )
     stiff = scene("block.young=1e30", "block.cells=[2, 4]")
     assert stiff.time.largest < 1e-5, "refused with steps as long as those of softer blocks"
     with pytest.raises(SceneError, match="sound crosses"):

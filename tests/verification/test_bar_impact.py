@@ -14,6 +14,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from benchmarks.verification import bar_impact
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from solver.bodies.elastic_body import ElasticBody
@@ -24,7 +25,6 @@ from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import System
-from solver.verification import bar_impact
 
 AMPLITUDE = 1e-6
 ELEMENTS = 100

@@ -13,6 +13,15 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from benchmarks.verification.disc_mesh import disc_mesh
+from benchmarks.verification.hertz import (
+    HertzLine,
+    contact_modulus,
+    contact_radius,
+    shear_traction,
+    stick_half_width,
+)
+from benchmarks.verification.load_steps import Tractions, contact_tractions, shifted, support_load
 from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
@@ -26,15 +35,6 @@ from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import System
-from solver.verification.disc_mesh import disc_mesh
-from solver.verification.hertz import (
-    HertzLine,
-    contact_modulus,
-    contact_radius,
-    shear_traction,
-    stick_half_width,
-)
-from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
 
 pytestmark = pytest.mark.serial
 

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from benchmarks.error_runtime.study import study
 from rockslip import parse_scene
 from solver import cli
-from solver.study.error_runtime.study import study
 
 pytestmark = pytest.mark.serial
 

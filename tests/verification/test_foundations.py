@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from benchmarks.verification.newmark import sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
 from solver.run.describe import describe
-from solver.verification.newmark import sliding_stop
 
 G = 9.81
 

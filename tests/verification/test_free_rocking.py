@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from ledger import ledger_error
 
 from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
@@ -11,7 +12,6 @@ from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.contact.memory_transfer import carry_over
 from solver.reference.housner import housner
-from solver.results.energy import ledger_error
 
 BLOCK = {
     "width": 0.25,

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from benchmarks.verification.newmark import incline_distance, sliding_block, sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
 from solver.scene import FrictionSpec
-from solver.verification.newmark import incline_distance, sliding_block, sliding_stop
 
 G = 9.81
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from benchmarks.hertz import Disc, errors, l2
+from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
+from benchmarks.verification.load_steps import Tractions, contact_tractions, shifted, support_load
+from benchmarks.verification.pressed_disc import disc_on_ground
 from solver.scene.material import Material
-from solver.verification.hertz import HertzLine, centre_approach, contact_modulus
-from solver.verification.load_steps import Tractions, contact_tractions, shifted, support_load
-from solver.verification.pressed_disc import disc_on_ground
 
 pytestmark = pytest.mark.serial
 

@@ -15,6 +15,7 @@ import ufl
 from dolfinx import fem
 from loads import surface_force
 
+from benchmarks.verification.load_steps import contact_tractions, nodal_pressure
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
@@ -31,7 +32,6 @@ from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import System
-from solver.verification.load_steps import contact_tractions, nodal_pressure
 
 pytestmark = pytest.mark.serial
 

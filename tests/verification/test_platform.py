@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.verification.newmark import incline_distance
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.reference.sliding import sliding
-from solver.verification.newmark import incline_distance
 
 G = 9.81
 

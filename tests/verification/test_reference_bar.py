@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from solver.verification.bar_impact import ENERGY, PERIOD, contact_stress, displacement, velocity
+from benchmarks.verification.bar_impact import (
+    ENERGY,
+    PERIOD,
+    contact_stress,
+    displacement,
+    velocity,
+)
 
 CELLS = 60
 X = np.linspace(0.0, 1.0, CELLS + 1)

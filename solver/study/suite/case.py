@@ -8,12 +8,15 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from solver.errors import SceneError
 from solver.scene import Scene, parse_scene
 from solver.scene.checking import shown
 from solver.study.suite.motions import SuiteMotion
+
+if TYPE_CHECKING:
+    from solver.excitation.motion import GroundMotion
 
 #: What is compared with the reference: the key of the summary, and the name of the ratio.
 COMPARED = {
@@ -63,25 +66,27 @@ def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:
     yield from itertools.product(*ladders)
 
 
-def scene_of(case: SuiteCase) -> tuple[Scene, float]:
-    """The scene of a case, which ends with its motion, and the largest ground acceleration, g."""
-    from solver.excitation.motion import base_motion
-    from solver.scene.units import G_UNIT
+def scene_of(case: SuiteCase) -> tuple[Scene, GroundMotion]:
+    """The scene of a case, which ends with its motion, and the motion of the ground."""
+    from solver.excitation.motion import GroundMotion, base_motion, read_ground
+    from solver.excitation.sampled import SampledMotion
 
     tables = dict(case.tables) | {"motion": dict(case.motion.table)}
     sets = [f"{key}={value}" for key, value in case.varied]
     scene = parse_scene(tables, folder=case.folder, overrides=sets)
-    motion, time = scene.motion, scene.time
-    along = base_motion(motion, time.end)
-    if motion is None or along is None:  # no motion of a suite is one of these
+    ground, time = read_ground(scene), scene.time
+    if ground.along is None:  # no motion of a suite is one of these
         raise SceneError("motion", "nothing that moves", "a motion along x")
-    stops = [along.stop]
-    for direction, beside in motion.beside():
-        moves = base_motion(beside, time.end, f"motion.{direction}")
-        stops += [moves.stop] if moves is not None else []
+    last = max(part.stop for part in ground.parts if part is not None)
     # Whole steps: a last, shorter one would need factorizations of its own.
-    end = math.ceil((max(stops) + case.tail) / time.step * (1 - 1e-9)) * time.step
-    return replace(scene, time=replace(time, end=end)), along.peak / G_UNIT
+    end = math.ceil((last + case.tail) / time.step * (1 - 1e-9)) * time.step
+    # A formula may go on to the end of the run, which is another one now; files are read once.
+    specs = dict(scene.motions)
+    parts = (
+        part if isinstance(part, SampledMotion) else base_motion(specs.get(where), end, where)
+        for where, part in zip(scene.directions, ground.parts, strict=True)
+    )
+    return replace(scene, time=replace(time, end=end)), GroundMotion(tuple(parts))
 
 
 def run_case(case: SuiteCase) -> dict[str, Any]:
@@ -93,23 +98,24 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
     from mpi4py import MPI
 
     from solver.run.simulate import simulate
+    from solver.scene.units import G_UNIT
 
-    scene, peak = scene_of(case)
+    scene, ground = scene_of(case)
     if case.keep is not None:
         shutil.rmtree(case.keep, ignore_errors=True)  # what an interrupted suite left
-    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF, many=True)
+    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF, ground=ground, many=True)
     summary = result.summary
     measures = _measures(summary)
     row = {
         "status": result.status,
         "reason": summary["reason"],
         "end_s": summary["end_s"],
-        "pga_g": peak,
+        "pga_g": ground.along.peak / G_UNIT if ground.along else 0.0,
         **measures,
     }
     if case.reference:
         try:
-            row |= _compared(measures, _reference(scene))
+            row |= _compared(measures, _reference(scene, ground))
         except SceneError as error:
             row["reason"] = f"no reference, {error}"
     energy, cost = summary["energy"], summary["cost"]
@@ -133,12 +139,12 @@ def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _reference(scene: Scene) -> dict[str, Any]:
+def _reference(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
     """Measures of the rigid-body answer."""
     from solver.reference.answer import reference_history
     from solver.results.summary import summarise
 
-    history = reference_history(scene)
+    history = reference_history(scene, ground=ground)
     return _measures(summarise(scene, history, status="completed", cost={}, versions={}))
 
 

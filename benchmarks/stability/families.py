@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from solver.study.stability.matrix import StabilityCase, StabilityFamily, changed
-from solver.study.stability.scenes import (
+from benchmarks.stability.matrix import StabilityCase, StabilityFamily, changed
+from benchmarks.stability.scenes import (
     BODIES,
     FRAME,
     MESHES,

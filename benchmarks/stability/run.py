@@ -1,4 +1,4 @@
-"""The study of stability: scenes driven far, each with a verdict."""
+"""The study of stability from beginning to end: what `rockslip study stability` does."""
 
 from __future__ import annotations
 
@@ -8,47 +8,26 @@ from collections.abc import Iterator
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from mpi4py import MPI
+
+from benchmarks.stability.families import FAMILIES, matrix
+from benchmarks.stability.matrix import StabilityCase
+from benchmarks.stability.sampler import draw
+from benchmarks.stability.table import as_csv, as_text, sentence
+from benchmarks.stability.verdict import Verdict, judge, warm_up
 from solver.errors import NotConverged, SceneError
-
-if TYPE_CHECKING:
-    from solver.study.stability.matrix import StabilityCase
-    from solver.study.stability.verdict import Verdict
-
-TEXT = "scenes driven far, each with a verdict: held, refused by name, or failed"
+from solver.parallel import on_first_rank
+from solver.run.folders import make_folder
+from solver.study.cases import finished_cases, in_one_line
+from solver.study.tables import write as write_file
 
 #: What the study leaves; `--force` writes over these.
 TABLE, LINES, PICTURE = "stability.csv", "stability.txt", "stability.png"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add = parser.add_argument
-    add(
-        "--family",
-        dest="families",
-        metavar="NAME",
-        nargs="+",
-        default=[],
-        help="only these families: beginnings of their names",
-    )
-    add("--random", type=int, metavar="N", default=0, help="so many random scenes instead")
-    add("--seed", type=int, metavar="S", default=1, help="of the random scenes, default 1")
-    add("--limit", type=float, metavar="S", default=120.0, help="wall time a scene, default 120 s")
-    add("-j", dest="processes", type=int, metavar="N", help="processes; default one a processor")
-    add("-o", "--output", metavar="DIR", type=Path, default=Path("stability"), help="folder")
-    add("--force", action="store_true", help="write over an earlier study")
-    add("-q", "--quiet", action="store_true", help="say nothing but errors")
-
-
 def run(options: argparse.Namespace) -> int:
-    """`rockslip study stability`; 0 where every scene holds or is refused, 3 where one failed."""
-    from mpi4py import MPI
-
-    from solver.parallel import on_first_rank
-    from solver.study.stability.table import sentence
-
+    """Run and judge all scenes; 0 where every scene holds or is refused, 3 where one failed."""
     comm = MPI.COMM_WORLD
     cases: list[StabilityCase] = on_first_rank(comm, lambda: prepare(options))
     order = {case.name: number for number, case in enumerate(cases)}
@@ -70,10 +49,6 @@ def run(options: argparse.Namespace) -> int:
 
 def prepare(options: argparse.Namespace) -> list[StabilityCase]:
     """The scenes that are asked for, and their folder; SceneError for what cannot be."""
-    from solver.run.folders import make_folder
-    from solver.study.stability.families import FAMILIES, matrix
-    from solver.study.stability.sampler import draw
-
     for name, value in (("--random", options.random), ("--limit", options.limit)):
         if value < 0:
             raise SceneError(name, str(value), "a number >= 0")
@@ -92,9 +67,6 @@ def judged(
     cases: list[StabilityCase], limit: float, processes: int | None, *, quiet: bool = False
 ) -> Iterator[Verdict]:
     """The verdicts of all scenes as they finish; on rank 0, the others get none."""
-    from solver.study.cases import finished_cases, in_one_line
-    from solver.study.stability.verdict import Verdict, judge, warm_up
-
     warm_up()
     outcomes = finished_cases(partial(judge, limit=limit), cases, processes=processes, quiet=quiet)
     with closing(outcomes):
@@ -106,9 +78,7 @@ def judged(
 
 def write(folder: Path, verdicts: list[Verdict]) -> None:
     """Leave the tables and the picture."""
-    from solver.study.stability.picture import picture
-    from solver.study.stability.table import as_csv, as_text
-    from solver.study.tables import write as write_file
+    from benchmarks.stability.picture import picture  # matplotlib, which only this needs
 
     write_file(folder / TABLE, as_csv(verdicts))
     write_file(folder / LINES, as_text(verdicts))

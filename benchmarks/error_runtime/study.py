@@ -10,17 +10,22 @@ from time import perf_counter, process_time
 
 from mpi4py import MPI
 
+from benchmarks.error_runtime.findings import Beside, Findings
+from benchmarks.error_runtime.ladders import (
+    NAMES,
+    RunOutcome,
+    Trial,
+    climb,
+    coarsest_step,
+    families,
+)
+from benchmarks.error_runtime.machine import machine
+from benchmarks.error_runtime.measures import chosen, measures, words
+from benchmarks.error_runtime.reference import references
+from benchmarks.error_runtime.table import as_csv, everything, text
 from solver.errors import SceneError
 from solver.run.simulate import simulate
 from solver.scene import Scene
-from solver.study.error_runtime.beside import Beside
-from solver.study.error_runtime.family import RunOutcome, Trial, climb
-from solver.study.error_runtime.findings import Findings
-from solver.study.error_runtime.ladders import NAMES, coarsest_step, families
-from solver.study.error_runtime.measures import chosen, measures, words
-from solver.study.error_runtime.reference import references
-from solver.study.error_runtime.table import as_csv, everything, text
-from solver.study.machine import machine
 from solver.study.tables import write as write_file
 
 #: What a row of the table counts.
@@ -108,7 +113,7 @@ def solve(scene: Scene, every: float) -> RunOutcome:
 
 def write(findings: Findings, folder: Path) -> list[Path]:
     """Write table, text, JSON and picture; returns the files."""
-    from solver.study.error_runtime.picture import picture
+    from benchmarks.error_runtime.picture import picture
 
     files = [folder / f"errors.{kind}" for kind in ("csv", "txt", "json", "png")]
     write_file(files[0], as_csv(findings))

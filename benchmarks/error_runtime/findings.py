@@ -1,32 +1,57 @@
-"""Findings of a study of error against run time: errors, slopes, and what to use for a target."""
+"""Findings of a study of error against run time: errors, slopes, and what to use for a target.
+
+Beside them, for the picture, what other programs reached for the same case.
+"""
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from solver.study.error_runtime.beside import Beside
-from solver.study.error_runtime.family import LadderFamily, Trial
-from solver.study.error_runtime.reference import Reference
+from benchmarks.error_runtime.ladders import LadderFamily, Trial
+from benchmarks.error_runtime.reference import Reference
+from solver.errors import SceneError
+from solver.scene.checking import shown
 
 #: A slope is fitted to errors above this many times the floor of their reference.
 CLEAR_OF_FLOOR = 2.0
 
+#: Columns of a file with points of other programs.
+COLUMNS = ("program", "measure", "error", "seconds", "note")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Slope:
-    """Rates at which the error of a family falls: powers fitted in log-log, nan below two points.
+class Beside:
+    """A point that another program reached.
 
     Attributes:
-        order: With the step or the size of the cells.
-        time: With the seconds of the loop.
+        program: Its name.
+        measure: What was measured.
+        error: Magnitude of the relative error; where it is a bound, the note says so.
+        seconds: What it took, s; nan where nobody measured it.
+        note: What else to know.
     """
 
+    program: str
+    measure: str
+    error: float
+    seconds: float
+    note: str = ""
+
+
+class Slope(NamedTuple):
+    """Rates at which the error of a family falls: powers in log-log, nan below two points."""
+
     order: float
+    """With the step or the size of the cells."""
     time: float
+    """With the seconds of the loop."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,3 +158,42 @@ def _power(sizes: Sequence[float], errors: Sequence[float]) -> float:
     if len(x) < 2 or np.ptp(x) == 0:
         return math.nan
     return float(np.polyfit(x, y, 1)[0])
+
+
+def read_beside(file: Path) -> list[Beside]:
+    """Read points from a CSV file with the columns of `COLUMNS`; lines with # are comments."""
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8"
+        raise SceneError("--beside", f"{file} ({reason.lower()})", "a CSV file") from None
+    lines = ["" if line.startswith("#") else line.strip() for line in text.splitlines()]
+    table = csv.reader(lines)
+    found: list[Beside] = []
+    names: list[str] = []
+    for words in ([word.strip() for word in row] for row in table if row):
+        where, line = f"{file}: line {table.line_num}", lines[table.line_num - 1]
+        if names:
+            found.append(_point(where, line, words))
+        elif tuple(names := words) != COLUMNS:
+            raise SceneError(where, shown(line), ",".join(COLUMNS))
+    return found
+
+
+def _point(where: str, line: str, words: list[str]) -> Beside:
+    """One line of the file."""
+    try:
+        program, measure, error, seconds, note = words
+        point = Beside(
+            program=program,
+            measure=measure,
+            error=abs(float(error)),
+            seconds=float(seconds) if seconds else math.nan,
+            note=note,
+        )
+    except ValueError:
+        allowed = f"{','.join(COLUMNS)}, with error and seconds numbers, seconds empty if not known"
+        raise SceneError(where, shown(line), allowed) from None
+    if not (math.isfinite(point.error) and (not seconds or point.seconds > 0)):
+        raise SceneError(where, shown(line), "a finite error, and seconds > 0")
+    return point

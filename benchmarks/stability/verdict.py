@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from benchmarks.stability.matrix import Place, StabilityCase
 from solver.errors import SceneError
 from solver.scene import BlockSpec, Scene, parse_scene
-from solver.study.stability.matrix import Place, StabilityCase
 
 if TYPE_CHECKING:
     from solver.run.simulate import Result

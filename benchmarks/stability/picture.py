@@ -13,8 +13,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from benchmarks.stability.verdict import LARGEST_GAIN, Verdict
 from solver.pictures.style import GREY, RED, new_figure, save
-from solver.study.stability.verdict import LARGEST_GAIN, Verdict
 
 LEAST_GAIN = 1e-14
 """Gains below this, and losses, are drawn as it."""

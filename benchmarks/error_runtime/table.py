@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from benchmarks.error_runtime.findings import Findings
+from benchmarks.error_runtime.ladders import Trial
 from solver.study import tables
-from solver.study.error_runtime.family import Trial
-from solver.study.error_runtime.findings import Findings
 from solver.study.tables import column_names, in_columns
 
 #: What columns of measures are called in the text.

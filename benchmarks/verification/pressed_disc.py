@@ -6,6 +6,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from benchmarks.verification.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.supports import Support
@@ -16,7 +17,6 @@ from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import System
-from solver.verification.disc_mesh import disc_mesh
 
 #: Half-width of the finest part of the mesh over the largest half-width of the contact.
 CORE_RATIO = 1.5

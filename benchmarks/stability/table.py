@@ -7,8 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 
+from benchmarks.stability.verdict import Verdict
 from solver.study import tables
-from solver.study.stability.verdict import Verdict
 from solver.study.tables import in_columns
 
 #: Marks of the verdicts in the text: what held is shown by its energy gain instead.

@@ -10,9 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from benchmarks.error_runtime.findings import Beside, Findings
 from solver.pictures.style import GREY, PALETTE, new_figure, save
-from solver.study.error_runtime.beside import Beside
-from solver.study.error_runtime.findings import Findings
 
 #: One for each family; colours come round earlier.
 MARKERS = "osD^vP*<>Xhp"

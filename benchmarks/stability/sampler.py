@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from random import Random
 from typing import Any
 
-from solver.study.stability.matrix import StabilityCase, Tables
+from benchmarks.stability.matrix import StabilityCase, Tables
 
 CELL_STEPS = 20000
 """Cells times steps of a scene: what keeps it short."""

@@ -1,4 +1,4 @@
-"""`rockslip study error-runtime`: what an error costs, for one scene."""
+"""The study of error against run time, as `rockslip study error-runtime` makes it."""
 
 from __future__ import annotations
 
@@ -7,47 +7,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from solver.arguments import add_overrides, add_scene
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
-
-TEXT = "error against run time: ladders of step, tolerance, mesh, degree, points, rho_inf, model"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add_scene(parser)
-    add_overrides(parser, example="time.step=5e-4")
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help="default: SCENE's name + .errors"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an earlier study")
-    parser.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
-    parser.add_argument(
-        "--families", metavar="NAME", nargs="+",
-        help="varied besides step: adaptive, mesh, degree, points, rho_inf, model; default all",
-    )  # fmt: skip
-    parser.add_argument(
-        "--measures", metavar="NAME", nargs="+", default=[],
-        help="what is judged, such as first_impact or peak_drift; default: all there is",
-    )  # fmt: skip
-    parser.add_argument(
-        "--rungs", type=int, default=6, metavar="N", help="steps of a ladder, 2 to 12; default 6"
-    )
-    parser.add_argument(
-        "--repeat", type=int, default=3, metavar="N", help="times that each run is made; default 3"
-    )
-    parser.add_argument(
-        "--longest", type=float, default=60.0, metavar="S",
-        help="leave out runs that would take longer than this many seconds; default 60",
-    )  # fmt: skip
-    parser.add_argument(
-        "--target", type=float, default=1.0, metavar="PERCENT",
-        help="error for which to say what to use; default 1",
-    )  # fmt: skip
-    parser.add_argument(
-        "--beside", metavar="FILE", type=Path,
-        help="CSV with points of other programs: program, measure, error, seconds, note",
-    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -56,13 +16,13 @@ def run(options: argparse.Namespace) -> int:
 
     if MPI.COMM_WORLD.rank != 0:
         return 0
+    from benchmarks.error_runtime.findings import read_beside
+    from benchmarks.error_runtime.ladders import NAMES, check_names
+    from benchmarks.error_runtime.measures import check_patterns
+    from benchmarks.error_runtime.study import study, write
+    from benchmarks.error_runtime.table import text
     from solver.run.folders import claim_folder
     from solver.scene import load_scene, scene_to_toml
-    from solver.study.error_runtime.beside import read_beside
-    from solver.study.error_runtime.ladders import NAMES, check_names
-    from solver.study.error_runtime.measures import check_patterns
-    from solver.study.error_runtime.study import study, write
-    from solver.study.error_runtime.table import text
 
     if find_spec("matplotlib") is None:  # told before the runs, not after them
         raise EnvironmentTrouble("no matplotlib, which the picture needs; see README.md")

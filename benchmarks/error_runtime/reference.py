@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.error_runtime.ladders import Trial, ladder_of, with_step
+from benchmarks.error_runtime.measures import measures, scale_of
 from solver.errors import SceneError
 from solver.reference.answer import ROCKING, reference_history, reference_name
 from solver.results.summary import summarise
 from solver.scene import Scene
-from solver.study.error_runtime.family import Trial, ladder_of
-from solver.study.error_runtime.ladders import with_step
-from solver.study.error_runtime.measures import measures, scale_of
 from solver.types import Array
 
 #: Differences between rungs have to fall by this factor, or the ladder is not taken to converge.

@@ -1,0 +1,65 @@
+"""Points that may come into contact in a correction, and their local problem; compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.types import Array, Indices, Mask
+
+
+@compiled
+def candidates(y: Array, reach: Array, may_touch: Mask, force: Array) -> Indices:
+    """Numbers of the points that may be in contact at augmented positions y, (points, d)."""
+    number, count = np.empty(len(y), np.int64), 0
+    for p in range(len(y)):
+        if (y[p, 0] < reach[p] and may_touch[p]) or force[p, 0] > 0.0:
+            number[count] = p
+            count += 1
+    return number[:count].copy()
+
+
+@compiled
+def free_values(
+    near: Indices,
+    W: Array,
+    y: Array,
+    force: Array,
+    anchor: Array,
+    softness: Array,
+    softening: Array,
+    held: Array,
+    round_off: Array,
+) -> tuple[Array, Array]:
+    """Guess of the forces of near points, and their free values q with y = q + W f, (m, d) each.
+
+    Args:
+        near: Numbers of the points.
+        W: Their compliance, (m, d, m, d), m/N; it holds softness and softening.
+        y: Augmented positions of all points after the free step, (points, d), m.
+        force: Their forces so far, (points, d), N.
+        anchor: Their stick memory, (points, d-1), m.
+        softness: Of the interface at all points, (points,), m/N: no part of y.
+        softening: Of the near points, (m,), m/N: acts on what forces differ by from held ones.
+        held: Forces of all points that they are compared with, (points, d), N.
+        round_off: Of the gaps of all points, (points,), m.
+    """
+    m, d = W.shape[:2]
+    start, q, pressed = np.empty((m, d)), np.empty((m, d)), False
+    for i in range(m):
+        for k in range(d):
+            start[i, k] = force[near[i], k]
+            pressed = pressed or start[i, k] != 0.0
+    for i in range(m):
+        p = near[i]
+        for k in range(d):
+            q[i, k] = y[p, k] + softness[p] * start[i, k]
+            q[i, k] += softening[i] * (start[i, k] - held[p, k])
+            for j in range(m):
+                for n in range(d):
+                    q[i, k] -= W[i, k, j, n] * start[j, n]
+            if k > 0:
+                q[i, k] -= anchor[p, k - 1]
+        if not pressed and abs(q[i, 0]) < round_off[p]:  # nothing tells that such a gap is small
+            q[i, 0] = 0.0
+    return start, q

@@ -1,0 +1,140 @@
+"""Positions and tractions of contact points, and forces on the nodes: one pass each, compiled.
+
+The rows of an evaluation reach the nodes of one cell only, so that a pass takes as long as there
+are evaluations, whatever the size of the body.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.types import Array, Indices
+
+
+class SurfaceRows(NamedTuple):
+    """What turns displacements into positions and tractions: e evaluations that make p points."""
+
+    nodes: Indices
+    """Nodes that each evaluation reaches, (e, k)."""
+    values: Array
+    """Their shape functions N there, (e, k)."""
+    gradients: Array
+    """And the derivatives of these, (e, k, d), 1/m."""
+    point: Indices
+    """The point that each evaluation belongs to, (e,)."""
+    share: Array
+    """Its weight in the averages of that point, (e,)."""
+    stress_rows: Array
+    """D with S N = D (2 E), (e, d, d d), Pa."""
+    reference: Array
+    """Positions of the points in the undeformed body, (p, d), m."""
+
+
+class NitscheState(NamedTuple):
+    """What a surface knows of one configuration: positions and nominal tractions of its points."""
+
+    position: Array
+    """x, (p, d), m."""
+    traction: Array
+    """T = F S N, (p, d), Pa, averaged over the evaluations of a point."""
+    deformation: Array
+    """F, (e, d, d)."""
+    normal_stress: Array
+    """S N, second Piola-Kirchhoff stress on the normal, (e, d), Pa."""
+
+
+@compiled
+def evaluate(rows: SurfaceRows, displacement: Array) -> NitscheState:
+    """Positions and tractions for displacements of the nodes, (n, d)."""
+    nodes, values, gradients, point, share, stress_rows, reference = rows
+    d = displacement.shape[1]
+    position, traction, twice = reference.copy(), np.zeros_like(reference), np.empty((d, d))
+    deformation, stress = np.zeros((len(nodes), d, d)), np.zeros((len(nodes), d))
+    for e in range(len(nodes)):
+        p, gradient = point[e], deformation[e]
+        for a in range(nodes.shape[1]):
+            for i in range(d):
+                moved = displacement[nodes[e, a], i]
+                position[p, i] += share[e] * values[e, a] * moved
+                for j in range(d):
+                    gradient[i, j] += moved * gradients[e, a, j]
+        # 2 E = H + H^T + H^T H with H = F - I: F^T F - I would lose the digits of small strains.
+        for i in range(d):
+            for j in range(d):
+                twice[i, j] = gradient[i, j] + gradient[j, i]
+                for k in range(d):
+                    twice[i, j] += gradient[k, i] * gradient[k, j]
+        for i in range(d):
+            gradient[i, i] += 1.0
+            for j in range(d):
+                for k in range(d):
+                    stress[e, i] += stress_rows[e, i, d * j + k] * twice[j, k]
+        for i in range(d):
+            for j in range(d):
+                traction[p, i] += share[e] * gradient[i, j] * stress[e, j]
+    return NitscheState(position, traction, deformation, stress)
+
+
+@compiled
+def traction_gradient(
+    rows: SurfaceRows, old: NitscheState, new: NitscheState, vector: Array, count: int
+) -> Array:
+    """Vectors (p, d) times the discrete gradient of the traction, as forces on n nodes, (n, d).
+
+    With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is
+    exactly T_new - T_old: work against a traction is a difference of states (after Simo and Tarnow
+    1992).
+    """
+    nodes, _, gradients, point, share, stress_rows, _ = rows
+    d = vector.shape[1]
+    nodal, middle, outer = np.zeros((count, d)), np.empty((d, d)), np.empty((d, d))
+    for e in range(len(nodes)):
+        weighted = share[e] * vector[point[e]]
+        outer[:] = 0.0
+        for i in range(d):
+            for j in range(d):
+                middle[i, j] = 0.5 * (old.deformation[e, i, j] + new.deformation[e, i, j])
+        for k in range(d):
+            along = 0.0
+            for i in range(d):
+                along += weighted[i] * middle[i, k]
+            for j in range(d):
+                for m in range(d):
+                    virtual = 2.0 * along * stress_rows[e, k, d * j + m]
+                    for i in range(d):
+                        outer[j, i] += virtual * middle[i, m]
+        for j in range(d):
+            stress = 0.5 * (old.normal_stress[e, j] + new.normal_stress[e, j])
+            for i in range(d):
+                outer[j, i] += stress * weighted[i]
+        for a in range(nodes.shape[1]):
+            for j in range(d):
+                for i in range(d):
+                    nodal[nodes[e, a], i] += gradients[e, a, j] * outer[j, i]
+    return nodal
+
+
+@compiled
+def traction_pull(
+    scale: Array, weight: Array, pressure: Array, old: Array, new: Array, new_weight: float
+) -> Array:
+    """Vectors that the gradient of the traction is multiplied by, (p, d).
+
+    Args:
+        scale: theta/gamma_h, (p,).
+        weight: w, (p,), m or m2.
+        pressure: w_c f as vectors in space, (p, d), N.
+        old: Traction at t_n, (p, d), Pa.
+        new: At t_{n+1}.
+        new_weight: 1 - alpha_f, or 0 to leave the theta term out.
+    """
+    pull = np.empty_like(pressure)
+    old_weight = 1.0 - new_weight if new_weight != 0.0 else 0.0
+    for p in range(len(pull)):
+        for i in range(pull.shape[1]):
+            averaged = weight[p] * (new_weight * new[p, i] + old_weight * old[p, i])
+            pull[p, i] = scale[p] * (averaged - pressure[p, i])
+    return pull
