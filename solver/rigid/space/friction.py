@@ -76,8 +76,9 @@ def at_limit(force: Array, mu: Array, cohesion: Array) -> Mask:
 @compiled
 def sliding_of(force: Array, slip: Array, softness: Array, mu: Array, cohesion: Array) -> Mask:
     """The points that slip, (m,); D of `softness` is W's."""
-    way, own = np.empty(len(mu)), softness[:, 1] / REGULAR
+    way, own = np.empty(len(mu)), np.empty(len(mu))
     for q in range(len(mu)):
+        own[q] = softness[q, 1] / REGULAR
         way[q] = math.hypot(slip[q, 0], slip[q, 1])
     return points_that_slip(force, way, own, Bounds(mu, cohesion, np.inf))
 
