@@ -140,7 +140,7 @@ def solve(
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
     force = recalled(state, points)
-    mu, cohesion = friction_at_start(model, state, points)
+    mu, cohesion = friction_at_start(model, state, frames, points)
     held = force * np.array([EVENING, 1.0, 1.0])
     moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
     rounds = 0
@@ -156,7 +156,7 @@ def solve(
         change, yielded = changes(points, rows, moved, turned), softness * (force - held)
         slip = change[:, 1:] + yielded[:, 1:]
         slid = sliding_of(force, slip, softness, mu, cohesion)
-        again = follow_law(model, points, slid, slip, dt, mu)
+        again = follow_law(model, state, points, slid, slip, dt, law)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)
         centred = rounds > 1 or np.sum(np.abs(yielded)) <= ROUND_OFF * size
