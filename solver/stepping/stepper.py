@@ -74,8 +74,6 @@ class Stepper:
         )
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(system.dimension)
-        # A step may go without its velocity solve: it is not worth the slow methods.
-        self.velocity_local = LocalProblem(system.dimension, patience=1)
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
@@ -282,7 +280,7 @@ class Stepper:
         closed = any((contact.force[:, 0] > 0).any() for contact in solution.contacts)
         if self.velocity_solve and closed:
             if self._impulses is None:
-                self._impulses = VelocityImpulses(self.system, self.links, self.velocity_local)
+                self._impulses = VelocityImpulses(self.system, self.links, self.local)
             correction = self._impulses.correct(u, v, solution.contacts, dt)
             if correction is not None:
                 return correction

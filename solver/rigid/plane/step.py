@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import remember, remember_open
-from solver.law.local_problem import METHODS, solve
+from solver.law.local_problem import solve
 from solver.law.newton import OPEN
 from solver.rigid.plane.contact import compliance, local_place, write_rows
 from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
@@ -125,7 +125,7 @@ def contact_iteration(
         write_rows(system, state.q, work.increment, work)
         W = compliance(rows, flexibility)
         fixed = start + rows @ free
-        if not solve(2, W, fixed, bounds_of(work), force, states, work.counts[2:], METHODS):
+        if not solve(2, W, fixed, bounds_of(work), force, states, work.counts[2:]):
             return False
         work.place[: 2 * count] = fixed + W @ force
         increment = free + flexibility * (force @ rows)

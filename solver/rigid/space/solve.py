@@ -12,7 +12,6 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds
-from solver.law.local_problem import METHODS
 from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import follow_law, friction_at_start, recalled, sliding_of, touched
@@ -98,7 +97,7 @@ def _linear(
     q[:, 0] += contacts.gap
     flat, bounds = force.reshape(force.size), Bounds(law[0], law[1], np.inf)
     states = np.empty(len(q), np.int64)
-    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts, METHODS)
+    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts)
     return found, softness
 
 
