@@ -33,6 +33,8 @@ class BlockMotion:
         lift: Gap of the bottom corner that is highest, m.
         shape: The block as it stands in that plane.
         fell: Whether it ends below what carried it.
+        base: Acceleration of the ground, or of the platform, in that plane, m/s2: along it, and
+            upwards, (rows, 2); None where neither moves.
     """
 
     time: Array
@@ -43,16 +45,17 @@ class BlockMotion:
     lift: Array
     shape: Block
     fell: bool
+    base: Array | None
 
 
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
     """The motion of a block as its columns give it."""
     name, carrier = block.name, scene.carrier_of(block)
     if is_spatial(history, name):
-        angle, lean, shape = _lean_in_space(history, block, carrier)
+        angle, lean, shape, direction = _lean_in_space(history, block, carrier)
         gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
     else:
-        lean, shape = history[f"{name}.angle_rad"], block.shape
+        lean, shape, direction = history[f"{name}.angle_rad"], block.shape, np.array([1.0])
         angle = lean if carrier is None else lean - history[f"{carrier.name}.angle_rad"]
         gaps, second = ["gap_left_m", "gap_right_m"], [""]
     return BlockMotion(
@@ -64,6 +67,7 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         lift=_stack(history, name, gaps).max(axis=1),
         shape=shape,
         fell=_fell(history, block, carrier),
+        base=_base(history, direction) if scene.motion or scene.carrier_moves else None,
     )
 
 
@@ -114,10 +118,24 @@ def _angle_from_up(axes: Array) -> Array:
     return np.arctan2(np.linalg.norm(axes[:, :2], axis=1), axes[:, 2])
 
 
+def _base(history: History, direction: Array) -> Array:
+    """Acceleration of the base along a horizontal direction, and upwards, m/s2, (rows, 2)."""
+    found = np.zeros((len(history["time_s"]), 2))
+    for part, name in zip(
+        direction, ("acceleration_m_s2", "acceleration_second_m_s2"), strict=False
+    ):
+        for owner in ("base", "platform"):
+            if f"{owner}.{name}" in history:
+                found[:, 0] += part * history[f"{owner}.{name}"]
+    if "base.vertical_acceleration_m_s2" in history:
+        found[:, 1] = history["base.vertical_acceleration_m_s2"]
+    return found
+
+
 def _lean_in_space(
     history: History, block: BlockSpec, carrier: BlockSpec | None
-) -> tuple[Array, Array, Block]:
-    """Signed lean against the carrier in the plane of the largest, total lean, shape there."""
+) -> tuple[Array, Array, Block, Array]:
+    """Signed lean against the carrier in the plane of the largest, total lean, shape, direction."""
     rotations = _rotations(history, block.name)
     axes = rotated(rotations, UP)
     lean = _angle_from_up(axes)
@@ -130,7 +148,7 @@ def _lean_in_space(
     own = -rotated(-rotations, below)[most, :2]
     direction = _towards(axes[most, :2])
     angle = np.unwrap(np.arctan2(axes[:, :2] @ direction, axes[:, 2]))
-    return angle, lean, _shape_across(block.shape, _towards(own))
+    return angle, lean, _shape_across(block.shape, _towards(own)), direction
 
 
 def _towards(horizontal: Array) -> Array:

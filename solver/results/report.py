@@ -25,11 +25,10 @@ def report(summary: Mapping[str, Any]) -> str:
             f"energy: largest gain {_number(energy['largest_gain_fraction'], '.1e')}, ledger error "
             f"{_number(energy['ledger_error_fraction'], '.1e')} of {_number(energy['scale_J'])} J"
         )
-        losses = {name.removesuffix("_J"): value for name, value in energy["loss"].items()}
-        lost = [f"{name} {_number(value)}" for name, value in losses.items()]
-        lines.append(f"lost to {', '.join(lost)} J")
+        lines.append(_losses(energy["loss"], energy["loss_share"]))
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
+    lines += [f"caution: {text}" for text in summary["cautions"]]
     return "\n".join(lines) + "\n"
 
 
@@ -49,6 +48,24 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
         lines.append(f"  restitution   {ratios}{more}")
     return lines
+
+
+CAUSES = {
+    "damping": "material",
+    "dashpot": "contact dashpots",
+    "friction": "friction",
+    "contact": "contact",
+    "numerical": "time integration",
+}
+"""Names of the causes of losses, in the order in which they are shown."""
+
+
+def _losses(loss: Mapping[str, float], shares: Mapping[str, float]) -> str:
+    """What was lost, and to what."""
+    if not shares:
+        return "lost: nothing"
+    parts = [f"{100 * shares[key]:.1f} % {words}" for key, words in CAUSES.items() if key in shares]
+    return f"lost {_number(sum(loss.values()))} J: {', '.join(parts)}"
 
 
 def _platform(platform: Mapping[str, float]) -> str:

@@ -6,10 +6,11 @@ zero (found by the parabola through the last rows before it), or where it falls 
 of that and comes back on the same side (a squat block that bounces). Smaller movements, those
 of an elastic block at rest among them, are not rocking and are not counted.
 
-The restitution of an impact is the square root of the ratio of the energies that a rigid block has
-at the peaks after and before, over its rotary inertia 4/3 m R^2 (Housner 1963):
-p^2 (cos(alpha - |theta|) - cos(alpha)). It is that of free rocking; with a base that moves it says
-what is left after the base did its work.
+The restitution of an impact is the ratio of the angular velocities after and before it. On a base
+at rest it is the square root of the ratio of the energies that a rigid block has at the peaks after
+and before, over its rotary inertia 4/3 m R^2 (Housner 1963):
+p^2 (cos(alpha - |theta|) - cos(alpha)). A base that moves does work on the block between two peaks;
+there both angular velocities are read next to the impact (`solver.results.angular_velocity`).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.block import Block
+from solver.results.angular_velocity import WINDOW, angular_velocity
 from solver.types import Array
 
 #: A swing has to exceed this part of the slenderness alpha.
@@ -120,7 +122,9 @@ def rocking_energy(angle: float, shape: Block, gravity: float) -> float:
     return float(shape.frequency(gravity) ** 2 * (np.cos(alpha - abs(angle)) - np.cos(alpha)))
 
 
-def impacts(time: Array, angle: Array, shape: Block, gravity: float) -> list[Impact]:
+def impacts(
+    time: Array, angle: Array, shape: Block, gravity: float, acceleration: Array | None = None
+) -> list[Impact]:
     """The impacts of a block: the ends of its swings.
 
     Args:
@@ -128,6 +132,8 @@ def impacts(time: Array, angle: Array, shape: Block, gravity: float) -> list[Imp
         angle: Rocking angle theta, rad.
         shape: The block.
         gravity: g, m/s2.
+        acceleration: Angular acceleration of a rigid block at these angles on a base that moves,
+            1/s2; None for a base at rest.
     """
     found = swings(time, angle, shape.slenderness)
     result = []
@@ -135,12 +141,13 @@ def impacts(time: Array, angle: Array, shape: Block, gravity: float) -> list[Imp
         if swing.last == len(angle) - 1:
             continue
         following = found[i + 1] if i + 1 < len(found) else None
-        result.append(
-            Impact(
-                time_s=_impact_time(time, angle, swing.last),
-                restitution=_restitution(swing, following, time, angle, shape, gravity),
-            )
-        )
+        at = _impact_time(time, angle, swing.last)
+        if acceleration is None:
+            kept = _restitution(swing, following, time, angle, shape, gravity)
+        else:
+            window = WINDOW / shape.frequency(gravity) if gravity > 0 else np.inf
+            kept = _ratio_of_velocities(swing, following, time, angle, acceleration, at, window)
+        result.append(Impact(time_s=at, restitution=kept))
     return result
 
 
@@ -197,6 +204,29 @@ def _restitution(
     if start <= 0 or end < 0:
         return None
     return float(np.sqrt(end / start))
+
+
+def _ratio_of_velocities(
+    before: Swing,
+    after: Swing | None,
+    time: Array,
+    angle: Array,
+    acceleration: Array,
+    at: float,
+    window: float,
+) -> float | None:
+    """Ratio of the angular velocities after and before an impact at a time (s)."""
+    velocities = []
+    for swing, first, last in ((before, at - window, at), (after, at, at + window)):
+        if swing is None:
+            return None
+        rows = np.arange(swing.first, swing.last + 1)
+        rows = rows[(time[rows] >= first) & (time[rows] <= last)]
+        found = angular_velocity(time[rows], angle[rows], acceleration[rows], at)
+        if found is None:
+            return None
+        velocities.append(found)
+    return abs(velocities[1] / velocities[0]) if velocities[0] else None
 
 
 def overturned(angle: Array, slenderness: float) -> bool:

@@ -12,9 +12,12 @@ import numpy as np
 
 from solver.history.history import History
 from solver.results import energy, rocking
-from solver.results.motion import block_motion
+from solver.results.angular_velocity import rocking_acceleration
+from solver.results.cautions import cautions_of_run, loss_shares
+from solver.results.motion import BlockMotion, block_motion
 from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
+from solver.types import Array
 
 #: Version of the layout of summary.json.
 SCHEMA = 1
@@ -43,6 +46,8 @@ def summarise(
     """
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
     platform = _platform(history) if len(history) else {}
+    balance = _energy(scene, history) if len(history) else {}
+    found = cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
     return {
         "schema": SCHEMA,
         "title": scene.title,
@@ -53,7 +58,8 @@ def summarise(
         "versions": dict(versions),
         "blocks": blocks,
         **({"platform": platform} if platform else {}),
-        "energy": _energy(scene, history) if len(history) else {},
+        "energy": balance,
+        "cautions": found,
         "cost": dict(cost),
     }
 
@@ -68,7 +74,7 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     motion = block_motion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
-    impacts = rocking.impacts(time, angle, shape, scene.gravity)
+    impacts = rocking.impacts(time, angle, shape, scene.gravity, _free_acceleration(scene, motion))
     peaks = rocking.peaks(time, angle, shape.slenderness)
     known = {
         "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=motion.fell),
@@ -86,6 +92,15 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
         "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
     }
+
+
+def _free_acceleration(scene: Scene, motion: BlockMotion) -> Array | None:
+    """Angular acceleration of a rigid block on a moving base, 1/s2; None where it is at rest."""
+    if motion.base is None:
+        return None
+    along = motion.base[:, 0] - scene.gravity_vector[0]
+    down = motion.base[:, 1] - scene.gravity_vector[-1]
+    return rocking_acceleration(motion.angle, motion.shape, along, down)
 
 
 def _mass_ratio_felt(block: BlockSpec, scene: Scene, history: History) -> float:
@@ -121,13 +136,15 @@ def _energy(scene: Scene, history: History) -> dict[str, Any]:
         above_rest=float(history["energy.kinetic_J"][0]) + raised,
         weight_height=sum(b.shape.weight(scene.gravity) * b.height for b in scene.blocks),
     )
+    loss = energy.losses(history)
     return {
         "scale_J": scale,
         "largest_gain_fraction": energy.largest_gain_fraction(total, work, scale),
         "ledger_error_fraction": energy.ledger_error_fraction(
             history["energy.ledger_error_J"], scale
         ),
-        "loss": energy.losses(history),
+        "loss": loss,
+        "loss_share": loss_shares(loss),
     }
 
 

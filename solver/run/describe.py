@@ -9,7 +9,9 @@ from solver.excitation.description import describe_motion
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
+from solver.results.cautions import cautions_of_scene
 from solver.scene import BlockSpec, Scene
+from solver.scene.time import TimeSpec
 
 Lines = list[tuple[str, str]]
 
@@ -30,9 +32,17 @@ def describe(scene: Scene) -> str:
     for block in scene.blocks:
         of = f" of {block.name}" if len(scene.blocks) > 1 else ""
         lines.append((f"mesh{of}", block.mesh_size(scene.dimension)))
-    steps = math.ceil(scene.time.end / scene.time.step * (1 - 1e-12))
-    lines.append(("time", f"{steps} steps of {scene.time.step:g} s to {scene.time.end:g} s"))
+    lines.append(("time", _steps(scene.time)))
+    lines += [("caution", text) for text in cautions_of_scene(scene, ground)]
     return table(lines)
+
+
+def _steps(span: TimeSpec) -> str:
+    """The steps of a run, in words."""
+    if span.adaptive:
+        return f"adaptive steps of at most {span.largest:g} s to {span.end:g} s"
+    steps = math.ceil(span.end / span.step * (1 - 1e-12))
+    return f"{steps} steps of {span.step:g} s to {span.end:g} s"
 
 
 def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:

@@ -1,0 +1,118 @@
+"""What a run, or a scene, should not be trusted for, in one line each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from solver.excitation.motion import GroundMotion
+from solver.scene import BlockSpec, Scene
+
+UNRESOLVED = 0.2
+"""Part of what impacts lose that may go to time integration and undamped contact."""
+
+NOTABLE = 0.02
+"""Losses of impacts below this part of the scale of the energy balance are not judged."""
+
+STEPS_A_CROSSING = 10.0
+"""Steps in which sound crosses the height of a block, fewest that resolve its impacts."""
+
+SUGGESTED_RATIO = 0.02
+"""Ratio of critical damping at the first bending mode of a standing block, as suggested."""
+
+
+def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
+    """The losses of impacts, J: all but friction.
+
+    Args:
+        loss: Energies dissipated, J, such as `damping_J`.
+    """
+    return {name: value for name, value in loss.items() if name != "friction_J"}
+
+
+def loss_shares(loss: Mapping[str, float]) -> dict[str, float]:
+    """Part of the whole loss that each cause has; empty where nothing was lost."""
+    whole = sum(loss.values())
+    return {name.removesuffix("_J"): value / whole for name, value in loss.items()} if whole else {}
+
+
+def unresolved_share(loss: Mapping[str, float]) -> float:
+    """Part of what impacts lost that went to time integration and undamped contact."""
+    lost = impact_losses(loss)
+    whole = sum(lost.values())
+    return (lost["contact_J"] + lost["numerical_J"]) / whole if whole > 0 else 0.0
+
+
+def _wave_speed(block: BlockSpec) -> float:
+    """Speed of sound along an elastic block, sqrt(E/rho), m/s."""
+    assert block.young is not None
+    return math.sqrt(block.young / block.shape.density)
+
+
+def suggested_damping(block: BlockSpec) -> float:
+    """beta_R (s) that damps the first bending mode of a standing block by 2 % of critical.
+
+    2 xi/omega with omega = 3.516 sqrt(E I/(rho A H^4)) of a cantilever; two digits.
+    """
+    frequency = 3.516 / math.sqrt(12) * _wave_speed(block) * block.width / block.height**2
+    return float(f"{2 * SUGGESTED_RATIO / frequency:.1e}")
+
+
+def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
+    """Cautions about a run of meshed blocks.
+
+    Args:
+        scene: What was run.
+        loss: Energies dissipated, J.
+        scale: Scale of the energy balance, J.
+    """
+    share = unresolved_share(loss)
+    lost = sum(impact_losses(loss).values())
+    if scene.is_rigid or share <= UNRESOLVED or not lost > NOTABLE * scale:
+        return []
+    return [
+        f"{100 * share:.0f} % of what impacts lost went to time integration and undamped contact, "
+        f"so that step and mesh decide how long blocks rock{_remedy(scene)}"
+    ]
+
+
+def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Cautions that no run is needed for.
+
+    Args:
+        scene: What is to be run.
+        ground: Its motion of the ground.
+    """
+    found = []
+    stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
+    if math.isfinite(stop) and stop > scene.time.end * (1 + 1e-9):
+        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
+    elastic = [block for block in scene.blocks if block.model == "elastic"]
+    if not elastic:
+        return found
+    crossing = min(block.height / math.sqrt(block.young / block.shape.density) for block in elastic)
+    coarse = not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING
+    undamped = scene.damping is None or scene.damping.stiffness == 0
+    if coarse:
+        found.append(
+            f"sound crosses a block in {crossing:.2g} s, so that steps of {scene.time.step:g} s do "
+            f"not resolve its impacts and decide what these lose{_remedy(scene)}"
+        )
+    elif undamped:
+        found.append(
+            "nothing damps the blocks, so that what one impact shakes meets the next one and no "
+            f"step resolves what that loses{_remedy(scene)}"
+        )
+    return found
+
+
+def _remedy(scene: Scene) -> str:
+    """What to change."""
+    changes = []
+    if not scene.time.adaptive:
+        changes.append("leave out time.step, so that steps are adaptive")
+    elastic = [block for block in scene.blocks if block.model == "elastic"]
+    if elastic and (scene.damping is None or scene.damping.stiffness == 0):
+        most = max(map(suggested_damping, elastic))
+        changes.append(f"give damping.stiffness, for 2 % of critical {most:g}")
+    return f": {', and '.join(changes)}" if changes else ""
