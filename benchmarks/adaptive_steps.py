@@ -4,7 +4,7 @@
 
 Writes `benchmarks/adaptive_steps.csv`, a row a run: the error of the third impact against the
 shortest fixed steps, the iterations of all accepted steps and the seconds in the loop. Fixed steps
-come near their limit, .88 s, only where they resolve the waves of an impact, below 1e-4 s.
+come near their limit, 0.865 s, only where they resolve the waves of an impact, below 1e-4 s.
 Iterations do not depend on what else runs on the machine; seconds do.
 """
 
@@ -24,7 +24,7 @@ TABLE = Path(__file__).with_suffix(".csv")
 
 END = 0.95
 FIXED = (1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3)
-TOLERANCES = (3e-8, 1e-7, 3e-7, 1e-6, 3e-6)
+TOLERANCES = (1e-4, 2.5e-4, 1e-3, 4e-3)
 
 
 def run(kind: str, setting: float) -> dict[str, Any]:

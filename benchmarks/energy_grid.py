@@ -40,7 +40,8 @@ def settings() -> Iterator[dict[str, float]]:
 
 def scene_of(point: dict[str, float]) -> Scene:
     """The scene of the demo with the settings of one point."""
-    return load_scene(SCENE, [f"{key}={value!r}" for key, value in point.items()])
+    changes = ["damping.stiffness=0", *(f"{key}={value!r}" for key, value in point.items())]
+    return load_scene(SCENE, changes)
 
 
 def run(point: dict[str, float]) -> dict[str, Any]:

@@ -14,11 +14,11 @@ from solver.fields.ground import floor_level
 from solver.pictures.angles import draw_angle, draw_overlay, draw_phase
 from solver.pictures.deformed import draw_deformed
 from solver.pictures.forces import draw_energy, draw_forces, draw_platform
-from solver.pictures.style import BLUE, DASHES, ORANGE, STYLE, new_figure, save
+from solver.pictures.style import BLUE, DASHES, GREEN, ORANGE, STYLE, new_figure, save
 from solver.reference.answer import reference_history, reference_name
 from solver.results.runs import FIELDS, Run
 
-__all__ = ["BLUE", "DASHES", "ORANGE", "STYLE", "instants", "picture_run", "picture_runs"]
+__all__ = ["BLUE", "DASHES", "GREEN", "ORANGE", "STYLE", "instants", "picture_run", "picture_runs"]
 
 
 def picture_run(run: Run) -> list[Path]:

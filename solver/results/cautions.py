@@ -90,7 +90,7 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     elastic = [block for block in scene.blocks if block.model == "elastic"]
     if not elastic:
         return found
-    crossing = min(block.height / math.sqrt(block.young / block.shape.density) for block in elastic)
+    crossing = min(block.height / _wave_speed(block) for block in elastic)
     coarse = not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING
     undamped = scene.damping is None or scene.damping.stiffness == 0
     if coarse:

@@ -100,13 +100,18 @@ class TimeSpec(Checked):
             share = STEP_OF_RIGID_SCENES if is_rigid else LONGEST_STEP
             longest = min(longest, share / frequency)
         if is_rigid:
-            return replace(self, step=_rounded(longest))
+            return replace(self, step=self._whole(_rounded(longest)))
         if self.largest is not None:
             longest = self.largest
         elif longest < stiffest:
             longest = _rounded(longest)
-        longest = min(longest, self.end, stiffest)
+        longest = self._whole(min(longest, stiffest))
         return replace(self, step=longest / 4, largest=longest, adaptive=True)
+
+    def _whole(self, longest: float) -> float:
+        """The longest step not above this one (s) of which a whole number reaches the end."""
+        steps = math.ceil(self.end / longest * (1 - 1e-12))
+        return float(f"{self.end / steps:.12g}")
 
 
 def _rounded(step: float) -> float:

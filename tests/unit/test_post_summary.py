@@ -77,6 +77,8 @@ def test_names_and_numbers() -> None:
     assert energy["largest_gain_fraction"] == 0.0
     assert energy["ledger_error_fraction"] == pytest.approx(0.1 / scale)
     assert energy["loss"]["contact_J"] == pytest.approx(1.8)
+    assert energy["loss_share"]["contact"] == pytest.approx(1.8 / 1.9)
+    assert sum(energy["loss_share"].values()) == pytest.approx(1.0)
 
 
 def test_what_is_not_known_is_null_in_the_file(tmp_path: Path) -> None:
