@@ -30,6 +30,7 @@ def report(summary: Mapping[str, Any]) -> str:
         lines.append(f"lost to {', '.join(lost)} J")
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
+    lines += overlap_lines(summary)
     return "\n".join(lines) + "\n"
 
 
@@ -49,6 +50,15 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
         lines.append(f"  restitution   {ratios}{more}")
     return lines
+
+
+def overlap_lines(summary: Mapping[str, Any]) -> list[str]:
+    """A line for each two blocks that came to overlap."""
+    return [
+        f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up to "
+        f"{found['depth_m']:.3g} m: neither carries the other, so they do not feel each other"
+        for found in summary.get("overlaps", [])
+    ]
 
 
 def _platform(platform: Mapping[str, float]) -> str:
