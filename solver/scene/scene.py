@@ -25,7 +25,6 @@ from solver.scene.limits import longest_step, refuse_beyond
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
-from solver.scene.overlaps import refuse_overlaps
 from solver.scene.ranges import Dimension, NotNegative, Tilt
 from solver.scene.time import TimeSpec
 
@@ -80,7 +79,10 @@ class Scene(Checked):
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
         object.__setattr__(self, "time", self._filled_time())
-        refuse_overlaps(self)
+        if next(self.strangers(), None) is not None:
+            from solver.scene.overlaps import refuse_overlaps  # needs numpy, other scenes do not
+
+            refuse_overlaps(self)
         refuse_beyond(self, self.known_shaking)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
