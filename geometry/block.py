@@ -61,6 +61,11 @@ class Block:
         b, t, h = self.width**2, self.thickness**2, self.height**2
         return self.mass * (t + h) / 12, self.mass * (b + h) / 12, self.mass * (b + t) / 12
 
+    def half_lengths(self, dimension: int = 2) -> tuple[float, ...]:
+        """Half its edges along x, in space y, and upwards, m."""
+        b, t, h = self.width / 2, self.thickness / 2, self.height / 2
+        return (b, h) if dimension == 2 else (b, t, h)
+
     def corners(self, dimension: int = 2) -> tuple[tuple[float, ...], ...]:
         """Its corners in its own frame (origin at the bottom centre), m.
 

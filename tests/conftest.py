@@ -56,3 +56,9 @@ def granite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     file = tmp_path / "granite.toml"
     file.write_text(SHORT_GRANITE)
     return file
+
+
+@pytest.fixture
+def falls_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs that a fall would end go on, for tests of the motion after it."""
+    monkeypatch.setattr("solver.results.endings.Watch.look", lambda watch, rows: None)

@@ -7,16 +7,28 @@ there is the angle of two dimensions, and the width of its base across that plan
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from geometry.block import Block
+from geometry.boxes import Boxes
 from solver.history.history import History
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
 #: The upright direction in space.
 UP = np.array([0.0, 0.0, 1.0])
+
+
+class Columns(Protocol):
+    """Rows of a history by the names of their columns: all of them, or some as they come."""
+
+    def __contains__(self, column: object) -> bool:
+        """Whether there is a column of that name."""
+
+    def __getitem__(self, column: str) -> Array:
+        """One column, over the rows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,22 +83,36 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
     )
 
 
-def is_spatial(history: History, name: str) -> bool:
+def is_spatial(history: Columns, name: str) -> bool:
     """True if a block's columns are those of three dimensions."""
     return f"{name}.angle_x_rad" in history
 
 
-def centres(history: History, name: str) -> Array:
+def centres(history: Columns, name: str) -> Array:
     """Places of a block's centre of mass, m, (rows, d)."""
     axes = "xyz" if is_spatial(history, name) else "xy"
     return _stack(history, name, [f"centre_{axis}_m" for axis in axes])
 
 
-def total_lean(history: History, name: str) -> Array:
+def total_lean(history: Columns, name: str) -> Array:
     """Angle of a block from upright, rad: signed and unwrapped in 2-D, 0 to pi in 3-D."""
     if not is_spatial(history, name):
         return history[f"{name}.angle_rad"]
     return _angle_from_up(_axes(history, name))
+
+
+def boxes(history: Columns, block: BlockSpec) -> Boxes:
+    """A block as a rigid box, over the rows."""
+    name = block.name
+    if is_spatial(history, name):
+        turns = _rotations(history, name)
+        axes = [rotated(turns, axis) for axis in np.eye(3)]
+    else:
+        angle = history[f"{name}.angle_rad"]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        axes = [np.stack([cosine, -sine], axis=1), np.stack([sine, cosine], axis=1)]
+    half = np.array(block.shape.half_lengths(len(axes)))
+    return Boxes(half=half, centres=centres(history, name), frames=np.stack(axes, axis=2))
 
 
 def rotated(rotations: Array, vectors: Array) -> Array:
@@ -98,17 +124,17 @@ def rotated(rotations: Array, vectors: Array) -> Array:
     return along + np.cos(angle) * (vectors - along) + np.sin(angle) * across
 
 
-def _stack(history: History, name: str, columns: list[str]) -> Array:
+def _stack(history: Columns, name: str, columns: list[str]) -> Array:
     """Some columns of a block side by side, (rows, columns)."""
     return np.stack([history[f"{name}.{column}"] for column in columns], axis=1)
 
 
-def _rotations(history: History, name: str) -> Array:
+def _rotations(history: Columns, name: str) -> Array:
     """Rotation vectors of a block in space, rad, (rows, 3)."""
     return _stack(history, name, [f"angle_{axis}_rad" for axis in "xyz"])
 
 
-def _axes(history: History, name: str) -> Array:
+def _axes(history: Columns, name: str) -> Array:
     """Direction of a block's upright axis, (rows, 3)."""
     return rotated(_rotations(history, name), UP)
 

@@ -29,6 +29,7 @@ def report(summary: Mapping[str, Any]) -> str:
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
     lines += [f"caution: {text}" for text in summary["cautions"]]
+    lines += overlap_lines(summary)
     return "\n".join(lines) + "\n"
 
 
@@ -66,6 +67,15 @@ def _losses(loss: Mapping[str, float], shares: Mapping[str, float]) -> str:
         return "lost: nothing"
     parts = [f"{100 * shares[key]:.1f} % {words}" for key, words in CAUSES.items() if key in shares]
     return f"lost {_number(sum(loss.values()))} J: {', '.join(parts)}"
+
+
+def overlap_lines(summary: Mapping[str, Any]) -> list[str]:
+    """A line for each two blocks that came to overlap."""
+    return [
+        f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up to "
+        f"{found['depth_m']:.3g} m: neither carries the other, so they do not feel each other"
+        for found in summary.get("overlaps", [])
+    ]
 
 
 def _platform(platform: Mapping[str, float]) -> str:

@@ -16,6 +16,7 @@ there both angular velocities are read next to the impact (`solver.results.angul
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -235,8 +236,16 @@ def overturned(angle: Array, slenderness: float) -> bool:
     It ends beyond its point of balance, |theta| > alpha, or has been where it has no more energy
     than upright, |theta| > 2 alpha (at most 89 degrees: a block lies at 90).
     """
-    lost = min(2 * slenderness, np.radians(89.0))
+    lost = no_return(slenderness)
     return bool(abs(angle[-1]) > slenderness or np.max(np.abs(angle)) > lost)
+
+
+def no_return(slenderness: Any) -> Any:
+    """The angle beyond which a block does not come back, rad: 2 alpha, at most 89 degrees.
+
+    There it has no more energy than upright. Never less than its point of balance alpha.
+    """
+    return np.maximum(slenderness, np.minimum(2 * slenderness, np.radians(89.0)))
 
 
 def mode(

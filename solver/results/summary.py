@@ -14,7 +14,9 @@ from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
 from solver.results.cautions import cautions_of_run, loss_shares
+from solver.results.endings import fell_at, overturned_at
 from solver.results.motion import BlockMotion, block_motion
+from solver.results.overlaps import overlaps
 from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
@@ -57,6 +59,7 @@ def summarise(
         "end_s": float(history["time_s"][-1]) if len(history) else 0.0,
         "versions": dict(versions),
         "blocks": blocks,
+        "overlaps": overlaps(scene, history) if len(history) else [],
         **({"platform": platform} if platform else {}),
         "energy": balance,
         "cautions": found,
@@ -75,11 +78,18 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
     impacts = rocking.impacts(time, angle, shape, scene.gravity, _free_acceleration(scene, motion))
+    over, off = overturned_at(history, block), fell_at(scene, history, block)
+    fell = motion.fell or off is not None
+    standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
     peaks = rocking.peaks(time, angle, shape.slenderness)
     known = {
-        "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=motion.fell),
+        "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=fell),
+        "overturned_at_s": over,
+        "fell_at_s": off,
         "peak_angle_rad": float(np.max(np.abs(motion.lean))),
+        "peak_angle_while_standing_rad": float(np.max(np.abs(motion.lean[standing]))),
         "peak_slip_m": float(np.max(slip)),
+        "peak_slip_while_standing_m": float(np.max(slip[standing])),
         "peak_friction_force_N": float(np.max(np.linalg.norm(motion.friction, axis=1))),
         "residual_angle_rad": float(motion.lean[-1]),
         "residual_slip_m": float(motion.slip[-1, 0]),

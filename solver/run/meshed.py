@@ -9,6 +9,8 @@ from typing import Any
 
 from mpi4py import MPI
 
+import numpy as np
+
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
@@ -106,7 +108,9 @@ class MeshedRun:
             self._damped += self.state.is_damped(step)
             ladder.accept(climb=judge is None or judge.climbs())
             self.state = replace(new, time=ladder.time)
-            self._record(desk, exchange, step)
+            reason = self._record(desk, exchange, step)
+            if reason:
+                break
             if ladder.time >= due * (1 - 1e-12):
                 desk.files.snapshot(self.state.time)
                 due = desk.files.next_snapshot(self.state.time)
@@ -115,14 +119,16 @@ class MeshedRun:
         desk.files.snapshot(self.state.time)
         return status, reason
 
-    def _record(self, desk: RunContext, exchange: Exchange, step: float) -> None:
-        """Write down a step that succeeded."""
+    def _record(self, desk: RunContext, exchange: Exchange, step: float) -> str:
+        """Write down a step that succeeded; returns why the run ends with it, if it does."""
         self._steps += 1
         self._iterations += exchange.iterations
         self._row = self._observer.row(self.state, exchange, step)
+        found = desk.watch.look(np.array(self._row)[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(desk)
         desk.show(self.state.time, step, exchange.iterations)
+        return "" if found is None else found.reason
 
     def _last_row(self, desk: RunContext) -> None:
         """Append the row of the last step, once."""

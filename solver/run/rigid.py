@@ -102,11 +102,9 @@ class RigidRun:
             if reason:
                 status = "interrupted"
                 break
-            reason = self._piece(desk, self._next_stop(desk, total))
-            status = "not converged" if reason else status
+            status, reason = self._piece(desk, self._next_stop(desk, total))
         if not reason:
-            reason = self._rest(desk)
-            status = "not converged" if reason else status
+            status, reason = self._rest(desk)
         desk.files.snapshot(float(desk.history["time_s"][-1]))
         return status, reason
 
@@ -116,16 +114,23 @@ class RigidRun:
         due = desk.files.next_snapshot(first * step) / step * (1 - 1e-12)
         return math.ceil(min(max(due, first + 1), first + self._at_once, total))
 
-    def _piece(self, desk: RunContext, stop: int) -> str:
-        """Run up to step number `stop`; returns why not, if it failed."""
+    def _piece(self, desk: RunContext, stop: int) -> tuple[str, str]:
+        """Run up to step number `stop`; returns status and, where the run ends, the reason."""
         step, first = self._scene.time.step, self._steps
-        ground = None if self._ground is None else self._ground.between(first, stop)
-        outcome = self._advance(stop - first, step, ground)
+        saved = self._system.saved() if desk.watch.ends_runs else None
+        outcome = self._steps_to(stop)
+        status, reason = "completed", ""
+        found = desk.watch.look(outcome.rows[:, self._columns]) if len(outcome.rows) else None
+        if found is not None and saved is not None:
+            # Once more, up to the step with which the run ends: the bodies have to stand there.
+            self._system.restore(saved)
+            outcome, reason = self._steps_to(first + 1 + found.row), found.reason
+        elif outcome.failure:
+            status, reason = "not converged", outcome.failure
         rows = outcome.rows
-        rows[:, self._run_columns.time_s] = np.arange(first + 1, first + 1 + len(rows)) * step
         self._steps += len(rows)
         every = self._scene.output.history_every
-        ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or outcome.failure
+        ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or reason
         kept = np.arange(first + 1, self._steps + 1) % every == 0
         kept[-1:] |= bool(ends)
         desk.history.extend(rows[kept][:, self._columns])
@@ -133,15 +138,24 @@ class RigidRun:
         due = desk.files.next_snapshot(first * step)
         if self._steps * step >= due * (1 - 1e-12):
             desk.files.snapshot(self._steps * step)
-        return outcome.failure or ""
+        return status, reason
 
-    def _rest(self, desk: RunContext) -> str:
+    def _steps_to(self, stop: int) -> Advance:
+        """The steps up to number `stop`."""
+        step, first = self._scene.time.step, self._steps
+        ground = None if self._ground is None else self._ground.between(first, stop)
+        outcome = self._advance(stop - first, step, ground)
+        count = len(outcome.rows)
+        outcome.rows[:, self._run_columns.time_s] = np.arange(first + 1, first + 1 + count) * step
+        return outcome
+
+    def _rest(self, desk: RunContext) -> tuple[str, str]:
         """A last, shorter step where the end is no multiple of the step."""
         span = self._scene.time
         reached = self._steps * span.step
         rest = span.end - reached
         if rest <= span.smallest * (1 - 1e-9):
-            return ""
+            return "completed", ""
         ends = np.array([reached, span.end])
         ground = None
         if self._motion.moves:
@@ -151,7 +165,10 @@ class RigidRun:
         self._steps += len(outcome.rows)
         desk.history.extend(outcome.rows[:, self._columns])
         self._report(desk, outcome)
-        return outcome.failure or ""
+        if outcome.failure:
+            return "not converged", outcome.failure
+        found = desk.watch.look(outcome.rows[:, self._columns])
+        return "completed", "" if found is None else found.reason
 
     def _advance(self, count: int, step: float, ground: tuple[Array, Array] | None) -> Advance:
         """Run so many steps of length `step`; `ground`: accelerations at their ends, mean ones."""

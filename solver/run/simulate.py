@@ -18,6 +18,8 @@ from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, world
+from solver.results.endings import Watch
+from solver.results.report import overlap_lines
 from solver.results.summary import summarise
 from solver.run.files import Fields, RunFiles
 from solver.run.garbage import rarely_collected
@@ -61,6 +63,7 @@ class RunContext:
         history: Takes the rows.
         files: The folder of the run, if there is one.
         interruption: Whether someone wants the run to stop.
+        watch: Looks for blocks that overturn or fall, where that ends the run.
         progress: A display.
     """
 
@@ -68,6 +71,7 @@ class RunContext:
     history: History
     files: RunFiles
     interruption: Interruption
+    watch: Watch
     progress: ProgressReport | None
 
     def show(self, now: float, step: float, iterations: int) -> None:
@@ -171,9 +175,11 @@ def simulate(
             stack.callback(progress.close)
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = History(scene_columns(scene), files.history_file)
-        history.append(engine.first_row())
+        first, watch = engine.first_row(), Watch(scene)
+        history.append(first)
+        watch.look(np.array(first)[None])
         files.start(history, engine.open_fields, engine.description)
-        desk = RunContext(scene, history, files, interruption, progress)
+        desk = RunContext(scene, history, files, interruption, watch, progress)
         ready, written = time.perf_counter(), files.output_seconds
         with rarely_collected():
             status, reason = engine.loop(desk)
@@ -187,5 +193,7 @@ def simulate(
         summary = summarise(
             scene, history, status=status, cost=cost, versions=versions(), reason=reason
         )
+        for line in overlap_lines(summary):
+            files.log(line)
         files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
     return Result(status, history, summary)

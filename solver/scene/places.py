@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from geometry.arrangement import Pose, initial_position, initial_position_in_space, on_top
 from solver.scene.block import BlockSpec
-from solver.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from solver.scene.scene import Scene
 
 Drift = tuple[float, float]
 

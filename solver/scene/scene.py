@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any, Literal
 
 from solver.errors import SceneError, Statement, not_applicable
@@ -77,6 +79,10 @@ class Scene(Checked):
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
         object.__setattr__(self, "time", self._filled_time())
+        if next(self.strangers(), None) is not None:
+            from solver.scene.overlaps import refuse_overlaps  # needs numpy, other scenes do not
+
+            refuse_overlaps(self)
         refuse_beyond(self, self.known_shaking)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
@@ -210,6 +216,12 @@ class Scene(Checked):
     def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
         """The block that carries a block; None: the foundation does."""
         return next((carrier for carrier in self.blocks if carrier.name == block.on), None)
+
+    def strangers(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
+        """All pairs of blocks of which neither carries the other: they do not feel each other."""
+        for first, second in combinations(self.blocks, 2):
+            if first.on != second.name and second.on != first.name:
+                yield first, second
 
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
         """Friction between a block and what carries it."""

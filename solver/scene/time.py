@@ -32,6 +32,9 @@ class TimeSpec(Checked):
     """dt of fixed steps, s; no longer than `end`. What it decides:
     [small steps](method.md#small-steps). Default: none: steps are adaptive and resolve each impact,
     and `step` becomes a quarter of `largest`; where nothing is meshed, a thousandth of 1/p."""
+    stop: Literal["end", "overturned"] = "end"
+    """Whether the run goes on to `end`, or ends once a block
+    [has overturned](output.md#when-a-run-ends-early)."""
     rho_inf: Annotated[float, Number(at_least=0, at_most=1)] = 0.8
     """Spectral radius that the weights of generalized-alpha come from; smaller ones damp more of
     the vibration of the blocks."""

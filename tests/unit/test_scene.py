@@ -341,7 +341,7 @@ def test_number_of_blocks():
     assert refusal(text=TEXT + SECOND.format("")).startswith(
         'two blocks are named "block"; give each'
     )
-    scene = parse_scene(TEXT + SECOND.format('name = "upper"\nthickness = 0.75\n'))
+    scene = parse_scene(TEXT + SECOND.format('name = "upper"\nthickness = 0.75\noffset = 2.0\n'))
     assert [block.name for block in scene.blocks] == ["block", "upper"]
 
 

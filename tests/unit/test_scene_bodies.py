@@ -70,7 +70,9 @@ class TestModels:
 
 class TestStacks:
     def test_order_puts_carriers_first_and_else_keeps_that_of_the_file(self) -> None:
-        asked = scene(*stack(top="middle", side="foundation", middle="low", low="foundation"))
+        blocks = stack(top="middle", side="foundation", middle="low", low="foundation")
+        blocks[1]["offset"] = 5.0
+        asked = scene(*blocks)
         assert [block.name for block in asked.blocks] == ["top", "side", "middle", "low"]
         assert [block.name for block in asked.order] == ["side", "low", "middle", "top"]
         carrier = asked.carrier_of(asked.blocks[0])

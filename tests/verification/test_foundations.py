@@ -74,7 +74,7 @@ def run(scene: Scene) -> Result:
 @pytest.mark.slow
 @pytest.mark.parametrize("support", ["fixed", "bottom"])
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
-def test_a_block_slides_off_the_edge_and_falls(support: str, model: str) -> None:
+def test_a_block_slides_off_the_edge_and_falls(support: str, model: str, falls_on: None) -> None:
     """It tips over the edge, turning towards +x, and ends in free fall."""
     block: dict[str, Any] = {"offset": 0.5, "velocity": [2.0, 0.0]}
     result_scene = scene(PLATE | {"support": support}, 0.9, 2e-3, friction=0.1, block=block)

@@ -139,7 +139,7 @@ def corner_heights(history: Any, spatial: bool) -> tuple[Array, Array, Array]:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_gaps_of_a_block_that_falls_off_its_carrier(engine: str) -> None:
+def test_gaps_of_a_block_that_falls_off_its_carrier(engine: str, falls_on: None) -> None:
     """Over the plane of the carrier's top, then, with the centre below that plane, over level 0."""
     velocity = [2.0, 0.0, 0.0] if engine == "space" else [2.0, 0.0]
     history = simulate(scene(engine, offset=0.4, velocity=velocity)).history

@@ -123,7 +123,7 @@ def test_every_point_is_held_back_along_its_own_slip() -> None:
 
 
 @pytest.mark.slow
-def test_a_block_slides_off_the_side_of_a_plate_and_falls() -> None:
+def test_a_block_slides_off_the_side_of_a_plate_and_falls(falls_on: None) -> None:
     """Across, along the second direction; in the end it is below the top, and nothing is gained."""
     plate = {"kind": "elastic", "width": 1.6, "thickness": 1.2, "height": 0.3, "density": 2500.0}
     elastic = {"young": 5e10, "poisson": 0.2, "cells": [3, 3, 1], "support": "bottom"}

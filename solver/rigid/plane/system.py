@@ -12,6 +12,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -128,6 +129,14 @@ class PlaneSystem:
         if done < count:
             failure = f"no solution of the contact problem after {self.time:.6g} s"
         return Advance(rows=rows[:done], rejected=rejected, failure=failure)
+
+    def saved(self) -> Any:
+        """How everything stands at the moment, for `restore`."""
+        return copy.deepcopy((self._state, self._memory, self._work, self.time))
+
+    def restore(self, saved: Any) -> None:
+        """Go back to where everything stood when it was saved."""
+        self._state, self._memory, self._work, self.time = saved
 
     def row(self, dt: float, ground: Sequence[float] = (0.0, 0.0)) -> Array:
         """The row of this moment, before a step; its forces are those of the instant that follows.

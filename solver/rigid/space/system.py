@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -124,6 +125,14 @@ class SpaceSystem:
         self.time += dt * done
         failure = f"no solution of a step at {self.time:.6g} s" if done < count else None
         return Advance(rows=rows[:done], rejected=rejected, failure=failure)
+
+    def saved(self) -> Any:
+        """How everything stands at the moment, for `restore`."""
+        return copy.deepcopy((self._state, self._seen, self.time))
+
+    def restore(self, saved: Any) -> None:
+        """Go back to where everything stood when it was saved."""
+        self._state, self._seen, self.time = saved
 
     def row(self, dt: float, ground: Sequence[float] = (0.0, 0.0, 0.0)) -> Array:
         """The row of this moment, before a step; its forces are those of the instant that follows.

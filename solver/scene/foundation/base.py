@@ -73,6 +73,11 @@ class Foundation(Checked):
         return 0.0
 
     @property
+    def top(self) -> tuple[float, float] | None:
+        """Width and thickness of the surface that carries the blocks, m; None: without ends."""
+        return None
+
+    @property
     def mesh_label(self) -> str:
         """The size of the mesh in a few words; empty where nothing is meshed."""
         return ""

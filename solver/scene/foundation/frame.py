@@ -98,6 +98,11 @@ class FrameSpec(Foundation):
         return self.deck.height + self.storey
 
     @property
+    def top(self) -> tuple[float, float]:
+        """Width and thickness of the deck, m."""
+        return self.deck.width, self.deck.thickness
+
+    @property
     def mesh_label(self) -> str:
         """The cells of a frame are four numbers, which say little to a reader."""
         return "cells of the frame"

@@ -94,6 +94,11 @@ class PlateSpec(Foundation):
         return self.height
 
     @property
+    def top(self) -> tuple[float, float]:
+        """Its width and thickness, m."""
+        return self.width, self.thickness
+
+    @property
     def mesh_label(self) -> str:
         """Numbers of its cells."""
         return cells_in_words(self.cells)

@@ -26,6 +26,14 @@ COMPARED = {
 }
 
 
+#: What is kept of the summary of a block.
+KEPT = (
+    *("peak_slip_m", "peak_slip_while_standing_m", "residual_slip_m"),
+    *("peak_angle_rad", "peak_angle_while_standing_rad"),
+    *("mode", "overturned_at_s", "fell_at_s"),
+)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SuiteCase:
     """Case of a suite, as one process is given it.
@@ -134,7 +142,7 @@ def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
     if "platform" in summary:
         found["platform.peak_drift_m"] = summary["platform"]["peak_drift_m"]
     for name, block in summary["blocks"].items():
-        for key in ("peak_slip_m", "residual_slip_m", "peak_angle_rad", "mode"):
+        for key in KEPT:
             found[f"{name}.{key}"] = block[key]
     return found
 

@@ -21,6 +21,8 @@ SHOWN = (
     (".peak_slip_ratio", "ratio", 1.0, ".4f"),
     (".residual_slip_m", "residual", 1e3, ".3f"),
     (".mode", "mode", None, ""),
+    (".overturned_at_s", "overturned s", 1.0, ".3f"),
+    (".fell_at_s", "fell s", 1.0, ".3f"),
     ("wall_s", "wall s", 1.0, ".1f"),
 )
 
@@ -33,7 +35,8 @@ def as_csv(rows: Sequence[Row]) -> str:
 
 def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
     """The most important numbers, then the means of the ratios, then what went wrong."""
-    there = column_names(rows)
+    names = column_names(rows)
+    there = [key for key in names if any(row.get(key) is not None for row in rows)]
     named = ["motion", *varied, "status"]
     chosen: list[tuple[str, str, float | None, str]] = [(key, key, None, "") for key in named]
     several = len([key for key in there if _is_of_block(key, ".mode")]) > 1

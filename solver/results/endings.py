@@ -1,0 +1,171 @@
+"""When a block has overturned or fallen, and the watch that ends a run there.
+
+A block has overturned where it leans, against upright, beyond the angle from which it does not come
+back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
+plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
+holds it any more. Both are told from the columns of a history, in the same way for all engines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.boxes import Boxes
+from solver.history.history import scene_columns
+from solver.results.motion import Columns, boxes, centres, is_spatial, total_lean
+from solver.results.rocking import no_return
+from solver.scene import BlockSpec, Scene
+from solver.types import Array, Mask
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """Why a run ends early.
+
+    Attributes:
+        row: Number of its last row among those that were looked at.
+        reason: In words.
+    """
+
+    row: int
+    reason: str
+
+
+class Watch:
+    """Looks at the rows of a run as they come, for what ends it."""
+
+    def __init__(self, scene: Scene):
+        """Watch a scene from its start.
+
+        Args:
+            scene: What is run. Where all blocks are rigid, what falls off its carrier lands on the
+                floor; with meshed bodies a block is carried by one body alone, and falls on.
+        """
+        self._scene, self._names = scene, scene_columns(scene)
+        self._before: Array | None = None
+        self._overturning = scene.blocks if scene.time.stop == "overturned" else ()
+        self._falling = () if scene.is_rigid else tuple(b for b in scene.blocks if _ends(scene, b))
+
+    @property
+    def ends_runs(self) -> bool:
+        """Whether there is something to look for."""
+        return bool(self._overturning or self._falling)
+
+    def look(self, rows: Array) -> Ending | None:
+        """The first of some rows, (n, columns), after which the run ends; None: it goes on."""
+        if not self.ends_runs:
+            return None
+        before = rows[:1] if self._before is None else self._before
+        table = _Rows(self._names, np.vstack([before, rows]))
+        self._before = rows[-1:].copy()
+        lost = [(fallen(self._scene, table, block), block, "fell") for block in self._falling]
+        lost += [(beyond_return(table, block), block, "overturned") for block in self._overturning]
+        found = [(int(np.argmax(m[1:])), block, what) for m, block, what in lost if m[1:].any()]
+        if not found:
+            return None
+        row, lying, what = min(found, key=lambda entry: entry[0])
+        time = table["time_s"][row + 1]
+        return Ending(row, f"{lying.name} {what} at t = {time:.6g} s")
+
+
+class _Rows:
+    """Rows by the names of their columns."""
+
+    def __init__(self, names: tuple[str, ...], rows: Array):
+        self._place = {name: number for number, name in enumerate(names)}
+        self._rows = rows
+
+    def __contains__(self, column: object) -> bool:
+        return column in self._place
+
+    def __getitem__(self, column: str) -> Array:
+        return self._rows[:, self._place[column]]
+
+
+def overturned_at(history: Columns, block: BlockSpec) -> float | None:
+    """When a block has overturned, s; None where it has not.
+
+    Where it ends beyond its point of balance, but not yet beyond return: when it last passed that.
+    """
+    time = history["time_s"]
+    lost = np.flatnonzero(beyond_return(history, block))
+    if len(lost):
+        return float(time[lost[0]])
+    held = np.abs(total_lean(history, block.name)) <= _slenderness(history, block)
+    if held[-1]:
+        return None
+    last = np.flatnonzero(held)
+    return float(time[last[-1] + 1 if len(last) else 0])
+
+
+def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
+    """When a block has fallen off what carried it, s; None where it has not."""
+    if not _ends(scene, block):
+        return None
+    rows = np.flatnonzero(fallen(scene, history, block))
+    return float(history["time_s"][rows[0]]) if len(rows) else None
+
+
+def beyond_return(history: Columns, block: BlockSpec) -> Mask:
+    """In which rows a block leans beyond the angle from which it does not come back."""
+    lost = no_return(_slenderness(history, block))
+    return np.asarray(np.abs(total_lean(history, block.name)) > lost)
+
+
+def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
+    """In which rows a block moves down, off what carried it; never in the first one."""
+    own = boxes(history, block)
+    level = own.centres[:, -1]
+    falls = np.diff(level, prepend=level[:1]) < 0
+    if not falls.any():
+        return falls
+    carrier, half = _carrier(scene, history, block)
+    inwards = np.swapaxes(carrier.frames, 1, 2)
+    place = np.einsum("nij,nj->ni", inwards, own.centres - carrier.centres)
+    aside, height = np.abs(place[:, :-1]), place[:, -1]
+    # Only where its centre is off the top, too.
+    falls &= (height < 0) | (aside > half).any(axis=1)
+    if not falls.any():
+        return falls
+    reach = own.reach(inwards)
+    below = height + reach[:, -1] <= 0
+    beside = (aside - reach[:, :-1] >= half).any(axis=1) & (height < reach[:, -1])
+    return np.asarray(falls & (below | beside))
+
+
+def _ends(scene: Scene, block: BlockSpec) -> bool:
+    """Whether what carries a block has ends over which it may fall."""
+    return scene.carrier_of(block) is not None or scene.foundation.top is not None
+
+
+def _carrier(scene: Scene, history: Columns, block: BlockSpec) -> tuple[Boxes, Array]:
+    """Middle and axes of the top of what carries a block, over the rows, and half its lengths."""
+    carrier, dimension = scene.carrier_of(block), scene.dimension
+    if carrier is not None:
+        below = boxes(history, carrier)
+        top = below.centres + below.half[-1] * below.frames[:, :, -1]
+        return Boxes(half=below.half, centres=top, frames=below.frames), below.half[:-1]
+    assert scene.foundation.top is not None
+    half = np.array(scene.foundation.top[: dimension - 1]) / 2
+    top = np.zeros_like(centres(history, block.name))
+    for axis, way in enumerate(("", "_second")[: dimension - 1]):
+        if f"platform.drift{way}_m" in history:
+            top[:, axis] = history[f"platform.drift{way}_m"]
+    frames = np.broadcast_to(np.eye(dimension), (len(top), dimension, dimension))
+    return Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half
+
+
+def _slenderness(history: Columns, block: BlockSpec) -> Array:
+    """Slenderness of a block in the direction in which it leans, over the rows, rad."""
+    shape = block.shape
+    if not is_spatial(history, block.name):
+        return np.full(len(history["time_s"]), shape.slenderness)
+    # The upright direction as the block sees it.
+    across = np.abs(boxes(history, block).frames[:, 2, :2])
+    length = np.hypot(across[:, 0], across[:, 1])
+    width = across @ [shape.width, shape.thickness]
+    straight = length == 0
+    width = np.where(straight, shape.width, width / np.where(straight, 1.0, length))
+    return np.arctan2(width, shape.height)

@@ -1,0 +1,57 @@
+"""Blocks that come to overlap in a run, although neither carries the other: a limit of the model.
+
+Only a block and its carrier feel contact. All others are compared as rigid boxes, at the times at
+which snapshots of the fields are due.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from geometry.boxes import Boxes, overlap_depth
+from solver.history.history import History
+from solver.results.motion import boxes
+from solver.scene import Scene
+from solver.types import Array, Indices, Mask
+
+SMALLEST_OVERLAP = 1e-3
+"""Of the smallest edge of two blocks: less is their deformation, or round-off."""
+
+
+def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
+    """Blocks that came to overlap: two names, the time (s) of the first, the largest depth (m)."""
+    pairs = list(scene.strangers())
+    if not pairs:
+        return []
+    time, found = history["time_s"], []
+    rows = _rows(time, scene.output.every)
+    there = {block.name: boxes(history, block).at(rows) for block in scene.blocks}
+    for first, second in pairs:
+        one, other = there[first.name], there[second.name]
+        near = np.flatnonzero(_may_overlap(one, other))
+        if not len(near):
+            continue
+        depth = overlap_depth(one.at(near), other.at(near))
+        deep = np.flatnonzero(depth > SMALLEST_OVERLAP * 2 * min(*one.half, *other.half))
+        if len(deep):
+            entry = {
+                "blocks": [first.name, second.name],
+                "time_s": float(time[rows[near[deep[0]]]]),
+                "depth_m": float(depth.max()),
+            }
+            found.append(entry)
+    return sorted(found, key=lambda entry: float(entry["time_s"]))
+
+
+def _rows(time: Array, every: float) -> Indices:
+    """The first row at or after each time at which a snapshot is due, and the last row."""
+    due = np.floor(time / every + 1e-9)
+    return np.unique(np.append(np.flatnonzero(np.diff(due, prepend=-1.0) > 0), len(time) - 1))
+
+
+def _may_overlap(one: Boxes, other: Boxes) -> Mask:
+    """Where the spheres around two boxes overlap."""
+    apart = np.linalg.norm(one.centres - other.centres, axis=1)
+    return np.asarray(apart < np.linalg.norm(one.half) + np.linalg.norm(other.half))

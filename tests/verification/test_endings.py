@@ -1,0 +1,172 @@
+"""Runs that end as a block overturns or falls, and blocks that come to overlap: all engines."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockslip import Result, Scene, parse_scene, simulate
+from solver.cli import main
+from solver.errors import Statement
+from solver.results.report import report
+
+ENGINES = ("plane", "space", "meshed")
+
+ALPHA = math.atan2(0.3, 1.0)
+"""Slenderness of the block that overturns, rad."""
+
+PLATE = {"kind": "elastic", "width": 8.0, "height": 0.2, "density": 2400.0, "support": "fixed"}
+"""All of it held: a scene with it is run by the meshed engine."""
+
+
+def scene(engine: str, *blocks: dict[str, Any], end: float = 1.0, **tables: Any) -> Scene:
+    """Rigid blocks on what the engine has."""
+    common = {"model": "rigid", "width": 0.3, "height": 1.0, "thickness": 0.4, "density": 2000.0}
+    given: dict[str, Any] = {
+        "dimension": 3 if engine == "space" else 2,
+        "block": [common | block for block in blocks],
+        "time": {"end": end, "step": 2e-3},
+        "output": {"fields": "none"},
+    }
+    if engine == "meshed":
+        given["foundation"] = PLATE | {"young": 1e10, "poisson": 0.2, "cells": [8, 1]}
+    for key, value in tables.items():
+        given[key] = {**given.get(key, {}), **value}
+    return parse_scene(given)
+
+
+def overturning(engine: str, stop: str) -> Result:
+    """A block let go beyond its point of balance, and one that stands."""
+    tilt = {"name": "leaning", "tilt_deg": math.degrees(1.1 * ALPHA), "offset": 2.0}
+    blocks = ({"name": "standing"}, tilt)
+    return simulate(scene(engine, *blocks, time={"end": 1.5, "step": 2e-3, "stop": stop}))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_run_ends_with_the_block_that_overturned(engine: str) -> None:
+    """With the first row beyond 2 alpha; the rows up to there are those of the run that goes on."""
+    ended, whole = overturning(engine, "overturned"), overturning(engine, "end")
+    summary = ended.summary
+    block, known = summary["blocks"]["leaning"], whole.summary["blocks"]["leaning"]
+    assert ended.status == whole.status == "completed"
+    assert whole.summary["reason"] == "" and whole.summary["end_s"] == pytest.approx(1.5)
+    assert summary["reason"] == f"leaning overturned at t = {summary['end_s']:.6g} s"
+    assert block["mode"] == "overturned"
+    assert block["overturned_at_s"] == known["overturned_at_s"] == summary["end_s"]
+    angle = np.abs(ended.history["leaning.angle_rad"])
+    assert angle[-2] <= 2 * ALPHA < angle[-1]
+    for column in ended.history.columns:
+        again = whole.history[column][: len(angle)]
+        np.testing.assert_array_equal(ended.history[column], again)
+    # Of the run that goes on: what came before is told apart from what came after.
+    assert known["peak_angle_while_standing_rad"] == pytest.approx(angle[-1], rel=1e-12)
+    assert known["peak_angle_rad"] > 2 * known["peak_angle_while_standing_rad"]
+    assert known["peak_slip_while_standing_m"] <= known["peak_slip_m"]
+    other = summary["blocks"]["standing"]
+    assert other["overturned_at_s"] is None and other["fell_at_s"] is None
+
+
+def test_the_fields_of_a_run_that_ends_show_its_end(tmp_path: Path) -> None:
+    """The rigid engine had gone on; in the last snapshot the bodies are where the last row is."""
+    import pyvista
+
+    tilt = {"name": "leaning", "tilt_deg": math.degrees(1.1 * ALPHA)}
+    time = {"end": 1.5, "step": 2e-3, "stop": "overturned"}
+    given = scene("plane", tilt, time=time, output={"fields": "vtk", "every": 0.5})
+    history = simulate(given, folder=tmp_path).history
+    reader = pyvista.get_reader(str(tmp_path / "fields.pvd"))
+    assert reader.time_values[-1] == pytest.approx(history["time_s"][-1])
+    reader.set_active_time_value(reader.time_values[-1])
+    mesh = reader.read().combine()
+    centre = (mesh.points + mesh.point_data["displacement"]).mean(axis=0)
+    assert centre[0] == pytest.approx(history["leaning.centre_x_m"][-1], abs=1e-6)
+    assert centre[1] == pytest.approx(history["leaning.centre_y_m"][-1], abs=1e-6)
+
+
+def thrown(engine: str, end: float = 1.0) -> Result:
+    """A block that slides off the one that carries it."""
+    velocity = [2.5, 0.0, 0.0] if engine == "space" else [2.5, 0.0]
+    low = {"name": "low", "width": 1.0, "height": 0.5}
+    top = {"name": "top", "on": "low", "width": 0.4, "height": 0.3, "velocity": velocity}
+    return simulate(scene(engine, low, top, end=end, contact={"friction": 0.2}))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_block_that_nothing_catches_ends_the_run(engine: str) -> None:
+    """With meshed bodies it would fall through the floor; where all are rigid, it lands there."""
+    result = thrown(engine)
+    block = result.summary["blocks"]["top"]
+    assert result.status == "completed"
+    assert block["mode"] == "fell"
+    up = "z" if engine == "space" else "y"
+    time, height = result.history["time_s"], result.history[f"top.centre_{up}_m"]
+    place, angle = result.history["top.centre_x_m"], result.history["top.angle_rad"]
+    reach = 0.2 * np.abs(np.cos(angle)) + 0.15 * np.abs(np.sin(angle))
+    rise = 0.15 * np.abs(np.cos(angle)) + 0.2 * np.abs(np.sin(angle))
+    off = (place - reach >= 0.5) & (height - rise < 0.5) | (height + rise <= 0.5)
+    assert block["fell_at_s"] == pytest.approx(float(time[np.argmax(off)]), abs=1e-12)
+    if engine == "meshed":
+        assert result.summary["reason"] == f"top fell at t = {time[-1]:.6g} s"
+        assert result.summary["end_s"] == block["fell_at_s"]
+        assert (height - rise)[-1] > 0.0
+    else:
+        assert result.summary["reason"] == "" and time[-1] == pytest.approx(1.0)
+        assert (height - rise)[-1] > -1e-3
+
+
+def test_it_agrees_with_the_plane_when_a_block_falls() -> None:
+    """The same block, the same moment: the engines differ by less than a few steps."""
+    times = [thrown(engine).summary["blocks"]["top"]["fell_at_s"] for engine in ENGINES]
+    assert max(times) - min(times) <= 6e-3 + 1e-12
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_blocks_that_run_into_each_other_are_told(engine: str, tmp_path: Path) -> None:
+    """One slides towards the other at 1 m/s without friction, 0.1 m away: from 0.1 s on."""
+    velocity = [1.0, 0.0, 0.0] if engine == "space" else [1.0, 0.0]
+    pair = {"name": "left", "velocity": velocity}, {"name": "right", "offset": 0.4}
+    given = scene(engine, *pair, end=0.25, contact={"friction": 0.0})
+    lines: list[str] = []
+    result = simulate(given, folder=tmp_path, log=lines.append)
+    found = result.summary["overlaps"]
+    assert json.loads((tmp_path / "summary.json").read_text())["overlaps"] == found
+    assert len(found) == 1
+    assert found[0]["blocks"] == ["left", "right"]
+    assert found[0]["time_s"] == pytest.approx(0.11, abs=0.011)
+    assert found[0]["depth_m"] == pytest.approx(0.15, abs=1e-6)
+    last = report(result.summary).splitlines()[-1]
+    assert last.startswith("left and right overlap from t = 0.1") and "0.15 m" in last
+    assert (tmp_path / "run.log").read_text().count(last) == 1 and last in lines
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_blocks_apart_and_blocks_that_touch_are_not(engine: str) -> None:
+    """Side by side, exactly as wide as they are apart; a stack on one of them."""
+    blocks = {"name": "a"}, {"name": "b", "offset": 0.3}, {"name": "c", "on": "b", "height": 0.5}
+    assert simulate(scene(engine, *blocks, end=0.05)).summary["overlaps"] == []
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_blocks_that_start_in_one_another_are_refused(engine: str) -> None:
+    blocks = {"name": "a"}, {"name": "b", "offset": 0.2}
+    with pytest.raises(Statement, match=r"blocks a and b overlap by 0\.1 m at the start"):
+        scene(engine, *blocks)
+
+
+def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """0 for a run that ended with its block, 2 for blocks in one another."""
+    block = "[[block]]\nname = '{}'\nmodel = 'rigid'\nwidth = 0.3\nheight = 1.0\nmass = 9.0\n"
+    time = "[time]\nend = 1.5\nstep = 2e-3\nstop = 'overturned'\n"
+    lone = tmp_path / "lone.toml"
+    lone.write_text(block.format("a") + "tilt_deg = 18.0\n" + time)
+    assert main(["run", str(lone), "-o", str(tmp_path / "out")]) == 0
+    assert "a overturned at t = " in capsys.readouterr().out.splitlines()[0]
+    two = tmp_path / "two.toml"
+    two.write_text(block.format("a") + block.format("b") + time)
+    assert main(["check", str(two)]) == 2
+    assert "blocks a and b overlap by 0.3 m at the start" in capsys.readouterr().err
