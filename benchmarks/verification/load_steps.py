@@ -22,6 +22,7 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.memory import Memory
+from solver.law.friction import points_at_bound
 from solver.parallel import global_sum
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
@@ -91,13 +92,13 @@ def contact_tractions(link: Link, memory: Memory) -> Tractions:
     if not isinstance(points, NitschePoints):
         raise TypeError(f"contact_tractions: got {type(points).__name__}, allowed NitschePoints")
     order = np.lexsort(points.reference.T[::-1])
-    bounds = interface.bounds(memory, memory.slipped, None)
+    bounds = interface.bounds(memory.past)
     return Tractions(
         place=points.reference[order],
         position=memory.surface.position[order],
         weight=interface.weight[order],
         force=memory.force[order],
-        slipping=interface.at_bound(memory.force, bounds)[order],
+        slipping=points_at_bound(memory.force, bounds)[order],
     )
 
 

@@ -12,7 +12,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.supports import Support
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.plane_target import Plane
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
@@ -57,6 +57,6 @@ def disc_on_ground(
     top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(0, 1))
     body = ElasticBody(made.mesh, material, supports=[top])
     contact = MeshedContactPair(
-        body, made.facet_tags, ground or Plane.level(2), FrictionLaw.coulomb(0.0), points=points
+        body, made.facet_tags, ground or Plane.level(2), FrictionSpec(static=0.0), points=points
     )
     return Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))

@@ -78,12 +78,13 @@ class DenseBody(ABC):
         """Internal force of strain: None, because the body does not deform."""
         return None
 
-    def impulsive_force(self, dt: float) -> Array | None:
+    def impulsive_force(self, u: Array, dt: float) -> Array | None:
         """Internal force of strain: None, because the body does not deform."""
         return None
 
-    def settle(self, u: Array) -> None:
-        """Keep the unknowns as they are: the next step starts from them."""
+    def settled(self, u: Array) -> Array:
+        """The unknowns that the next step starts from: those at the end of this one."""
+        return u
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""

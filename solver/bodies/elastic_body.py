@@ -239,17 +239,19 @@ class ElasticBody:
             self._buffer.scatter_reverse(la.InsertMode.add)
         return self._forces[: self.size].copy()
 
-    def impulsive_force(self, dt: float) -> Array | None:
-        """Internal force outside the averages of a step, at the displacement last assigned.
+    def impulsive_force(self, u: Array, dt: float) -> Array | None:
+        """Internal force outside the averages of the step that ends at u.
 
         C du/dt by strain rates; None without damping.
         """
         if self._forms.viscous is None:
             return None
+        self._assign(self._new, u)
         return self.damping.stiffness / dt * self._assembled(self._forms.viscous)
 
-    def settle(self, u: Array) -> None:
-        """Keep the unknowns as they are: the next step starts from them."""
+    def settled(self, u: Array) -> Array:
+        """The unknowns that the next step starts from: those at the end of this one."""
+        return u
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
@@ -278,12 +280,14 @@ class ElasticBody:
             self._rounding = weights, (float(np.finfo(float).eps) * stiffness) ** 2
         return float(self._rounding[1] @ u**2)
 
-    def strain_energy(self) -> float:
-        """Integral of E:C:E/2 over this rank's cells, J, at the displacement last assigned."""
+    def strain_energy(self, u: Array) -> float:
+        """Integral of E:C:E/2 over this rank's cells at displacement u, J."""
+        self._assign(self._new, u)
         return self._forms.strain_energy.scalar()
 
-    def increment_energy(self) -> float:
-        """Integral of dE:C:dE over this rank's cells, J, dE = E_{n+1} - E_n."""
+    def increment_energy(self, u: Array) -> float:
+        """Integral of dE:C:dE over this rank's cells, J, dE from what `begin` was given to u."""
+        self._assign(self._new, u)
         return self._forms.increment_energy.scalar()
 
     def stiffen(self, interface: PETSc.Mat) -> None:

@@ -195,7 +195,6 @@ class SpaceBox(RigidBox):
         self.fixed = np.arange(*CARRIED.indices(self.size), dtype=np.int32)
         self._start: Array = np.zeros(self.size)
         self._step, self._weight = math.inf, 0.0
-        self._gyroscopic: Array = np.zeros(self.size)
 
     def initial(self, moved: Array, rotation: Array) -> Array:
         """Displacement and rotation vector at a place."""
@@ -211,24 +210,24 @@ class SpaceBox(RigidBox):
 
     def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
         """The gyroscopic moment w_c Psi x J Psi/dt^2 of a step, N m; None in equilibrium."""
-        if static:
-            return None
-        self._gyroscopic = np.zeros(self.size)
+        return None if static else self._weight * self.impulsive_force(u, self._step)
+
+    def impulsive_force(self, u: Array, dt: float) -> Array:
+        """The gyroscopic moment Psi x J Psi/dt^2 of a step from where it began to u, N m."""
+        gyroscopic = np.zeros(self.size)
         if self.size:
             psi = u[TURNED] - self._start[TURNED]
-            moment = skew(psi) @ (self.diagonal[TURNED] * psi)
-            self._gyroscopic[TURNED] = moment / self._step**2
-        return self._weight * self._gyroscopic
+            gyroscopic[TURNED] = skew(psi) @ (self.diagonal[TURNED] * psi) / dt**2
+        return gyroscopic
 
-    def impulsive_force(self, dt: float) -> Array | None:
-        """The gyroscopic moment at the unknowns last given to `internal_force`, N m."""
-        return self._gyroscopic
-
-    def settle(self, u: Array) -> None:
-        """Move the turn of a step into the rotation vector that is carried, in place."""
-        if self.size and u[TURNED].any():
-            u[CARRIED] = rotation_vector(self.rotation_at(u))
-            u[TURNED] = 0.0
+    def settled(self, u: Array) -> Array:
+        """The unknowns with the turn of the step moved into the rotation vector that is carried."""
+        if not (self.size and u[TURNED].any()):
+            return u
+        settled = u.copy()
+        settled[CARRIED] = rotation_vector(self.rotation_at(u))
+        settled[TURNED] = 0.0
+        return settled
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves, of the places of its points as well."""

@@ -28,7 +28,6 @@ from solver.contact.interface import Interface
 from solver.contact.outline import Outline
 from solver.contact.plane_target import Carrier
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.law.friction import FrictionLaw
 from solver.scene import BlockSpec, Scene
 from solver.scene.places import stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -150,18 +149,6 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     return BlockBody(spec, body, number, stand, made.facet_tags)
 
 
-def friction_law(scene: Scene, spec: BlockSpec) -> FrictionLaw:
-    """Friction between a block and what carries it."""
-    given = scene.friction_of(spec)
-    return FrictionLaw(
-        static=given.static,
-        dynamic=given.dynamic,
-        decay=given.decay,
-        cohesion=given.cohesion,
-        cohesion_lost=given.cohesion_lost,
-    )
-
-
 def _contacts(
     scene: Scene,
     member: BlockBody,
@@ -170,7 +157,7 @@ def _contacts(
     first: int,
 ) -> list[ContactPair]:
     """The contact of a block with what carries it, of that one's edge with it, of both edges."""
-    law = friction_law(scene, member.spec)
+    law = scene.friction_of(member.spec)
     below = next((other for other in members if other.spec.name == member.spec.on), None)
     carrier, on = (support.carrier(), support.number) if below is None else _top(below)
     own: ContactPair
@@ -189,11 +176,8 @@ def _contacts(
             on=on,
         )
     else:
-        points = _outline(member.body, carrier)
-        # Cohesion acts on the bottom; points elsewhere, which may touch as well, have as much each.
-        low = np.count_nonzero(points[:, -1] == points[:, -1].min())
-        area = member.spec.width * member.spec.thickness * len(points) / low
-        interface = Interface(RigidPoints(member.body, points, area), carrier, law)
+        points = RigidPoints(member.body, *_outline(member.body, carrier))
+        interface = Interface(points, carrier, law)
         own = FixedContactPair(interface, body=member.number, on=on)
     contacts = [own]
     if isinstance(carrier, Face):
@@ -207,20 +191,27 @@ def _contacts(
     return contacts
 
 
-def _outline(body: RigidBox, carrier: Carrier) -> Array:
-    """Points of a rigid block that may touch: its corners, on facets also a grid on its bottom.
+def _outline(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
+    """Points of a rigid block that may touch, and the area of the bottom that each stands for, m2.
 
-    No closer than the facets: forces of more points than there are nodes below are not unique.
+    They are its corners, on facets also a grid on its bottom, no closer than the facets: forces of
+    more points than there are nodes below are not unique. Those of the top stand for as much as
+    those of the bottom: they touch where the block lies on its back.
     """
-    if not isinstance(carrier, Face):
-        return body.corners
-    sides = np.ptp(body.bottom, axis=0)
-    counts = (max(1, int(side / carrier.facet + 1e-9)) for side in sides[:-1])
+    sides = np.ptp(body.bottom, axis=0)[:-1]
+    counts = [1] * len(sides)
+    if isinstance(carrier, Face):
+        counts = [max(1, int(side / carrier.facet + 1e-9)) for side in sides]
     lines = [np.linspace(0, 1, count + 1) for count in counts]
-    grid = np.stack([*np.meshgrid(*lines, indexing="ij"), np.zeros([len(x) for x in lines])], -1)
-    fractions = grid.reshape(-1, body.dimension)
-    between = ((fractions > 0) & (fractions < 1)).any(axis=1)
-    return np.vstack([body.corners, body.corners[0] + fractions[between] * sides])
+    fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
+    inner = (fractions > 0) & (fractions < 1)
+    cell = float(np.prod(sides / counts)) * (body.shape.thickness if body.dimension == 2 else 1.0)
+    area = cell * np.prod(np.where(inner, 1.0, 0.5), axis=1)
+    between = inner.any(axis=1)
+    upwards = np.zeros((np.count_nonzero(between), 1))
+    grid = body.corners[0] + np.hstack([fractions[between] * sides, upwards])
+    corners = np.full(len(body.corners), cell / 2 ** len(sides))
+    return np.vstack([body.corners, grid]), np.concatenate([corners, area[between]])
 
 
 def _face(member: BlockBody, tag: FacetTag, up: float, margin: float) -> Face:

@@ -7,6 +7,7 @@ meshed body, material points of a rigid one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,6 +36,22 @@ SurfaceState = PointState | NitscheState
 """What is known of surface points at one instant."""
 
 
+class PointForces(NamedTuple):
+    """Forces on surface points between the two states whose increment they do work on.
+
+    Attributes:
+        old: The surface at t_n.
+        new: At t_{n+1}.
+        force: In space, (points, d), N.
+        pull: What the derivative of the traction is multiplied by, (points, d); None: nothing.
+    """
+
+    old: SurfaceState
+    new: SurfaceState
+    force: Array
+    pull: Array | None = None
+
+
 class FixedPoints:
     """Points that stand still: of what is held altogether."""
 
@@ -43,7 +60,6 @@ class FixedPoints:
         self.reference = positions
         self.count, self.dimension = positions.shape
         self.size = float(np.max(np.ptp(positions, axis=0)))
-        self.area = 0.0
 
     def observe(self, u: Array | None) -> PointState:
         """Where they always are."""
@@ -53,14 +69,7 @@ class FixedPoints:
         """Zero: they stand still."""
         return np.zeros_like(self.reference)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: Array | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """What holds them takes the forces."""
 
 
@@ -74,7 +83,6 @@ class NodePoints:
         positions: Array,
         *,
         chosen: Indices | None = None,
-        area: float = 0.0,
     ):
         """Take the nodes.
 
@@ -83,9 +91,8 @@ class NodePoints:
             layer: Nodes of it.
             positions: Where they are in the undeformed body, (n, d).
             chosen: Which nodes of the layer these are; None: all.
-            area: Of the surface that belongs to them, m2; for cohesion.
         """
-        self.body, self.layer, self.area = body, layer, area
+        self.body, self.layer = body, layer
         self.chosen = np.arange(layer.size) if chosen is None else chosen
         self._all = chosen is None
         self.reference: Array = positions[self.chosen]
@@ -107,15 +114,9 @@ class NodePoints:
         assert v is not None
         return self._gather(v)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: Array | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the nodes to the owned unknowns' forces."""
+        force = forces.force
         if not self._all:
             whole = np.zeros((self.layer.size, self.dimension))
             whole[self.chosen] = force
@@ -126,9 +127,10 @@ class NodePoints:
 class RigidPoints:
     """Material points of a rigid block or of a platform."""
 
-    def __init__(self, body: DenseBody, points: Array, area: float = 0.0):
-        """Take the points, (n, d), in the body's own frame, and the area they stand for, m2."""
-        self.body, self.reference, self.area = body, points, area
+    def __init__(self, body: DenseBody, points: Array, area: Array | None = None):
+        """Take the points, (n, d), in the body's own frame, and the area each stands for, m2."""
+        self.body, self.reference = body, points
+        self.area: Array = np.zeros(len(points)) if area is None else area
         self.count, self.dimension = points.shape
         self.size = float(np.max(np.ptp(points, axis=0)))
 
@@ -144,15 +146,9 @@ class RigidPoints:
         rows = self.body.rows(self.reference, self.body.replicate(u))
         return rows @ self.body.replicate(v)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: Array | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the points to the owned unknowns' forces: their work is exact."""
+        old, new, force, _ = forces
         assert isinstance(old, PointState) and isinstance(new, PointState)
         assert old.pose is not None and new.pose is not None
         rows = self.body.increment_rows(self.reference, old.pose, new.pose)
@@ -179,15 +175,9 @@ class NitschePoints:
         nodes = self.points.layer.gather(v.reshape(-1, self.dimension))
         return np.asarray(self.points.values @ nodes)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: Array | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the points, and `pull` times the traction's derivative, to the forces."""
+        old, new, force, pull = forces
         nodal = self.points.values_T @ force
         if pull is not None:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)

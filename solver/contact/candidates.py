@@ -20,7 +20,7 @@ from solver.contact.facets import evaluate_facets, gather
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points, extent
 from solver.contact.plane_target import Carrier
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.types import Array
 
 FACING = -0.5
@@ -61,7 +61,7 @@ class MeshedContactPair:
         member: ElasticBody,
         facet_tags: mesh.MeshTags,
         carrier: Carrier,
-        law: FrictionLaw,
+        law: FrictionSpec,
         *,
         points: str = "nodes",
         gamma: float = 100.0,

@@ -15,14 +15,15 @@ from solver.contact.edge_crossings import Crossings
 from solver.contact.interface import Interface, Key
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics, spread
-from solver.law.friction import FrictionLaw
+from solver.law.friction import PAST
+from solver.scene import FrictionSpec
 from solver.types import Array, Mask
 
 
 class CrossingInterface(Interface):
     """Kinematics and forces of the contact between the outlines of two faces."""
 
-    def __init__(self, carrier: Crossings, law: FrictionLaw):
+    def __init__(self, carrier: Crossings, law: FrictionSpec):
         """Take the outlines that may cross, and the law of friction."""
         super().__init__(carrier.upper.points, carrier, law, count=carrier.count)
         self.crossings = carrier
@@ -34,7 +35,6 @@ class CrossingInterface(Interface):
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of pairs without contact forces."""
         surface, carried = self._observed(u, carrier_u)
-        nowhere = np.zeros(self.count, dtype=bool)
         seat = self.crossings.meet(surface.position, carried, (surface.position, carried.position))
         return Memory(
             surface=surface,
@@ -42,8 +42,7 @@ class CrossingInterface(Interface):
             force=np.zeros((self.count, 3)),
             anchor=np.zeros((self.count, 2)),
             may_touch=self.crossings.present.copy(),
-            slipped=nowhere,
-            broken=nowhere,
+            past=np.zeros((self.count, PAST)),
         )
 
     def _observed(

@@ -26,19 +26,8 @@ from solver.contact.facet_target import CAME_ROUND, Face
 from solver.contact.outline import Outline
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, EdgeInterpolation, in_frames, in_space
+from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
 from solver.types import Array, Indices, Mask
-
-PARALLEL_ANGLE = 1e-2
-"""Angle in plan, rad: edges at less do not cross. The polygon has hardly a corner there, and the
-ends of the edges touch in its place; at still smaller angles a crossing would run along the edges
-when they bend a little, and iterations would not converge."""
-
-STEEPEST_COSINE = 0.7
-"""Least cosine between the normal of two edges and that of the lower face. Where it is steeper the
-crossing is not where the bodies are nearest to each other: a corner is."""
-
-TURNED_AWAY_COSINE = 0.5
-"""Least cosine between the normals of both faces for their edges to cross."""
 
 FAR_INSIDE = 0.01
 """Part of the face's length: a face that lies farther within the outline of the other crosses no

@@ -18,7 +18,12 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from solver.contact.body_points import NitschePoints, SurfacePoints, SurfaceState
+from solver.contact.body_points import (
+    NitschePoints,
+    RigidPoints,
+    SurfacePoints,
+    SurfaceState,
+)
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
 from solver.contact.kernels.nitsche import NitscheState, traction_pull
@@ -26,14 +31,19 @@ from solver.contact.memory import Dissipation, Memory
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
 from solver.contact.theta_term import theta_matrix
-from solver.law.friction import Bounds, FrictionLaw
+from solver.law.friction import (
+    PAST,
+    Bounds,
+    FrictionLaws,
+    bounds_by_past,
+    pasts_after,
+    points_that_slip,
+)
+from solver.scene import FrictionSpec
 from solver.types import Array, Mask
 
 Key = tuple[float, ...]
 """What tells a point of a body from all others: its face and its place."""
-
-AT_BOUND = 1e-9
-"""Part of the bound of friction within which a force counts as at it."""
 
 KEY_DECIMALS = 7
 """Decimals, of the body's size, to which the places in keys of points are rounded."""
@@ -49,7 +59,6 @@ class Interface:
         count: Number of contact points.
         dimension: d, 2 or 3.
         size: Of the whole body that is carried, m.
-        jumps: Whether points that break loose fall to less friction at once.
         theta: Variant of Nitsche's method; 0 for points without tractions.
         weight: w of each point on the undeformed body, (points,), m or m2; 0 for rigid bodies.
         area: What cohesion acts on, (points,), m2.
@@ -62,7 +71,7 @@ class Interface:
         self,
         points: SurfacePoints,
         carrier: Carrier,
-        law: FrictionLaw,
+        law: FrictionSpec,
         *,
         theta: int = 1,
         count: int | None = None,
@@ -78,8 +87,7 @@ class Interface:
                 them.
         """
         self.points, self.carrier, self.law = points, carrier, law
-        falls = law.static != law.dynamic and law.decay == 0
-        self.jumps = falls or (law.cohesion > 0 and law.cohesion_lost)
+        self._laws = FrictionLaws.of([law])
         self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
         self.weight: Array = np.zeros(self.count)
@@ -95,7 +103,9 @@ class Interface:
             self.corners = CornerPoints(places, points.points.normal)
         else:
             self.theta = 0
-            self.area = np.full((self.count,), points.area / self.count)
+            self.area = np.zeros(self.count)
+            if isinstance(points, RigidPoints) and count is None:
+                self.area = points.area
         self._weight_column, self._gamma_column = self.weight[:, None], self.inverse_gamma[:, None]
         self._soft_column = self.softness[:, None]
         self._pull_scale = self.theta * self.inverse_gamma
@@ -155,15 +165,13 @@ class Interface:
         """
         surface, seat = self.observe(u, carrier_u)
         y = self.augmented(surface, seat)
-        nowhere = np.zeros(self.count, dtype=bool)
         return Memory(
             surface=surface,
             seat=seat,
             force=np.zeros_like(y),
             anchor=y[:, 1:].copy(),
             may_touch=self.may_touch(rotation, seat),
-            slipped=nowhere,
-            broken=nowhere,
+            past=np.zeros((self.count, PAST)),
         )
 
     def may_touch(self, rotation: Array, seat: ContactKinematics) -> Mask:
@@ -180,30 +188,16 @@ class Interface:
             mask &= ~self.carrier.came_round(seat)
         return mask
 
-    def bounds(self, memory: Memory, slipped: Mask, speed: Array | None) -> Bounds:
-        """Bounds of friction at all points.
-
-        Args:
-            memory: Of t_n.
-            slipped: Points that slipped in the last step or broke loose in this one.
-            speed: Slip increment over the step's length, m/s; None counts as zero.
-        """
-        law = self.law
-        if law.constant:
+    def bounds(self, past: Array) -> Bounds:
+        """Bounds of friction at all points, by what they remember of it, (points, PAST)."""
+        if self.law.constant:
             return self._constant_bounds
-        mu = law.coefficient(np.zeros(self.count) if speed is None else speed, slipped)
-        return Bounds(mu, law.adhesion(self.area, memory.broken | slipped))
+        return bounds_by_past(self._laws, past, self.area)
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
         beyond = self.carrier.beyond_edge(memory.seat)
         return memory.may_touch if beyond is None else memory.may_touch & ~beyond
-
-    def at_bound(self, force: Array, bounds: Bounds) -> Mask:
-        """Closed points whose friction is at its bound."""
-        size = np.sqrt((force[:, 1:] ** 2).sum(axis=1))
-        limit = bounds.cohesion + bounds.mu * force[:, 0]
-        return (force[:, 0] > 0) & (size >= limit * (1 - AT_BOUND))
 
     def point_forces(
         self, old: ContactKinematics, new: ContactKinematics, force: Array
@@ -274,6 +268,7 @@ class Interface:
         seat: ContactKinematics,
         force: Array,
         bounds: Bounds,
+        step: float,
     ) -> tuple[Memory, Dissipation]:
         """The memory after a step, and what friction, closing and opening of points dissipated.
 
@@ -288,6 +283,7 @@ class Interface:
             seat: At t_{n+1}.
             force: Point forces at t_{n+1}.
             bounds: Of friction at all points in this step.
+            step: Its length, s; infinite in equilibrium.
         """
         y_old, y = self.augmented(old.surface, old.seat), self.augmented(surface, seat)
         closed = force[:, 0] > 0
@@ -303,9 +299,10 @@ class Interface:
             after = self._gamma_column * surface.traction
             ends = _work(force, after, seat) + _work(old.force, before, old.seat)
             contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, seat))
-        slipped = self.at_bound(force, bounds)
-        broken = old.broken if self.law.constant else old.broken | slipped
-        memory = Memory(surface, seat, force, anchor, old.may_touch, slipped, broken)
+        way = np.sqrt(((anchor - old.anchor) ** 2).sum(axis=1))
+        slipped = points_that_slip(force, way, self.softness, bounds)
+        past = pasts_after(old.past, closed, slipped, way / step)
+        memory = Memory(surface, seat, force, anchor, old.may_touch, past)
         return memory, Dissipation(friction, contact)
 
 

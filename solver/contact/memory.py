@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from solver.contact.body_points import SurfaceState
 from solver.contact.projection import ContactKinematics
+from solver.law.friction import SLIPPED
 from solver.types import Array, Indices, Mask
 
 
@@ -21,8 +24,7 @@ class Memory:
         anchor: Stick memory, (points, d-1), m.
         may_touch: Points that may touch: of the coinciding points of a corner, the one whose face
             opposes the carrier; no point that came round the carrier's edge.
-        slipped: Points that slipped in the last step.
-        broken: Points that have lost their cohesion.
+        past: What they remember of their friction (`solver.law.friction.PAST`), (points, PAST).
     """
 
     surface: SurfaceState
@@ -30,8 +32,12 @@ class Memory:
     force: Array
     anchor: Array
     may_touch: Mask
-    slipped: Mask
-    broken: Mask
+    past: Array
+
+    @property
+    def slipped(self) -> Mask:
+        """Points that slipped in the last step."""
+        return np.asarray(self.past[:, SLIPPED] > 0.0)
 
     def take(self, rows: Indices, other: Memory, others: Indices) -> Memory:
         """This memory, with what another one remembers of some points.

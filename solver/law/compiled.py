@@ -143,7 +143,7 @@ class _Borrowed:
     """The identity; in machine code an intrinsic that switches off the counting of uses."""
 
     def __call__(self, arrays: Any) -> Any:
-        """The arrays."""
+        """Return the arrays as they are."""
         return arrays
 
     @property

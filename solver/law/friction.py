@@ -34,96 +34,89 @@ BOUND_ROUND_OFF = 1e-9
 SLIP_ROUND_OFF = 1e-5
 
 
-class FrictionLaw(NamedTuple):
-    """Friction of one surface."""
+RATE, SLIPPED, BROKEN = 0, 1, 2
+"""What a point remembers of its friction, in this order: its slip rate in the last step (m/s; 0
+where it stuck), whether it slipped then, and whether it ever broke loose (0 or 1)."""
 
-    static: float
-    """Coefficient at rest, mu_s."""
-    dynamic: float
-    """Coefficient of fast sliding, mu_d."""
-    decay: float = 0.0
-    """DC, s/m; 0: the coefficient jumps when a point slips."""
-    cohesion: float = 0.0
-    """c, Pa: what a closed point holds without pressure."""
-    cohesion_lost: bool = False
-    """Whether a point that has broken loose has no cohesion any more."""
-
-    @classmethod
-    def coulomb(cls, mu: float) -> FrictionLaw:
-        """One coefficient, no cohesion."""
-        return cls(static=mu, dynamic=mu)
-
-    @property
-    def constant(self) -> bool:
-        """Whether the bound depends on the pressure alone: neither on speed nor on the past."""
-        return self.static == self.dynamic and self.cohesion == 0.0
-
-    @property
-    def decays(self) -> bool:
-        """Whether the coefficient depends on the speed of sliding."""
-        return self.decay > 0 and self.static != self.dynamic
-
-    def coefficient(self, speed: Array, slipped: Mask) -> Array:
-        """The coefficients of points by their speeds (m/s) and whether they slipped, (m,)."""
-        return coefficients(self, speed, slipped)
-
-    def adhesion(self, area: Array, broken: Mask) -> Array:
-        """The cohesive forces c A (N) of points by their areas (m, m2), 0 where lost, (m,)."""
-        return np.where(broken & self.cohesion_lost, 0.0, self.cohesion * area)
+PAST = 3
+"""How much that is."""
 
 
 class FrictionLaws(NamedTuple):
-    """Friction of several surfaces, one entry each; the fields are those of `FrictionLaw`."""
+    """Friction of several surfaces, one entry each; the fields are those of the scene's table."""
 
     static: Array
+    """Coefficient at rest, mu_s."""
     dynamic: Array
+    """Coefficient of fast sliding, mu_d."""
     decay: Array
+    """DC, s/m; 0: the coefficient jumps when a point slips."""
     cohesion: Array
+    """c, Pa: what a closed point holds without pressure."""
     cohesion_lost: Mask
+    """Whether a point that has broken loose has no cohesion any more."""
 
     @classmethod
-    def of(cls, laws: Sequence[FrictionLaw | FrictionSpec]) -> FrictionLaws:
+    def of(cls, laws: Sequence[FrictionSpec]) -> FrictionLaws:
         """Laws one after another."""
-        numbers = np.array([(w.static, w.dynamic, w.decay, w.cohesion) for w in laws], np.float64)
-        static, dynamic, decay, cohesion = numbers.T.copy()
-        lost = np.array([law.cohesion_lost for law in laws], np.bool_)
-        return cls(static, dynamic, decay, cohesion, lost)
+        return cls(*(np.array([getattr(law, name) for law in laws]) for name in cls._fields))
 
 
 @compiled
-def law_of(laws: FrictionLaws, k: int) -> FrictionLaw:
-    """The law of surface k."""
-    return FrictionLaw(
-        laws.static[k], laws.dynamic[k], laws.decay[k], laws.cohesion[k], laws.cohesion_lost[k]
-    )
+def coefficient(laws: FrictionLaws, k: int, speed: float, slipped: bool) -> float:
+    """The coefficient mu of surface k at a speed (m/s), or where DC = 0 by whether it slipped."""
+    static, dynamic = laws.static[k], laws.dynamic[k]
+    if laws.decay[k] > 0.0:
+        return float(dynamic + (static - dynamic) * math.exp(-laws.decay[k] * speed))
+    return float(dynamic if slipped else static)
 
 
 @compiled
-def coefficient(law: FrictionLaw, speed: float, slipped: bool) -> float:
-    """The coefficient mu at a speed (m/s), or where DC = 0 by whether the point slipped."""
-    if law.decay > 0.0:
-        return law.dynamic + (law.static - law.dynamic) * math.exp(-law.decay * speed)
-    return law.dynamic if slipped else law.static
+def held(laws: FrictionLaws, k: int, past: Array) -> tuple[float, float]:
+    """Coefficient and cohesion (Pa) of a point of surface k when a step begins, by its past."""
+    lost = laws.cohesion_lost[k] and past[BROKEN] > 0.0
+    mu = coefficient(laws, k, past[RATE], past[SLIPPED] > 0.0)
+    return mu, 0.0 if lost else float(laws.cohesion[k])
 
 
 @compiled
-def coefficients(law: FrictionLaw, speed: Array, slipped: Mask) -> Array:
-    """Coefficients of m points of one surface."""
-    mu = np.empty(len(speed))
-    for i in range(len(mu)):
-        mu[i] = coefficient(law, speed[i], slipped[i])
-    return mu
-
-
-@compiled
-def followed(law: FrictionLaw, mu: float, speed: float, slips: bool) -> float:
-    """The coefficient of a point within a step, of the motion that `mu` led to.
+def followed(
+    laws: FrictionLaws, k: int, past: Array, mu: float, speed: float, slips: bool
+) -> tuple[float, bool]:
+    """Friction of a point within a step, of the motion that the coefficient `mu` led to.
 
     With DC = 0 it only falls, from mu_s to mu_d: no choice between the two can then repeat itself.
+
+    Args:
+        laws: Of all surfaces.
+        k: The point's surface.
+        past: What the point remembers.
+        mu: Its coefficient so far.
+        speed: Slip in this step over its length, m/s.
+        slips: Whether it slips in this step.
+
+    Returns:
+        The coefficient; whether the point keeps its cohesion.
     """
-    if law.decay > 0.0:
-        return coefficient(law, speed if slips else 0.0, slips)
-    return law.dynamic if slips else mu
+    lost = laws.cohesion_lost[k] and (slips or past[BROKEN] > 0.0)
+    if laws.decay[k] > 0.0:
+        return coefficient(laws, k, speed if slips else 0.0, slips), not lost
+    return float(laws.dynamic[k]) if slips else mu, not lost
+
+
+@compiled
+def remember(past: Array, speed: float, slips: bool) -> None:
+    """Write what a closed point remembers of a step into its past; speed as in `followed`."""
+    past[RATE] = speed if slips else 0.0
+    past[SLIPPED] = 1.0 if slips else 0.0
+    if slips:
+        past[BROKEN] = 1.0
+
+
+@compiled
+def remember_open(past: Array) -> None:
+    """The same of an open point, or of one that touches elsewhere: it has not slipped."""
+    past[RATE] = past[SLIPPED] = 0.0
 
 
 class Bounds(NamedTuple):
@@ -175,3 +168,50 @@ def at_bound(bounds: Bounds, i: int, normal: float, tangential: float) -> bool:
 def slips(distance: float, own: float, force: float) -> bool:
     """Whether a point at its bound slips; by its way (m), compliance (m/N) and force (N)."""
     return distance > SLIP_ROUND_OFF * own * force
+
+
+@compiled
+def points_at_bound(force: Array, bounds: Bounds) -> Mask:
+    """The closed points whose friction is at its bound, of point forces (m, d), N."""
+    found = np.zeros(len(force), np.bool_)
+    for i in range(len(force)):
+        found[i] = at_bound(bounds, i, force[i, 0], math.sqrt(np.sum(force[i, 1:] ** 2)))
+    return found
+
+
+@compiled
+def points_that_slip(force: Array, way: Array, own: Array, bounds: Bounds) -> Mask:
+    """The points that slip in a step: at the bound, and moved by more than round-off.
+
+    Args:
+        force: Point forces, (m, d), N.
+        way: How far each moved along its carrier from where it stuck, (m,), m.
+        own: Compliance of each, (m,), m/N.
+        bounds: Of friction; cohesion counts as far as the force has built it up.
+    """
+    found = points_at_bound(force, Bounds(bounds.mu, bounds.cohesion, TOUCHING_SLOPE))
+    for i in range(len(force)):
+        found[i] = found[i] and slips(way[i], own[i], np.max(np.abs(force[i])))
+    return found
+
+
+@compiled
+def bounds_by_past(laws: FrictionLaws, past: Array, area: Array) -> Bounds:
+    """Bounds of m points of one surface, by their pasts (m, PAST) and their areas (m,), m2."""
+    mu, cohesion = np.empty(len(area)), np.empty(len(area))
+    for i in range(len(area)):
+        mu[i], held_shear = held(laws, 0, past[i])
+        cohesion[i] = held_shear * area[i]
+    return Bounds(mu, cohesion, np.inf)
+
+
+@compiled
+def pasts_after(past: Array, closed: Mask, slipped: Mask, speed: Array) -> Array:
+    """Pasts of m points after a step, (m, PAST), those before staying as they are."""
+    after = past.copy()
+    for i in range(len(after)):
+        if closed[i]:
+            remember(after[i], speed[i], slipped[i])
+        else:
+            remember_open(after[i])
+    return after

@@ -1,33 +1,26 @@
 """The local contact problem: Signorini and Coulomb at points coupled by a small dense matrix.
 
-`solver.law.newton` states the problem. Newton's method settles nearly all of them; behind it stands
-a chain of slower methods, and the names of those that settled a problem are counted.
+`solver.law.newton` states the problem. Newton's method settles nearly all of them; behind it stand
+slower methods, and the names of those that settled a problem are counted.
 """
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.friction import (
-    BOUND_ROUND_OFF,
-    TOUCHING_SLOPE,
-    Bounds,
-    at_bound,
-    is_frictionless,
-    radius,
-)
-from solver.law.newton import OPEN, SLIP, STICK, Local, lengths, newton
-from solver.law.rescues import RESCUES, ROUNDS, one_point, rescue
+from solver.law.friction import TOUCHING_SLOPE, Bounds, is_frictionless
+from solver.law.newton import Local, lengths, newton
+from solver.law.one_point import settle_one_point
+from solver.law.rescues import RESCUES, rescue
 from solver.types import Array, Indices
 
 #: What can become of a local problem, as counted.
 OUTCOMES = ("Newton", "touching", *RESCUES, "velocity solve left out")
-#: All of the slower methods.
-METHODS = len(RESCUES)
+#: Linear solves of Newton's method, and two more for each point.
+ROUNDS = 20
 
 
 class NoContactSolution(Exception):
@@ -58,7 +51,6 @@ def solve(
     f: Array,
     states: Indices,
     counts: Indices,
-    patience: int,
 ) -> bool:
     """Solve a local problem; False where no method settled it.
 
@@ -70,56 +62,38 @@ def solve(
         f: Guess and answer, (d m,), N.
         states: Left as those of the answer, `OPEN`, `STICK` or else slip, (m,).
         counts: Of outcomes, see `OUTCOMES`.
-        patience: How many of the slower methods may be tried.
     """
     if is_frictionless(bounds):
         normal = f[::d].copy()
         local = Local(1, W[::d, ::d].copy(), q[::d].copy(), bounds)
-        settled = _settle(local, normal, states, counts, patience)
+        settled = _settle(local, normal, states, counts)
         f[:] = 0.0
         f[::d] = normal
         return settled
-    return _settle(Local(d, W, q, bounds), f, states, counts, patience)
+    return _settle(Local(d, W, q, bounds), f, states, counts)
 
 
 @compiled
-def _settle_one(local: Local, f: Array, states: Indices) -> bool:
-    """The closed form of a single point without cohesion; False where it does not hold."""
-    found = one_point(local.d, local.W, local.q, local.bounds, 0)
-    size = math.hypot(found[1], found[2])
-    if not size <= radius(local.bounds, 0, found[0]) * (1.0 + BOUND_ROUND_OFF):
-        return False
-    f[:] = found[: local.d]
-    states[0] = OPEN
-    if found[0] > 0.0:
-        slip = -SLIP if local.d == 2 and found[1] < 0.0 else SLIP
-        states[0] = slip if at_bound(local.bounds, 0, found[0], size) else STICK
-    return True
-
-
-@compiled
-def _settle(local: Local, f: Array, states: Indices, counts: Indices, patience: int) -> bool:
+def _settle(local: Local, f: Array, states: Indices, counts: Indices) -> bool:
     """Newton's method, then the slower ones.
 
     All cohesion at once may lift its own point, and then there is no solution: behind the first
     try it is built up over the first pressure instead.
     """
-    if len(states) == 1 and local.bounds.cohesion[0] == 0.0 and _settle_one(local, f, states):
+    if len(states) == 1 and local.bounds.cohesion[0] == 0.0 and settle_one_point(local, f, states):
         counts[0] += 1
         return True
-    guess, r = f.copy(), lengths(local.d, local.W, True)
-    if newton(local, r, f, states, ROUNDS + 2 * len(states), 0):
+    r, rounds = lengths(local.d, local.W, True), ROUNDS + 2 * len(states)
+    if newton(local, r, f, states, rounds, 0):
         counts[0] += 1
         return True
-    if patience > 0 and np.any(local.bounds.cohesion > 0.0):
+    if np.any(local.bounds.cohesion > 0.0):
         touching = Bounds(local.bounds.mu, local.bounds.cohesion, TOUCHING_SLOPE)
         local = Local(local.d, local.W, local.q, touching)
-        f[:] = guess
-        if newton(local, r, f, states, ROUNDS + 2 * len(states), 0):
+        if newton(local, r, f, states, rounds, 0):
             counts[1] += 1
             return True
-    for method in range(patience):
-        f[:] = guess
+    for method in range(len(RESCUES)):
         if rescue(method, local, f, states):
             counts[2 + method] += 1
             return True
@@ -129,19 +103,18 @@ def _settle(local: Local, f: Array, states: Indices, counts: Indices, patience: 
 class LocalProblem:
     """Solver of local problems of points with d rows each, as arrays (m, d)."""
 
-    def __init__(self, dimension: int = 2, *, patience: int = METHODS):
+    def __init__(self, dimension: int = 2):
         """Let what is compiled be compiled, or read what was kept, before time counts.
 
         Args:
             dimension: 2 or 3.
-            patience: How many of the slower methods may be tried.
         """
-        self.patience, self.counts = 0, new_counts()
+        self.counts = new_counts()
         ones = np.ones((1, dimension))
         self.solve(
             np.eye(dimension).reshape(1, dimension, 1, -1), ones, ones, Bounds.uniform(0.5, 1)
         )
-        self.patience, self.counts = patience, new_counts()
+        self.counts = new_counts()
 
     @property
     def rescues(self) -> Counter[str]:
@@ -159,6 +132,6 @@ class LocalProblem:
             return np.zeros_like(q)
         flat, free = W.reshape(d * m, d * m), q.reshape(d * m)
         force, states = start.flatten(), np.empty(m, dtype=np.int64)
-        if not solve(d, flat, free, bounds, force, states, self.counts, self.patience):
+        if not solve(d, flat, free, bounds, force, states, self.counts):
             raise NoContactSolution(f"the local contact problem of {m} points did not settle")
         return force.reshape(m, d)

@@ -228,7 +228,7 @@ def _best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) -
 
 @compiled
 def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvings: int) -> bool:
-    """Newton's method from f; whether it settled, which leaves the solution in f, its states too.
+    """Newton's method from f; whether it settled. If so f is the solution, else it stays as it is.
 
     `rounds` is the most linear solves, `halvings` how often the line search may halve a step; with
     0 steps are full.

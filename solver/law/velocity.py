@@ -79,7 +79,6 @@ def correct_impulses(
     impulse: Array,
     bounds: Bounds,
     counts: Indices,
-    patience: int,
     first: int,
 ) -> ImpulseCorrection:
     """Correct the impulses of closed points.
@@ -91,7 +90,6 @@ def correct_impulses(
         impulse: dt f of the step, (d m,), N s.
         bounds: Of the impulses: mu and dt c.
         counts: Of outcomes of local problems.
-        patience: How many of the slower methods may be tried for each of them.
         first: Where the ladder begins: 0 at the law for all points, 1 where points that slip keep
             their friction. In space its direction lags by half a step behind a slip that turns.
     """
@@ -109,7 +107,7 @@ def correct_impulses(
         total = impulse - kept
         free = velocity - regular @ total
         left = Bounds(mu, cohesion, bounds.slope)
-        if not solve(d, regular, free, left, total, states, counts, patience):
+        if not solve(d, regular, free, left, total, states, counts):
             continue
         q = total + kept - impulse
         work = q * (velocity + 0.5 * (W @ q))
@@ -126,12 +124,12 @@ def impulse_correction(
 ) -> ImpulseCorrection | None:
     """The correction after a step, or None where no point is closed or none was found.
 
-    As `correct_impulses` with arrays (m, d) and W (m, d, m, d); `local` says how patient to be, and
-    counts the outcomes.
+    As `correct_impulses` with arrays (m, d) and W (m, d, m, d); `local` counts the
+    outcomes.
     """
     m, d = impulse.shape
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    found = correct_impulses(d, *flat, bounds, local.counts, local.patience, 0)
+    found = correct_impulses(d, *flat, bounds, local.counts, 0)
     return found._replace(q=found.q.reshape(m, d)) if found.found else None

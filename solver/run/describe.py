@@ -9,7 +9,7 @@ from solver.excitation.description import describe_motion
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
-from solver.scene import BlockSpec, FrictionSpec, Scene
+from solver.scene import BlockSpec, Scene
 
 Lines = list[tuple[str, str]]
 
@@ -111,18 +111,8 @@ def _frictions(scene: Scene) -> list[tuple[str, str]]:
     """Friction of every pair; once where all are the same."""
     laws = {block.name: scene.friction_of(block) for block in scene.blocks}
     if len(set(laws.values())) == 1:
-        return [("", _friction(next(iter(laws.values()))))]
-    return [(f" of {name}", _friction(law)) for name, law in laws.items()]
-
-
-def _friction(law: FrictionSpec) -> str:
-    words = [f"{law.static:g}"]
-    if law.dynamic != law.static:
-        fall = f"decaying with {law.decay:g} s/m" if law.decay else "a jump"
-        words = [f"{law.static:g} static, {law.dynamic:g} dynamic, {fall}"]
-    if law.cohesion:
-        words.append(f"cohesion {law.cohesion:g} Pa{', lost by slip' * law.cohesion_lost}")
-    return ", ".join(words)
+        return [("", next(iter(laws.values())).words())]
+    return [(f" of {name}", law.words()) for name, law in laws.items()]
 
 
 def _motions(scene: Scene, ground: GroundMotion) -> Lines:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -135,7 +134,6 @@ class MeshedRun:
         """What the run took."""
         stepper = self._stepper
         system = stepper.system
-        rescues = Counter(stepper.local.rescues) + stepper.velocity_local.rescues
         bodies = [body for body in system.bodies if isinstance(body, ElasticBody)]
         return {
             "steps": self._steps,
@@ -145,5 +143,5 @@ class MeshedRun:
             "factorizations": sum(body.factorizations for body in bodies),
             "unknowns": system.unknowns,
             "ranks": system.comm.size,
-            "local_problems_rescued": dict(rescues),
+            "local_problems_rescued": dict(stepper.local.rescues),
         }

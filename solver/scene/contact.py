@@ -12,9 +12,10 @@ from solver.scene.ranges import NotNegative
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionSpec(Checked):
-    """The paper's law of friction, tau = c + mu p, as a table.
+    """The paper's law of friction, tau = c + mu p: a table of the scene and the law of the engines.
 
     mu = mu_d [1 + (mu_s/mu_d - 1) exp(-DC v_rel)]; with DC = 0 a jump from mu_s to mu_d.
+    `solver.law.friction` says what a point holds by it, and what the point remembers.
     """
 
     static: NotNegative
@@ -44,6 +45,31 @@ class FrictionSpec(Checked):
     def of(cls, friction: float | FrictionSpec) -> FrictionSpec:
         """A number as the table that means the same; a table as it is."""
         return friction if isinstance(friction, FrictionSpec) else cls(static=friction)
+
+    @property
+    def constant(self) -> bool:
+        """Whether the bound depends on the pressure alone: neither on speed nor on the past."""
+        return self.static == self.dynamic and self.cohesion == 0.0
+
+    @property
+    def decays(self) -> bool:
+        """Whether the coefficient depends on the speed of sliding."""
+        return self.decay > 0
+
+    @property
+    def jumps(self) -> bool:
+        """Whether a point that breaks loose falls to less friction at once."""
+        return (self.static != self.dynamic and not self.decays) or self.cohesion_lost
+
+    def words(self) -> str:
+        """The law in words."""
+        words = [f"{self.static:g}"]
+        if self.dynamic != self.static:
+            fall = f"decaying with {self.decay:g} s/m" if self.decays else "a jump"
+            words = [f"{self.static:g} static, {self.dynamic:g} dynamic, {fall}"]
+        if self.cohesion:
+            words.append(f"cohesion {self.cohesion:g} Pa{', lost by slip' * self.cohesion_lost}")
+        return ", ".join(words)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

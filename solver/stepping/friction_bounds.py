@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.contact.memory import Memory
-from solver.law.friction import Bounds
+from solver.law.friction import BROKEN, RATE, SLIPPED, Bounds, points_at_bound
 from solver.law.local_problem import image
 from solver.stepping.point_table import PointTable, joined
 from solver.types import Array, Indices
@@ -36,9 +36,10 @@ class FrictionBounds:
             step: dt, s, for the speed of slip; infinite in equilibrium.
             glued: Whether closed points hold any friction.
         """
-        self._points, self._memories = points, tuple(memories)
+        self._points = points
         self._step, self._glued = step, glued
-        self._slipped = [memory.slipped for memory in memories]
+        # The coefficients follow the speed that is told, not that of the last step.
+        self._pasts = [memory.past.copy() for memory in memories]
         laws = [link.interface.law for link in points.links]
         self.steady = all(law.constant for law in laws)
         self._decays = any(law.decays for law in laws)
@@ -85,10 +86,11 @@ class FrictionBounds:
         """
         any_loose = False
         for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):
-            if link.interface.jumps and not self._glued:
-                loose = link.interface.at_bound(force[own], self.bounds[k]) & ~self._slipped[k]
+            if link.interface.law.jumps and not self._glued:
+                past = self._pasts[k]
+                loose = points_at_bound(force[own], self.bounds[k]) & (past[:, SLIPPED] == 0.0)
                 if loose.any():
-                    self._slipped[k] = self._slipped[k] | loose
+                    past[loose, SLIPPED] = past[loose, BROKEN] = 1.0
                     any_loose = True
         if any_loose:
             self.bounds = self._at_speed(None)
@@ -103,9 +105,9 @@ class FrictionBounds:
         points = self._points
         if self._glued:
             return [Bounds.uniform(GLUE, link.interface.count) for link in points.links]
+        for past, own in zip(self._pasts, points.own, strict=True):
+            past[:, RATE] = 0.0 if speed is None else speed[own]
         return [
-            link.interface.bounds(memory, slipped, None if speed is None else speed[own])
-            for link, memory, slipped, own in zip(
-                points.links, self._memories, self._slipped, points.own, strict=True
-            )
+            link.interface.bounds(past)
+            for link, past in zip(points.links, self._pasts, strict=True)
         ]

@@ -58,7 +58,7 @@ class StepSums:
 
 
 def energies(system: System, u: Array, v: Array) -> Energies:
-    """Energies at the displacement u, which is the one last given to the bodies; collective.
+    """Energies at the displacement u; collective.
 
     Args:
         system: All bodies.
@@ -76,7 +76,7 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
     for body, own in zip(system.bodies, system.slices, strict=True):
         total.kinetic += 0.5 * float(v[own] @ body.inertia(v[own]))
         if isinstance(body, ElasticBody):
-            total.strain += body.strain_energy()
+            total.strain += body.strain_energy(u[own])
         spring = body.spring(u[own])
         if spring is not None:
             total.spring += 0.5 * float(u[own] @ spring)
@@ -88,7 +88,7 @@ class StepEnds(NamedTuple):
 
     Attributes:
         dt: Step, s.
-        u: u_{n+1}, the displacement last given to the bodies, m.
+        u: u_{n+1}, m.
         v: v_{n+1}, m/s.
         du: u_{n+1} - u_n, m.
         dp: p_{n+1} - p_n, N.
@@ -114,7 +114,7 @@ def step_sums(system: System, ends: StepEnds) -> StepSums:
     )
     for body, own in zip(system.bodies, system.slices, strict=True):
         if isinstance(body, ElasticBody):
-            squared = body.increment_energy()
+            squared = body.increment_energy(ends.u[own])
             sums.increment += squared
             sums.damping += body.damping.stiffness * squared / dt
         spring, drag = body.spring(du[own]), body.drag(du[own])

@@ -98,7 +98,7 @@ def inertia_force(
     p /= scheme.beta * dt**2
     p -= (impulse - 1) * step.p
     for body, own in zip(system.bodies, system.slices, strict=True):
-        for force in (body.impulsive_force(dt), body.drag(mean[own])):
+        for force in (body.impulsive_force(solution.u[own], dt), body.drag(mean[own])):
             if force is not None:
                 p[own] += impulse * force
     p -= impulse * step.load

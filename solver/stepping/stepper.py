@@ -74,8 +74,6 @@ class Stepper:
         )
         self.velocity_solve = velocity_solve
         self.local = LocalProblem(system.dimension)
-        # A step may go without its velocity solve: it is not worth the slow methods.
-        self.velocity_local = LocalProblem(system.dimension, patience=1)
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
@@ -172,7 +170,7 @@ class Stepper:
         )
         solution = self._solved(balance, u)
         contacts = [
-            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)[0]
+            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds, np.inf)[0]
             for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
         ]
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
@@ -238,7 +236,7 @@ class Stepper:
         v = 2 * np.asarray(du / dt) - state.v
         p = inertia_force(system, self.links, state, step, solution)
         remembered = [
-            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds)
+            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds, dt)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
         ]
         contacts = [memory for memory, _ in remembered]
@@ -283,7 +281,7 @@ class Stepper:
         closed = any((contact.force[:, 0] > 0).any() for contact in solution.contacts)
         if self.velocity_solve and closed:
             if self._impulses is None:
-                self._impulses = VelocityImpulses(self.system, self.links, self.velocity_local)
+                self._impulses = VelocityImpulses(self.system, self.links, self.local)
             correction = self._impulses.correct(u, v, solution.contacts, dt)
             if correction is not None:
                 return correction

@@ -73,10 +73,8 @@ class System:
 
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from, of those at the end of a step."""
-        settled = u.copy()
-        for body, own in zip(self.bodies, self.slices, strict=True):
-            body.settle(settled[own])
-        return settled
+        parts = zip(self.bodies, self.slices, strict=True)
+        return np.concatenate([body.settled(u[own]) for body, own in parts])
 
     def rigid(self, link: Link) -> bool:
         """Whether neither of the two bodies is meshed: their point forces are not unique then."""

@@ -8,6 +8,7 @@ import pytest
 from solver.contact.events import contact_changed
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
+from solver.law.friction import PAST, SLIPPED
 
 
 def memory(*points: tuple[float, float, bool]) -> Memory:
@@ -16,7 +17,9 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     slipped = np.array([point[2] for point in points])
     none, yes = np.zeros((len(points), 1)), np.ones(len(points), dtype=bool)
     seat = ContactKinematics(np.zeros((len(points), 2)), np.eye(2))
-    return Memory(None, seat, force, none, yes, slipped, ~yes)  # type: ignore[arg-type]
+    past = np.zeros((len(force), PAST))
+    past[:, SLIPPED] = slipped
+    return Memory(None, seat, force, none, yes, past)  # type: ignore[arg-type]
 
 
 STICKS, SLIPS, OPEN = (10.0, 1.0, False), (10.0, 3.0, True), (0.0, 0.0, False)

@@ -6,52 +6,66 @@ import pytest
 from solver.law.friction import (
     TOUCHING_SLOPE,
     Bounds,
-    FrictionLaw,
     FrictionLaws,
     at_bound,
+    bounds_by_past,
     coefficient,
     followed,
+    held,
     is_frictionless,
-    law_of,
+    pasts_after,
+    points_at_bound,
+    points_that_slip,
     slips,
 )
 from solver.law.local_problem import LocalProblem, image
 from solver.law.velocity import impulse_correction
+from solver.scene import FrictionSpec
 
 
 def mask(*values: int) -> np.ndarray:
     return np.array(values, dtype=bool)
 
 
+def pasts(*rows: tuple[float, int, int]) -> np.ndarray:
+    """What points remember: slip rate, slipped, broken."""
+    return np.array(rows, dtype=float)
+
+
 def test_the_coefficient_falls_from_static_to_dynamic_with_speed():
-    law = FrictionLaw(static=0.6, dynamic=0.2, decay=3.0)
-    speed = np.array([0.0, np.log(2) / 3, np.log(4) / 3, 1e3])
+    laws = FrictionLaws.of([FrictionSpec(static=0.6, dynamic=0.2, decay=3.0)])
+    speed = (0.0, np.log(2) / 3, np.log(4) / 3, 1e3)
     # the jump by memory has no say where there is a decay
-    for slipped in (mask(0, 0, 0, 0), mask(1, 1, 1, 1)):
-        assert law.coefficient(speed, slipped) == pytest.approx([0.6, 0.4, 0.3, 0.2])
+    for slipped in (0, 1):
+        bounds = bounds_by_past(laws, pasts(*((v, slipped, 0) for v in speed)), np.ones(4))
+        assert bounds.mu == pytest.approx([0.6, 0.4, 0.3, 0.2])
 
 
 def test_without_decay_the_coefficient_jumps_where_a_point_slipped():
-    law = FrictionLaw(static=0.6, dynamic=0.2)
-    assert law.coefficient(np.array([0.0, 5.0]), mask(0, 1)).tolist() == [0.6, 0.2]
-    smooth = FrictionLaw(static=0.5, dynamic=0.0, decay=2.0)  # mu_d = 0 divides nothing
-    assert smooth.coefficient(np.array([0.5]), mask(1)) == pytest.approx([0.5 * np.exp(-1)])
+    laws = FrictionLaws.of([FrictionSpec(static=0.6, dynamic=0.2)])
+    bounds = bounds_by_past(laws, pasts((0.0, 0, 0), (5.0, 1, 0)), np.ones(2))
+    assert bounds.mu.tolist() == [0.6, 0.2]
+    smooth = FrictionLaws.of([FrictionSpec(static=0.5, dynamic=0.0, decay=2.0)])
+    assert coefficient(smooth, 0, 0.5, True) == pytest.approx(0.5 * np.exp(-1))
 
 
 def test_cohesion_is_a_force_per_point_and_can_be_lost():
-    weight, broken = np.array([0.1, 0.2]), mask(0, 1)
-    kept = FrictionLaw(static=0.5, dynamic=0.5, cohesion=3e4)
-    lost = FrictionLaw(static=0.5, dynamic=0.5, cohesion=3e4, cohesion_lost=True)
-    assert kept.adhesion(weight, broken) == pytest.approx([3e3, 6e3])
-    assert lost.adhesion(weight, broken) == pytest.approx([3e3, 0.0])
+    area, past = np.array([0.1, 0.2]), pasts((0.0, 0, 0), (0.0, 0, 1))
+    for lost, expected in ((False, [3e3, 6e3]), (True, [3e3, 0.0])):
+        spec = FrictionSpec(static=0.5, cohesion=3e4, cohesion_lost=lost)
+        bounds = bounds_by_past(FrictionLaws.of([spec]), past, area)
+        assert bounds.cohesion == pytest.approx(expected)
 
 
-def test_which_laws_are_constant():
-    assert FrictionLaw.coulomb(0.4) == FrictionLaw(static=0.4, dynamic=0.4)
-    assert FrictionLaw.coulomb(0.4).constant
-    assert FrictionLaw(static=0.4, dynamic=0.4, decay=2.0).constant
-    assert not FrictionLaw(static=0.5, dynamic=0.4).constant
-    assert not FrictionLaw(static=0.4, dynamic=0.4, cohesion=1.0).constant
+def test_what_the_bound_of_a_law_depends_on():
+    assert FrictionSpec(static=0.4).constant
+    for table in ({"dynamic": 0.3}, {"cohesion": 1.0}):
+        assert not FrictionSpec(static=0.4, **table).constant
+    assert FrictionSpec(static=0.5, dynamic=0.4, decay=2.0).decays
+    assert FrictionSpec(static=0.5, dynamic=0.4).jumps
+    assert FrictionSpec(static=0.5, cohesion=1.0, cohesion_lost=True).jumps
+    assert not FrictionSpec(static=0.5, dynamic=0.4, decay=2.0).jumps
+    assert not FrictionSpec(static=0.5, cohesion=1.0).jumps
 
 
 def test_bounds_know_whether_there_is_any_friction():
@@ -61,25 +75,43 @@ def test_bounds_know_whether_there_is_any_friction():
 
 
 def test_laws_of_several_surfaces_are_those_of_each():
-    laws = [
-        FrictionLaw(static=0.6, dynamic=0.2, decay=3.0),
-        FrictionLaw(static=0.6, dynamic=0.2, cohesion=3e4, cohesion_lost=True),
+    specs = [
+        FrictionSpec(static=0.6, dynamic=0.2, decay=3.0),
+        FrictionSpec(static=0.5, dynamic=0.1, cohesion=3e4, cohesion_lost=True),
     ]
-    together = FrictionLaws.of(laws)
-    for k, law in enumerate(laws):
-        assert law_of(together, k) == law
-        for speed, slipped in ((0.0, False), (0.4, True)):
-            expected = law.coefficient(np.array([speed]), mask(slipped))
-            assert coefficient(law_of(together, k), speed, slipped) == expected[0]
+    together = FrictionLaws.of(specs)
+    for k, spec in enumerate(specs):
+        alone = FrictionLaws.of([spec])
+        for past in pasts((0.0, 0, 0), (0.4, 1, 1)):
+            assert held(together, k, past) == held(alone, 0, past)
 
 
 def test_within_a_step_a_jump_only_falls_and_a_decay_follows_the_speed():
-    jump, decay = FrictionLaw(0.6, 0.2), FrictionLaw(0.6, 0.2, 3.0)
-    assert followed(jump, 0.6, 1.0, False) == 0.6
-    assert followed(jump, 0.6, 1.0, True) == 0.2
-    assert followed(jump, 0.2, 0.0, False) == 0.2
-    assert followed(decay, 0.2, np.log(2) / 3, True) == pytest.approx(0.4)
-    assert followed(decay, 0.2, 1.0, False) == 0.6
+    tables = {"dynamic": 0.2}, {"dynamic": 0.2, "decay": 3.0}
+    jump, decay = (FrictionLaws.of([FrictionSpec(static=0.6, **table)]) for table in tables)
+    past = pasts((0.0, 0, 0))[0]
+    assert followed(jump, 0, past, 0.6, 1.0, False) == (0.6, True)
+    assert followed(jump, 0, past, 0.6, 1.0, True) == (0.2, True)
+    assert followed(jump, 0, past, 0.2, 0.0, False) == (0.2, True)
+    mu, _ = followed(decay, 0, past, 0.2, np.log(2) / 3, True)
+    assert mu == pytest.approx(0.4)
+    assert followed(decay, 0, past, 0.2, 1.0, False)[0] == 0.6
+
+
+def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips():
+    law = FrictionLaws.of([FrictionSpec(static=0.6, cohesion=1.0, cohesion_lost=True)])
+    for broken in (0, 1):
+        past = pasts((0.0, 0, broken))[0]
+        assert followed(law, 0, past, 0.6, 0.0, False) == (0.6, not broken)
+        assert followed(law, 0, past, 0.6, 1.0, True) == (0.6, False)
+
+
+def test_a_point_remembers_that_it_slipped_while_it_is_closed_and_for_ever_that_it_broke_loose():
+    closed, slipped = mask(1, 1, 0), mask(1, 0, 0)
+    before = pasts((0.0, 0, 0), (0.3, 1, 1), (0.3, 1, 1))
+    after = pasts_after(before, closed, slipped, np.array([0.2, 0.1, 0.1]))
+    assert after.tolist() == [[0.2, 1.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
+    assert before[2].tolist() == [0.3, 1.0, 1.0]
 
 
 def test_a_point_slips_where_it_moves_at_its_bound():
@@ -88,6 +120,17 @@ def test_a_point_slips_where_it_moves_at_its_bound():
     assert not at_bound(bounds, 0, 2.0, 1.19) and not at_bound(bounds, 0, 0.0, 0.0)
     # Its force of 2 N moves it by 6 m: what is less than a hundred thousandth of it is no slip.
     assert slips(1e-4, 3.0, 2.0) and not slips(5e-5, 3.0, 2.0)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_which_points_slip(d):
+    """At the bound and moved; at the bound and not moved; moved below the bound; open."""
+    force = np.zeros((4, d))
+    force[:, 0], force[:, 1] = (2.0, 2.0, 2.0, 0.0), (-1.2, 1.2, 1.1, 0.0)
+    bounds = Bounds(np.full(4, 0.5), np.full(4, 0.2))
+    way, own = np.array([1e-4, 5e-5, 1e-4, 1e-4]), np.full(4, 3.0)
+    assert points_at_bound(force, bounds).tolist() == [True, True, False, False]
+    assert points_that_slip(force, way, own, bounds).tolist() == [True, False, False, False]
 
 
 # ---------------------------------------------------------------- velocity level

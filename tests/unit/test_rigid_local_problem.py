@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from solver.law.friction import Bounds
-from solver.law.local_problem import METHODS, LocalProblem, named, new_counts, solve
+from solver.law.local_problem import LocalProblem, named, new_counts, solve
 from solver.law.newton import OPEN, SLIP, STICK, Local
 from solver.law.rescues import RESCUES, rescue
 
@@ -26,7 +26,7 @@ def solution(W: Array, q: Array, law: Bounds) -> tuple[Array, NDArray[np.int64]]
     """Forces and states from a cold start."""
     count = len(q) // 2
     f, states = np.zeros(2 * count), np.zeros(count, dtype=np.int64)
-    assert solve(2, W, q, law, f, states, new_counts(), METHODS)
+    assert solve(2, W, q, law, f, states, new_counts())
     return f, states
 
 
@@ -131,7 +131,7 @@ def test_forces_of_the_same_problem_are_kept() -> None:
     law = bounds(2, 0.4)
     expected, states = solution(W, q, law)
     f, following, counts = expected.copy(), np.zeros_like(states), new_counts()
-    assert solve(2, W, q, law, f, following, counts, 0)
+    assert solve(2, W, q, law, f, following, counts)
     assert counts[0] == 1 and not named(counts)
     assert (following == states).all()
     assert f == pytest.approx(expected, rel=1e-9)

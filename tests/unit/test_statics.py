@@ -21,7 +21,7 @@ from solver.contact.candidates import FixedContactPair, MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.interface import Interface
 from solver.contact.plane_target import Plane
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
@@ -44,7 +44,7 @@ def stepper(made) -> Stepper:
     top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(1,))
     material = Material(young=YOUNG, poisson=0.0, density=1.0)
     body = ElasticBody(made.mesh, material, supports=[top])
-    law = FrictionLaw.coulomb(0.5)
+    law = FrictionSpec(static=0.5)
     contact = MeshedContactPair(body, made.facet_tags, Plane.level(2), law)
     return Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 
@@ -75,7 +75,7 @@ def test_what_has_no_area_has_no_tractions(made, stepper):
     body = stepper.system.bodies[0]
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
     corners = NodePoints(body, surface.layer, surface.positions)
-    interface = Interface(corners, Plane.level(2), FrictionLaw.coulomb(0.0))
+    interface = Interface(corners, Plane.level(2), FrictionSpec(static=0.0))
     contact = FixedContactPair(interface, body=0, on=None)
     link = Link(contact.join(frozenset()), 0, None)
     for function in (contact_tractions, nodal_pressure):

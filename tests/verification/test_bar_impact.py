@@ -20,7 +20,7 @@ from geometry.mesh import block_mesh
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.plane_target import Plane
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
@@ -52,7 +52,7 @@ def bounce(rho_inf: float, gamma: float) -> Bounce:
     material = Material(young=1.0, poisson=0.0, density=1.0)
     body = ElasticBody(domain.mesh, material, clamped=lambda x: np.isclose(x[1], 1.0))
     faces = MeshedContactPair(
-        body, domain.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.0), gamma=gamma
+        body, domain.facet_tags, Plane.level(2), FrictionSpec(static=0.0), gamma=gamma
     )
     stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     x = body.nodes[:, 1]

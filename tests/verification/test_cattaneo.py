@@ -30,7 +30,7 @@ from solver.contact.body_points import NodePoints
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
@@ -76,7 +76,7 @@ def discs() -> Stepper:
     nodes = NodePoints(bodies[1], surface.layer, surface.positions)
     frame = np.array([[0.0, 1.0], [1.0, 0.0]])
     face = Face(nodes, surface.nodes, frame, surface.cell, surface.degree)
-    law = FrictionLaw.coulomb(FRICTION)
+    law = FrictionSpec(static=FRICTION)
     contact = MeshedContactPair(bodies[0], upper.facet_tags, face, law, on=1)
     return Stepper(System(bodies), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 

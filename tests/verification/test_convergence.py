@@ -17,8 +17,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.plane_target import Plane
-from solver.law.friction import FrictionLaw
-from solver.scene import DampingSpec
+from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.stepper import Stepper
@@ -126,7 +125,7 @@ def dense(matrix) -> np.ndarray:
 def vibration(rho_inf: float, theta: int, damping: DampingSpec | None = None) -> Vibration:
     made, _, body = block((2, 4), "quadrilateral", 2, damping=damping)
     faces = MeshedContactPair(
-        body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5), theta=theta
+        body, made.facet_tags, Plane.level(2), FrictionSpec(static=0.5), theta=theta
     )
     stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     stepper.start(np.zeros(body.size), np.zeros(body.size))  # faces join

@@ -12,11 +12,11 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
+from solver.contact.body_points import PointForces
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.interface import Interface
 from solver.contact.plane_target import Plane
-from solver.law.friction import FrictionLaw
-from solver.scene import DampingSpec
+from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
 
@@ -68,7 +68,7 @@ def thing(request) -> Thing:
     material = Material(young=3.0, poisson=0.25, density=2000.0, plane=plane)
     damping = DampingSpec(mass=0.0, stiffness=1e-3)
     body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
-    faces = MeshedContactPair(body, made.facet_tags, Plane.level(2), FrictionLaw.coulomb(0.5))
+    faces = MeshedContactPair(body, made.facet_tags, Plane.level(2), FrictionSpec(static=0.5))
     return Thing(body, faces, faces.join(FACES))
 
 
@@ -79,8 +79,7 @@ def slope(function, step: float = 1e-4) -> np.ndarray:
 
 
 def strain_energy(thing: Thing, u: np.ndarray) -> float:
-    thing.body.internal_force(u, static=True)
-    return thing.body.strain_energy()
+    return thing.body.strain_energy(u)
 
 
 def test_internal_force_is_the_derivative_of_the_strain_energy(thing):
@@ -145,8 +144,8 @@ def test_work_of_the_viscous_force(thing):
     body, dt = thing.body, 0.01
     old, new = thing.displacement(4, 0.3), thing.displacement(5, 0.9)
     body.begin(old, StrainWeights(0.5, 0.5))
-    body.internal_force(new)
-    viscous, loss = body.impulsive_force(dt), body.damping.stiffness * body.increment_energy() / dt
+    viscous = body.impulsive_force(new, dt)
+    loss = body.damping.stiffness * body.increment_energy(new) / dt
     assert viscous @ (new - old) == pytest.approx(loss, rel=1e-11)
     body.begin(old, StrainWeights(1.0, -1.0))
     expected = body.damping.stiffness / dt * body.internal_force(new)
@@ -158,8 +157,7 @@ def test_viscous_force_of_small_strains(thing):
     body, dt = thing.body, 1e-6
     v = thing.direction(5)
     body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
-    body.internal_force(dt * v)
-    viscous = body.impulsive_force(dt)
+    viscous = body.impulsive_force(dt * v, dt)
     x, y = body.stiffness_matrix.createVecs()
     x.array[:] = body.damping.stiffness * v
     body.stiffness_matrix.mult(x, y)
@@ -224,7 +222,7 @@ def test_rows_of_traction_and_position(thing):
 @pytest.mark.parametrize("theta", [1, -1])
 def test_theta_matrix(thing, theta):
     """v.A v = theta sum w |DT[v]|^2/gamma_h, and A u the derivative of the theta term."""
-    law = FrictionLaw.coulomb(0.5)
+    law = FrictionSpec(static=0.5)
     interface = Interface(thing.interface.points, Plane.level(2), law, theta=theta)
     points, body = interface.points.points, thing.body
     matrix = interface.theta_matrix(body.stiffness_matrix)
@@ -245,7 +243,7 @@ def test_theta_matrix(thing, theta):
             surface, surface, nothing, traction_weight=1.0, contact_weight=1.0
         )
         total = np.zeros(body.size)
-        interface.points.add_forces(total, surface, surface, nothing, pull)
+        interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
         return total
 
     assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
@@ -262,7 +260,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )
     total = np.zeros(thing.body.size)
-    interface.points.add_forces(total, old, new, vectors, pull)
+    interface.points.add_forces(total, PointForces(old, new, vectors, pull))
     y_old, y_new = (interface.augmented(*interface.observe(u, None)) for u in (u0, u1))
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)

@@ -27,7 +27,7 @@ from solver.contact.body_points import NodePoints
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
@@ -96,7 +96,7 @@ class Patch:
             bodies[0],
             upper.facet_tags,
             face,
-            FrictionLaw.coulomb(self.friction),
+            FrictionSpec(static=self.friction),
             points=self.points,
             on=1,
             cuts=surface.outlines if self.cuts else None,

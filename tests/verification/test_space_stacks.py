@@ -22,7 +22,7 @@ from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.edge_crossings import Crossings
 from solver.contact.facet_target import Face
 from solver.contact.outline import Outline
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.state import State
@@ -32,7 +32,7 @@ from solver.stepping.system import Link, System
 Array = NDArray[np.float64]
 
 G = 9.81
-LAW = FrictionLaw.coulomb(0.5)
+LAW = FrictionSpec(static=0.5)
 UPPER, LOWER = (
     Block(width=1.0, height=0.4, thickness=thickness, density=2000.0) for thickness in (0.8, 1.1)
 )

@@ -23,7 +23,7 @@ from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
-from solver.law.friction import FrictionLaw
+from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.system import Link, System
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 UPPER = Block(width=0.3, height=0.4, thickness=0.3, density=2000.0)
 LOWER = Block(width=1.0, height=0.4, thickness=1.0, density=2000.0)
-LAW = FrictionLaw(static=0.5, dynamic=0.5, decay=0.0, cohesion=0.0, cohesion_lost=False)
+LAW = FrictionSpec(static=0.5)
 
 
 @dataclass(frozen=True)

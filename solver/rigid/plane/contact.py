@@ -235,19 +235,16 @@ def compliance(rows: Array, flexibility: Array) -> Array:
 @compiled
 def area(system: PlaneModel, work: PlaneWork, state: PlaneState, i: int) -> float:
     """Area that cohesion acts on at a point, m2: half of what the two faces share."""
-    k = work.points[i]
-    b, c, upper = system.corner_of[k], system.face_of[k], system.upper[k]
-    other = c if b == upper else b
-    turn = state.q[3 * upper + 2] - (state.q[3 * other + 2] if other >= 0 else 0.0)
-    lying = abs(math.sin(turn)) > math.sqrt(0.5)
-    length = system.half[upper, 1] if lying else system.half[upper, 0]
-    thickness = system.thickness[upper]
-    if other >= 0:
-        cosine, sine = math.cos(state.q[3 * other + 2]), math.sin(state.q[3 * other + 2])
-        x = state.q[3 * upper] - state.q[3 * other]
-        y = state.q[3 * upper + 1] - state.q[3 * other + 1]
-        along, reach = cosine * x - sine * y, system.half[other, 0]
-        shared = min(along + length, reach) - max(along - length, -reach)
-        length = max(0.0, 0.5 * shared)
-        thickness = min(thickness, system.thickness[other])
-    return length * thickness
+    k, sideways = work.points[i], work.face[i] % 2  # 1 where the face is a side of its block
+    b, c = system.corner_of[k], system.face_of[k]
+    turn = state.q[3 * b + 2] - (state.q[3 * c + 2] if c >= 0 else 0.0)
+    crosswise = 1 if abs(math.sin(turn)) > math.sqrt(0.5) else 0
+    length, thickness = system.half[b, (sideways + crosswise) % 2], system.thickness[b]
+    if c < 0:
+        return length * thickness
+    cosine, sine = math.cos(state.q[3 * c + 2]), math.sin(state.q[3 * c + 2])
+    x, y = state.q[3 * b] - state.q[3 * c], state.q[3 * b + 1] - state.q[3 * c + 1]
+    along = sine * x + cosine * y if sideways == 1 else cosine * x - sine * y
+    reach = system.half[c, sideways]
+    shared = min(along + length, reach) - max(along - length, -reach)
+    return max(0.0, 0.5 * shared) * min(thickness, system.thickness[c])

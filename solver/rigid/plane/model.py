@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.law.friction import FrictionLaws
+from solver.law.friction import PAST, FrictionLaws
 from solver.law.local_problem import new_counts
 from solver.types import Array, Indices
 
@@ -85,14 +85,10 @@ class PlaneMemory(NamedTuple):
     """Gap of closed points, m, summed up from increments: their digits are those of the step."""
     offset: Array
     """Tangential place minus that where the point sticks, m."""
-    slipping: Indices
-    """1 where it slipped in the last step."""
-    broken: Indices
-    """1 where its cohesion is lost."""
+    past: Array
+    """What it remembers of its friction (`solver.law.friction.PAST`), (p, PAST)."""
     state: Indices
     """Its state in the last local problem."""
-    rate: Array
-    """Its slip rate in the last step, m/s."""
     force: Array
     """f_n, f_t of the last step, N, (p, 2)."""
 
@@ -135,16 +131,14 @@ class PlaneWork(NamedTuple):
 
 def new_memory(points: int) -> PlaneMemory:
     """PlaneMemory of points that have touched nothing yet."""
-    none = [np.zeros(points, dtype=np.int64) for _ in range(5)]
+    none = [np.zeros(points, dtype=np.int64) for _ in range(3)]
     return PlaneMemory(
         closed=none[0],
         face=none[1],
         gap=np.zeros(points),
         offset=np.zeros(points),
-        slipping=none[2],
-        broken=none[3],
-        state=none[4],
-        rate=np.zeros(points),
+        past=np.zeros((points, PAST)),
+        state=none[2],
         force=np.zeros((points, 2)),
     )
 

@@ -14,7 +14,8 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.local_problem import METHODS, solve
+from solver.law.friction import remember, remember_open
+from solver.law.local_problem import solve
 from solver.law.newton import OPEN
 from solver.rigid.plane.contact import compliance, local_place, write_rows
 from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
@@ -124,7 +125,7 @@ def contact_iteration(
         write_rows(system, state.q, work.increment, work)
         W = compliance(rows, flexibility)
         fixed = start + rows @ free
-        if not solve(2, W, fixed, bounds_of(work), force, states, work.counts[2:], METHODS):
+        if not solve(2, W, fixed, bounds_of(work), force, states, work.counts[2:]):
             return False
         work.place[: 2 * count] = fixed + W @ force
         increment = free + flexibility * (force @ rows)
@@ -135,7 +136,7 @@ def contact_iteration(
         work.increment[:] = increment
         if change * turned > CONVERGED * system.size:
             continue
-        if not follow_friction(system, work, W, dt):
+        if not follow_friction(system, memory, work, W, dt):
             return True
     return False
 
@@ -158,7 +159,7 @@ def finish_step(
     state.v[:] = 2.0 * work.increment / dt - state.v
     state.q[:] += work.increment
     state.p[:] = work.inertia
-    remember(memory, work, moved, dt)
+    remember_points(memory, work, moved, dt)
     add_impulses(system, work, dt * work.force)
     if system.velocity_solve:
         correct_velocity(system, state, work, dt)
@@ -206,9 +207,8 @@ def follow_slip(system: PlaneModel, state: PlaneState, work: PlaneWork, moved: A
         for i in range(work.counts[0]):
             k = work.points[i]
             if system.upper[k] == b and work.state[i] != OPEN:
-                # A carrier's corner moves backwards along the block that it carries.
-                sign = 1.0 if system.corner_of[k] == b else -1.0
-                way += sign * moved[2 * i + 1]
+                # Backwards on the bottom of a block, along which a tangent points backwards, too.
+                way += moved[2 * i + 1]
                 closed += 1
         if closed > 0:
             state.slip[b] += way / closed
@@ -230,19 +230,17 @@ def way_in_flight(system: PlaneModel, q: Array, increment: Array, b: int) -> flo
 
 
 @compiled
-def remember(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float) -> None:
-    """Keep gaps, anchors and states of the closed points for the next step."""
+def remember_points(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float) -> None:
+    """Keep gaps, anchors and states of the closed points for the next step, and all pasts."""
     memory.closed[:] = 0
+    for k in range(len(memory.past)):
+        remember_open(memory.past[k])
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
             continue
         k, n, t = work.points[i], 2 * i, 2 * i + 1
-        slips = work.slips[i] == 1
         memory.closed[k], memory.face[k], memory.state[k] = 1, work.face[i], work.state[i]
         memory.gap[k] = work.gap[i] + moved[n]
         memory.offset[k] = work.offset[i] + moved[t] - work.place[t]
-        memory.slipping[k] = work.slips[i]
-        memory.rate[k] = abs(work.place[t]) / dt if slips else 0.0
-        if slips:
-            memory.broken[k] = 1
+        remember(memory.past[k], abs(work.place[t]) / dt, work.slips[i] == 1)
         memory.force[k, 0], memory.force[k, 1] = work.force[n], work.force[t]

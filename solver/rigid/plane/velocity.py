@@ -10,7 +10,6 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds
-from solver.law.local_problem import METHODS
 from solver.law.newton import OPEN
 from solver.law.velocity import correct_impulses
 from solver.rigid.plane.contact import write_rows
@@ -31,7 +30,7 @@ def correct_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, dt:
     W = (rows * system.flexibility) @ rows.T
     bounds = Bounds(work.friction[:count], dt * work.cohesion[:count], np.inf)
     found = correct_impulses(
-        2, W, rows @ state.v, dt * work.force[: 2 * count], bounds, work.counts[2:], METHODS, 0
+        2, W, rows @ state.v, dt * work.force[: 2 * count], bounds, work.counts[2:], 0
     )
     if found.found:
         state.v[:] += (found.q @ rows) * system.flexibility

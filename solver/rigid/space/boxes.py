@@ -3,7 +3,7 @@
 On the ground: the eight corners of each block. Between a block and its carrier, of the six faces of
 each the one that separates the two boxes most is taken (the face part of the separating axis test),
 and with these two faces: the corners of the one body within the outline of the other's face, and
-the places where their edges cross (`space_crossings`). So the flat contact of two boxes, however
+the places where their edges cross (`edge_crossings`). So the flat contact of two boxes, however
 turned and shifted, has all corners of the polygon in which they touch. Edges of faces that are
 inclined by more than 60 degrees to each other are left out.
 """
@@ -15,11 +15,10 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
+from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
 from solver.rigid.space.edge_crossings import (
     ENDS,
     OUTLINE,
-    PARALLEL,
-    STEEP,
     SpaceCrossings,
     ends_of,
     frame_of,
@@ -39,9 +38,6 @@ SLOTS = CORNERS + ENDS
 
 TOP = 5
 """Number of the top face: 2 * axis + (0 for the negative side, 1 for the positive)."""
-
-FLAT = -0.999
-"""Cosine between the normals of two faces that lie flat on each other."""
 
 
 @compiled
@@ -122,7 +118,7 @@ def points_on_face(
 
 
 @compiled
-def _face_corners(face: int) -> Indices:
+def face_corners(face: int) -> Indices:
     """The four corners of a face, in a round."""
     table = np.array(
         [[0, 3, 7, 4], [1, 2, 6, 5], [0, 1, 5, 4], [3, 2, 6, 7], [0, 1, 2, 3], [4, 5, 6, 7]]
@@ -134,7 +130,7 @@ def _face_corners(face: int) -> Indices:
 def _crossings(
     over: Array,
     ring: Array,
-    faces: tuple[Array, Array, Array],
+    faces: tuple[Array, Array],
     frames: tuple[Array, Array],
     centres: tuple[Array, Array],
     points: tuple[Array, Array],
@@ -146,12 +142,12 @@ def _crossings(
     Args:
         over: (4, 3) the corners of the upper face over the lower one: gap, place along it.
         ring: (4, 3) the same corners in their own body.
-        faces: Axes of the lower face, half lengths of its box along them, normal of the upper face.
+        faces: Axes of the lower face, half lengths of its box along them.
         frames: Rotations of the upper and the lower body.
         centres: Their centres.
         points: Filled in: (ENDS, 3) the ends in the upper body, and their gap and place.
     """
-    axes, limits, facing = faces[0], faces[1][1:], faces[2]
+    axes, limits = faces[0], faces[1][1:]
     places, found, crossings = points[0], points[1], no_crossings(ENDS)
     up = to_space(frames[1], axes[0])
     for k in range(4):
@@ -169,11 +165,10 @@ def _crossings(
             way = unit(edge)
             a, b = to_space(frames[0], way), to_space(frames[1], border)
             sine, rise, frame = frame_of(a, b, up)
-            if sine < PARALLEL:
-                if facing @ up < FLAT:
-                    places[number], found[number] = place, seat
+            if sine < PARALLEL_ANGLE:
+                places[number], found[number] = place, seat
                 continue
-            if rise < STEEP:
+            if rise < STEEPEST_COSINE:
                 continue
             seat[0], seat[across] = faces[1][0], math.copysign(limits[across - 1], side)
             foot = to_body(axes, seat)
@@ -226,15 +221,15 @@ def points_between(
     found[:8] = points_on_face(state, frames, half, u, c, below, places[:8])
     found[8:16] = points_on_face(state, frames, half, c, u, above, places[8:16])
     axes, facing = face_axes(below), to_space(frames[u], face_axes(above)[0])
-    if facing @ to_space(frames[c], axes[0]) > -0.5:
+    if facing @ to_space(frames[c], axes[0]) > -TURNED_AWAY_COSINE:
         return below, above, places, found, none
     limits = half[c, np.array([below // 2, (below // 2 + 1) % 3, (below // 2 + 2) % 3])]
-    ring, over = places[_face_corners(above)], np.empty((4, 3))
+    ring, over = places[face_corners(above)], np.empty((4, 3))
     for k in range(4):
         over[k] = to_space(axes, to_body(frames[c], shift + to_space(frames[u], ring[k])))
         over[k, 0] -= limits[0]
     turns, centres = (frames[u], frames[c]), (state.place[u], state.place[c])
     points = places[CORNERS:], found[CORNERS:]
-    crossings = _crossings(over, ring, (axes, limits, facing), turns, centres, points)
+    crossings = _crossings(over, ring, (axes, limits), turns, centres, points)
     _merge(state, frames, u, c, places, found)
     return below, above, places, found, crossings

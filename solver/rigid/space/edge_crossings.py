@@ -9,8 +9,8 @@ and d for increments over it,
     dg = m . D,  m = (a x b)/(n . (a x b))       since D + a - b = dg n
     ds = t . D                                   slip, counted from the begin of each step
 
-hold exactly, n and t standing still within the step: as for meshed bodies (`contact/crossings.py`),
-edges being straight here. m needs no ways, only the directions of the mean edges.
+hold exactly, n and t standing still within the step: as for meshed bodies, edges being straight
+here (`solver/contact/edge_crossings.py`). m needs no ways, only the directions of the mean edges.
 """
 
 from __future__ import annotations
@@ -21,18 +21,12 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.law.compiled import compiled
+from solver.law.crossing import PARALLEL_ANGLE
 from solver.rigid.space.rotation import cross, to_space
 from solver.types import Array
 
 ENDS = 8
 """Two ends for each edge of the upper face, where it enters the lower one and where it leaves."""
-
-PARALLEL = 1e-3
-"""Edges at less than this angle (rad) have no normal of their own to speak of: on faces that lie
-flat on each other it is that of the lower face, on others a corner is nearer."""
-
-STEEP = 0.5
-"""Least cosine between the normal of two edges and that of the lower face."""
 
 OUTLINE = 1e-6
 """How far beyond its outline a face still carries, relative to its half widths."""
@@ -101,7 +95,7 @@ def apart(a: Array, b: Array, distance: Array, axes: Array) -> tuple[float, floa
     b1, b2 = axes[1] @ b, axes[2] @ b
     d1, d2 = axes[1] @ distance, axes[2] @ distance
     area = a1 * b2 - a2 * b1
-    if abs(area) < 0.5 * PARALLEL:
+    if abs(area) < 0.5 * PARALLEL_ANGLE:
         return 0.0, 0.0
     return (b1 * d2 - b2 * d1) / area, (a1 * d2 - a2 * d1) / area
 
@@ -112,7 +106,7 @@ def frame_of(a: Array, b: Array, up: Array) -> tuple[float, float, Array]:
     normal = cross(a, b)
     sine = math.sqrt(np.sum(normal * normal))
     axes = np.zeros((3, 3))
-    if sine < PARALLEL:
+    if sine < PARALLEL_ANGLE:
         return sine, 1.0, axes
     rise = float(normal @ up) / sine
     axes[0] = normal / (sine if rise > 0 else -sine)
@@ -129,7 +123,7 @@ def normal_between(a: Array, b: Array, normal: Array) -> Array:
     """
     across = cross(a, b)
     rise = normal @ across
-    return across / rise if abs(rise) > 0.1 * PARALLEL else normal.copy()
+    return across / rise if abs(rise) > 0.1 * PARALLEL_ANGLE else normal.copy()
 
 
 @compiled

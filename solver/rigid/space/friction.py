@@ -10,15 +10,16 @@ from solver.law.compiled import compiled
 from solver.law.friction import (
     TOUCHING_SLOPE,
     Bounds,
-    at_bound,
-    coefficient,
     followed,
-    law_of,
-    slips,
+    held,
+    points_at_bound,
+    points_that_slip,
+    remember_open,
 )
 from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceState
 from solver.rigid.space.motion import REGULAR
-from solver.types import Array
+from solver.rigid.space.overlap import areas
+from solver.types import Array, Mask
 
 
 @compiled
@@ -44,58 +45,72 @@ def recalled(state: SpaceState, contacts: SpaceContacts) -> Array:
 
 
 @compiled
+def past_of(state: SpaceState, contacts: SpaceContacts, q: int) -> Array:
+    """What point q remembers of its friction; of one that is near another face, that it is open."""
+    k, slot = contacts.pair[q], contacts.slot[q]
+    past = state.memory.past[k, slot].copy()
+    if state.memory.face[k, slot] != contacts.face[q]:
+        remember_open(past)
+    return past
+
+
+@compiled
 def friction_at_start(
-    model: SpaceModel, state: SpaceState, contacts: SpaceContacts
+    model: SpaceModel, state: SpaceState, frames: Array, contacts: SpaceContacts
 ) -> tuple[Array, Array]:
     """Coefficients of friction and cohesive forces of the points, by what they did before."""
-    m = len(contacts.body)
-    mu, cohesion = np.empty(m), np.empty(m)
-    for q in range(m):
-        k, slot = contacts.pair[q], contacts.slot[q]
-        law, memory = law_of(model.law, k), state.memory
-        rate = memory.rate[k, slot] if memory.face[k, slot] == contacts.face[q] else 0.0
-        mu[q] = coefficient(law, rate, rate > 0)
-        lost = law.cohesion_lost and memory.broken[k, slot] == 1
-        cohesion[q] = 0.0 if lost else law.cohesion * model.area[k]
+    mu, cohesion = np.empty(len(contacts.body)), areas(model, state, frames, contacts)
+    for q in range(len(mu)):
+        own, shear = held(model.law, contacts.pair[q], past_of(state, contacts, q))
+        mu[q] = own
+        cohesion[q] *= shear
     return mu, cohesion
 
 
 @compiled
-def at_limit(force: Array, mu: Array, cohesion: Array, q: int) -> bool:
-    """Whether closed point q, of m, is at the limit of its friction."""
-    bounds = Bounds(mu, cohesion, TOUCHING_SLOPE)
-    return at_bound(bounds, q, force[q, 0], math.hypot(force[q, 1], force[q, 2]))
+def at_limit(force: Array, mu: Array, cohesion: Array) -> Mask:
+    """The closed points, of m, at the limit of their friction."""
+    return points_at_bound(force, Bounds(mu, cohesion, TOUCHING_SLOPE))
 
 
 @compiled
-def sliding_of(force: Array, slip: Array, softness: Array, mu: Array, cohesion: Array) -> Array:
-    """1 for the points at the limit of their friction that slip, (m,); D of `softness` is W's."""
-    found = np.zeros(len(mu))
+def sliding_of(force: Array, slip: Array, softness: Array, mu: Array, cohesion: Array) -> Mask:
+    """The points that slip, (m,); D of `softness` is W's."""
+    way, own = np.empty(len(mu)), np.empty(len(mu))
     for q in range(len(mu)):
-        size, way = np.max(np.abs(force[q])), math.hypot(slip[q, 0], slip[q, 1])
-        slid = at_limit(force, mu, cohesion, q) and slips(way, softness[q, 1] / REGULAR, size)
-        found[q] = 1.0 if slid else 0.0
-    return found
+        own[q] = softness[q, 1] / REGULAR
+        way[q] = math.hypot(slip[q, 0], slip[q, 1])
+    return points_that_slip(force, way, own, Bounds(mu, cohesion, np.inf))
 
 
 @compiled
 def follow_law(
-    model: SpaceModel, contacts: SpaceContacts, sliding: Array, slip: Array, dt: float, mu: Array
+    model: SpaceModel,
+    state: SpaceState,
+    contacts: SpaceContacts,
+    sliding: Mask,
+    slip: Array,
+    dt: float,
+    law: tuple[Array, Array],
 ) -> bool:
-    """Bring the coefficients to the slip that was found; whether one changed.
+    """Bring friction to the slip that was found; whether it changed.
 
     Args:
         model: The bodies.
+        state: At the start of the step.
         contacts: m points.
         sliding: Of `sliding_of`.
         slip: (m, 2) m.
         dt: Step, s.
-        mu: Coefficients, changed in place.
+        law: Coefficients and cohesive forces, changed in place.
     """
-    changed = False
+    (mu, cohesion), changed = law, False
     for q in range(len(mu)):
-        law, speed = law_of(model.law, contacts.pair[q]), math.hypot(slip[q, 0], slip[q, 1]) / dt
-        new = followed(law, mu[q], speed, sliding[q] == 1)
-        if abs(new - mu[q]) > 1e-12 * law.static:
+        k, speed = contacts.pair[q], math.hypot(slip[q, 0], slip[q, 1]) / dt
+        past = past_of(state, contacts, q)
+        new, coheres = followed(model.law, k, past, mu[q], speed, sliding[q])
+        if abs(new - mu[q]) > 1e-12 * model.law.static[k]:
             mu[q], changed = new, True
+        if not coheres and cohesion[q] > 0.0:
+            cohesion[q], changed = 0.0, True
     return changed

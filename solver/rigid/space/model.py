@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from solver.law.friction import FrictionLaws
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
 
 AWAY = -1
 """Number of the face of a point that is near none."""
@@ -32,8 +32,6 @@ class SpaceModel(NamedTuple):
     """(n,) the pair of each block with what carries it."""
     law: FrictionLaws
     """(k,) friction of each pair."""
-    area: Array
-    """(k,) that cohesion acts on at a point, m2."""
     spring: Array
     """(2,) stiffness (N/m) and damping (N s/m) of the platform, alike along x and y."""
     gravity: Array
@@ -53,10 +51,8 @@ class SpaceMemory(NamedTuple):
     """(k, SLOTS) number of the face that a point was near in the last step; `AWAY` if none."""
     rest: Array
     """(k, SLOTS) gap that a point is held at, m."""
-    rate: Array
-    """(k, SLOTS) rate of slip, m/s; 0 where a point stuck."""
-    broken: Array
-    """(k, SLOTS) 1 where the cohesion is lost."""
+    past: Array
+    """(k, SLOTS, PAST) what a point remembers of its friction (`solver.law.friction.PAST`)."""
 
 
 class SpaceState(NamedTuple):
@@ -134,5 +130,5 @@ class SpaceSolution(NamedTuple):
     """(m,) cohesive forces, N."""
     yielded: Array
     """(m, 3) D (f - f_n), what the points gave way beyond the motion of their bodies, m."""
-    sliding: Array
-    """(m,) 1 where a point is at the limit of its friction and moves, else 0."""
+    sliding: Mask
+    """(m,) the points that slip."""

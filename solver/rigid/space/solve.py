@@ -12,7 +12,6 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds
-from solver.law.local_problem import METHODS
 from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import follow_law, friction_at_start, recalled, sliding_of, touched
@@ -98,7 +97,7 @@ def _linear(
     q[:, 0] += contacts.gap
     flat, bounds = force.reshape(force.size), Bounds(law[0], law[1], np.inf)
     states = np.empty(len(q), np.int64)
-    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts, METHODS)
+    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts)
     return found, softness
 
 
@@ -140,7 +139,7 @@ def solve(
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
     force = recalled(state, points)
-    mu, cohesion = friction_at_start(model, state, points)
+    mu, cohesion = friction_at_start(model, state, frames, points)
     held = force * np.array([EVENING, 1.0, 1.0])
     moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
     rounds = 0
@@ -156,7 +155,7 @@ def solve(
         change, yielded = changes(points, rows, moved, turned), softness * (force - held)
         slip = change[:, 1:] + yielded[:, 1:]
         slid = sliding_of(force, slip, softness, mu, cohesion)
-        again = follow_law(model, points, slid, slip, dt, mu)
+        again = follow_law(model, state, points, slid, slip, dt, law)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)
         centred = rounds > 1 or np.sum(np.abs(yielded)) <= ROUND_OFF * size

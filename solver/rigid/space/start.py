@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrangement import Pose
 from geometry.block import Block
-from solver.law.friction import FrictionLaws
+from solver.law.friction import PAST, FrictionLaws
 from solver.law.local_problem import new_counts
 from solver.rigid.space.boxes import SLOTS
 from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
@@ -120,7 +120,6 @@ def model_of(
     lower = np.array([n] * n + [number[blocks[b].on] for b in carried], dtype=np.int64)
     own = np.arange(n)
     own[carried] = n + np.arange(len(carried))
-    areas = np.array([block.shape.width * block.shape.thickness / 4 for block in blocks])
     nothing = np.zeros((1, 3))
     return SpaceModel(
         mass=np.array([*(block.shape.mass for block in blocks), base.mass]),
@@ -130,7 +129,6 @@ def model_of(
         lower=lower,
         carried=own,
         law=FrictionLaws.of([blocks[b].friction for b in upper]),
-        area=areas[upper],
         spring=np.array([base.stiffness, base.damping]),
         gravity=gravity,
         scheme=np.array([scheme.alpha_m, scheme.alpha_f, scheme.beta]),
@@ -145,8 +143,7 @@ def new_memory(pairs: int) -> SpaceMemory:
         force=np.zeros((*size, 3)),
         face=np.full(size, AWAY, dtype=np.int64),
         rest=np.zeros(size),
-        rate=np.zeros(size),
-        broken=np.zeros(size),
+        past=np.zeros((*size, PAST)),
     )
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
+from solver.law.friction import remember, remember_open
 from solver.rigid.space.contact import rotations
 from solver.rigid.space.friction import at_limit
 from solver.rigid.space.model import AWAY, SpaceModel, SpaceSolution, SpaceState
@@ -43,18 +44,20 @@ def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
     Friction takes the work on the slip y_t of the law, to which f_t is opposite: never less than 0.
     """
     memory = state.memory
-    memory.force[:], memory.face[:], memory.rest[:], memory.rate[:] = 0.0, AWAY, 0.0, 0.0
+    memory.force[:], memory.face[:], memory.rest[:] = 0.0, AWAY, 0.0
+    for k in range(memory.past.shape[0]):
+        for slot in range(memory.past.shape[1]):
+            remember_open(memory.past[k, slot])
+    limit = at_limit(s.force, s.mu, s.cohesion)
     for q in range(len(s.mu)):
         k, slot = s.contacts.pair[q], s.contacts.slot[q]
         force, change = s.force[q], s.change[q]
         memory.force[k, slot], memory.face[k, slot] = force, s.contacts.face[q]
         memory.rest[k, slot] = s.contacts.rest[q]
         slip = np.zeros(2)
-        if at_limit(s.force, s.mu, s.cohesion, q):
+        if limit[q]:
             slip = change[1:] + s.yielded[q, 1:]
-        if s.sliding[q] == 1:
-            memory.rate[k, slot] = math.hypot(slip[0], slip[1]) / s.dt
-            memory.broken[k, slot] = 1.0
+        remember(memory.past[k, slot], math.hypot(slip[0], slip[1]) / s.dt, s.sliding[q])
         rubbed = -(force[1] * slip[0] + force[2] * slip[1])
         work = force[0] * change[0] + force[1] * change[1] + force[2] * change[2]
         state.exchanged[1] += rubbed

@@ -6,7 +6,6 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds
-from solver.law.local_problem import METHODS
 from solver.law.velocity import correct_impulses
 from solver.rigid.space.contact import chosen, moved_on, rotations, rows_of
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
@@ -52,9 +51,7 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> 
     W = compliance(shut, rows, yields, turning)
     velocity = changes(shut, rows, state.velocity, _spins(state, frames)).reshape(3 * m)
     impulse, bounds = s.dt * s.force[kept], Bounds(s.mu[kept], s.dt * s.cohesion[kept], np.inf)
-    found = correct_impulses(
-        3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, METHODS, 1
-    )
+    found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, 1)
     if found.found:
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
