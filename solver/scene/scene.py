@@ -76,6 +76,10 @@ class Scene(Checked):
         object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
+        for block in self.blocks:
+            if block.restitution is not None and not (self.is_rigid and self.dimension == 2):
+                where = f"{block.name}.restitution"
+                raise not_applicable(where, "scenes in the plane without a mesh only")
         object.__setattr__(self, "time", self._filled_time())
         refuse_beyond(self, self.known_shaking)
         if self.time.adaptive and self.is_rigid:
