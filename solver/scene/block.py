@@ -12,6 +12,7 @@ from solver.errors import SceneError, missing_key, not_applicable
 from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
 from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
+from solver.scene.damping import DampingSpec
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import (
     Cell,
@@ -94,6 +95,8 @@ class BlockSpec(Checked):
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement. Tetrahedra of degree 2 need `contact.points =
     "gauss"`."""
+    damping: DampingSpec | None = None
+    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`."""
     refinement: Annotated[float, Number(at_least=1)] = 1.0
     """Longest cell edges over those at the bottom corners, along each direction."""
     friction: NotNegative | FrictionSpec | None = None

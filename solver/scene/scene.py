@@ -48,7 +48,7 @@ class Scene(Checked):
     contact: ContactSpec = field(default_factory=ContactSpec)
     """`[contact]`, below. Default: its defaults."""
     damping: DampingSpec | None = None
-    """`[damping]`, below. Default: -."""
+    """`[damping]`, below, of bodies that do not have their own. Default: -."""
     motion: MotionSpec | None = None
     """`[motion]`, below; the ground is still without it. Default: -."""
     time: TimeSpec
