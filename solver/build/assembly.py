@@ -145,6 +145,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         material=spec.material(scene.material_plane),
         thickness=spec.thickness,
         degree=spec.degree,
+        damping=spec.damping,
     )
     return BlockBody(spec, body, number, stand, made.facet_tags)
 

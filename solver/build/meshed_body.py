@@ -8,6 +8,7 @@ from geometry.gmsh_model import MeshedBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.supports import GroundSpring, Support
 from solver.scene import Scene
+from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 
 
@@ -19,18 +20,20 @@ def meshed_body(
     material: Material,
     thickness: float,
     degree: int,
+    damping: DampingSpec | None,
     supports: Sequence[Support] = (),
     spring: GroundSpring | None = None,
 ) -> ElasticBody:
     """The elastic body on a mesh.
 
     Args:
-        scene: Says whether it is in the plane or in space, and Rayleigh's damping.
+        scene: Says whether it is in the plane or in space, and what damping bodies have.
         name: Of the body.
         made: Its mesh.
         material: What it is made of.
         thickness: t, m; in space it is in the mesh.
         degree: Polynomial degree of the displacement.
+        damping: Its own Rayleigh damping; None: that of the scene.
         supports: Held facets.
         spring: To the ground.
     """
@@ -38,7 +41,7 @@ def meshed_body(
         made.mesh,
         material,
         degree=degree,
-        damping=scene.damping,
+        damping=scene.damping if damping is None else damping,
         name=name,
         thickness=thickness if scene.dimension == 2 else 1.0,
         supports=supports,

@@ -44,7 +44,7 @@ def _base(scene: Scene, ground: GroundMotion, time: float) -> float:
 
 
 def rock(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
-    """Housner's block: pivots on the corner on the side it leans to."""
+    """Housner's block: pivots on the corner on the side it leans to; restitution may be given."""
     block, gravity = scene.blocks[0], -scene.gravity_vector[1]
     shape = block.shape
     found = housner(
@@ -54,6 +54,7 @@ def rock(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
         end=scene.time.end,
         step=scene.time.step,
         acceleration=lambda time: _base(scene, ground, time),
+        restitution=block.restitution,
     )
     angle, velocity = found.angle, found.angular_velocity
     base = np.array([_base(scene, ground, float(t)) for t in found.time])

@@ -92,7 +92,7 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
         return found
     crossing = min(block.height / _wave_speed(block) for block in elastic)
     coarse = not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING
-    undamped = scene.damping is None or scene.damping.stiffness == 0
+    undamped = any(_is_undamped(scene, block) for block in elastic)
     if coarse:
         found.append(
             f"sound crosses a block in {crossing:.2g} s, so that steps of {scene.time.step:g} s do "
@@ -106,13 +106,20 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     return found
 
 
+def _is_undamped(scene: Scene, block: BlockSpec) -> bool:
+    """Whether nothing damps the strain of a block."""
+    damping = scene.damping if block.damping is None else block.damping
+    return damping is None or damping.stiffness == 0
+
+
 def _remedy(scene: Scene) -> str:
     """What to change."""
     changes = []
     if not scene.time.adaptive:
         changes.append("leave out time.step, so that steps are adaptive")
     elastic = [block for block in scene.blocks if block.model == "elastic"]
-    if elastic and (scene.damping is None or scene.damping.stiffness == 0):
-        most = max(map(suggested_damping, elastic))
+    undamped = [block for block in elastic if _is_undamped(scene, block)]
+    if undamped:
+        most = max(map(suggested_damping, undamped))
         changes.append(f"give damping.stiffness, for 2 % of critical {most:g}")
     return f": {', and '.join(changes)}" if changes else ""

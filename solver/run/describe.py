@@ -68,6 +68,8 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
         ]
     ratio = housner_restitution(shape)
     text = f"{ratio:.4f}" if ratio > 0 else "none, too squat to rock on"
+    if block.restitution is not None:
+        text = f"{block.restitution:g}, instead of {text}"
     lines.append(("  restitution", f"{text} (Housner 1963)"))
     return lines + _start(block)
 

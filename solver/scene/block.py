@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from geometry.block import Block
-from solver.errors import SceneError, missing_key
+from solver.errors import SceneError, missing_key, not_applicable
 from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
 from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
+from solver.scene.damping import DampingSpec
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import (
     Cell,
@@ -94,10 +95,15 @@ class BlockSpec(Checked):
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement. Tetrahedra of degree 2 need `contact.points =
     "gauss"`."""
+    damping: DampingSpec | None = None
+    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`."""
     refinement: Annotated[float, Number(at_least=1)] = 1.0
     """Longest cell edges over those at the bottom corners, along each direction."""
     friction: NotNegative | FrictionSpec | None = None
     """Between it and what carries it; see [friction](#friction). Default: that of `[contact]`."""
+    restitution: Annotated[float, Number(above=0, at_most=1)] | None = None
+    """e of impacts on what carries it; see [restitution](#restitution). Rigid blocks in the plane
+    only, where nothing is meshed. Default: impacts without rebound."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -106,6 +112,8 @@ class BlockSpec(Checked):
             allowed = f"a letter, then letters, digits, _ and -; none of {', '.join(RESERVED)}"
             raise SceneError("name", shown(self.name), allowed)
         exactly_one(self, "mass", "density")
+        if self.restitution is not None and self.model != "rigid":
+            raise not_applicable("restitution", f"blocks with {RIGID_MODEL} only")
         if self.model == "elastic":
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:

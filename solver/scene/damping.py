@@ -1,4 +1,4 @@
-"""Rayleigh damping: the table `[damping]`."""
+"""Rayleigh damping: the table `[damping]`, and that of a body."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from solver.scene.ranges import NotNegative
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DampingSpec(Checked):
-    """Rayleigh damping: `[damping]`."""
+    """Rayleigh damping: `[damping]`, or `damping` of a body."""
 
     mass: NotNegative = 0.0
     """lambda_R, 1/s."""

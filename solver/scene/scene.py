@@ -50,7 +50,7 @@ class Scene(Checked):
     contact: ContactSpec = field(default_factory=ContactSpec)
     """`[contact]`, below. Default: its defaults."""
     damping: DampingSpec | None = None
-    """`[damping]`, below. Default: -."""
+    """`[damping]`, below, of bodies that do not have their own. Default: -."""
     motion: MotionSpec | None = None
     """`[motion]`, below; the ground is still without it. Default: -."""
     time: TimeSpec
@@ -78,6 +78,10 @@ class Scene(Checked):
         object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
+        for block in self.blocks:
+            if block.restitution is not None and not (self.is_rigid and self.dimension == 2):
+                where = f"{block.name}.restitution"
+                raise not_applicable(where, "scenes in the plane without a mesh only")
         object.__setattr__(self, "time", self._filled_time())
         if next(self.strangers(), None) is not None:
             from solver.scene.overlaps import refuse_overlaps  # needs numpy, other scenes do not

@@ -134,9 +134,9 @@ def test_halving_stops_at_the_smallest_step(monkeypatch: pytest.MonkeyPatch) -> 
     """Halves are tried down to 1/8; after each success the rest of the step in one piece."""
     tried: list[float] = []
 
-    def piece(*arguments: Any) -> float:
+    def piece(*arguments: Any) -> tuple[float, bool]:
         tried.append(arguments[4])
-        return -1.0 if arguments[4] > accepted else arguments[4]
+        return -1.0 if arguments[4] > accepted else arguments[4], False
 
     step = getattr(plane_advance.full_step, "py_func", plane_advance.full_step)
     monkeypatch.setitem(step.__globals__, "piece_of_step", piece)

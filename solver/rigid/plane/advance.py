@@ -15,11 +15,14 @@ import numpy as np
 from solver.law.compiled import compiled
 from solver.law.newton import OPEN
 from solver.rigid.plane.contact import (
+    TOUCHING,
+    clear_points,
     distance,
     find_points,
     local_place,
     tangential_velocity,
 )
+from solver.rigid.plane.impact import collide
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
 from solver.rigid.plane.step import finish_step, solve_step
 from solver.types import Array
@@ -30,30 +33,10 @@ SMALLEST_PIECE = 1e-3
 CUTS = 5
 #: Tries to find where to cut.
 LOCATING = 30
-#: Corners closer than this part of the size of the blocks touch already.
-TOUCHING = 1e-9
 #: Slip slower than this part of what gravity and ground give in a step may end anywhere in it.
 SLOW = 1e-3
 #: A slip has ended when this part of its velocity at the start of the step is left.
 STOPPED = 1e-6
-
-
-@compiled
-def clear_points(system: PlaneModel, work: PlaneWork) -> int:
-    """Move the points that are clear of their face behind the others; returns how many are not."""
-    touching = 0
-    for i in range(work.counts[0]):
-        if work.gap[i] > TOUCHING * system.size:
-            continue
-        for field in (work.points, work.face, work.state):
-            field[touching], field[i] = field[i], field[touching]
-        for length in (work.gap, work.offset):
-            length[touching], length[i] = length[i], length[touching]
-        for d in range(2):
-            a, b = 2 * touching + d, 2 * i + d
-            work.force[a], work.force[b] = work.force[b], work.force[a]
-        touching += 1
-    return touching
 
 
 @compiled
@@ -135,7 +118,8 @@ def locate_impact(
 ) -> float:
     """Length of the step after which the first clear point touches; that step is then solved.
 
-    The steps that are tried leave the clear points out.
+    The steps that are tried leave the clear points out. With a restitution, an impact near an end
+    of the step is taken there, a hair late or early; without one it is left to the whole step.
 
     Returns:
         The length, s; 0 where none was found inside the step.
@@ -149,7 +133,11 @@ def locate_impact(
             return 0.0
         gap = smallest_gap(system, state, work, touching, near)
         if abs(gap) <= 0.1 * TOUCHING * system.size:
-            return inside(length, step)
+            if inside(length, step) > 0.0 or not np.any(system.restitution > 0.0):
+                return inside(length, step)
+            length = step if length > 0.5 * step else SMALLEST_PIECE * step
+            end = before + length * slope
+            return length if solve_step(system, state, memory, work, length, before, end) else 0.0
         if k == 0 and gap > 0.0:
             return 0.0
         length = next_length(bracket, length, gap)
@@ -198,24 +186,27 @@ def piece_of_step(
     before: Array,
     slope: Array,
     locating: bool,
-) -> float:
+) -> tuple[float, bool]:
     """Solve a step, cut short at an impact or at the end of a slip.
 
     Returns:
-        Its length, s; negative if it was not solved, 0 if the cut was not found.
+        Its length, s; negative if it was not solved, 0 if the cut was not found. Whether it ends
+        with an impact.
     """
     pull = np.abs(system.gravity).sum() + np.abs(before).sum() + piece * np.abs(slope).sum()
     find_points(system, state, memory, work, piece, pull)
     if not solve_step(system, state, memory, work, piece, before, before + piece * slope):
-        return -1.0
+        return -1.0, False
     if not locating:
-        return piece
+        return piece, False
     if hits(system, work):
-        return locate_impact(system, state, memory, work, piece, before, slope)
+        length = locate_impact(system, state, memory, work, piece, before, slope)
+        return length, length > 0.0
     point = reverses(system, state, work, piece, pull)
     if point >= 0:
-        return locate_reversal(system, state, memory, work, piece, before, slope, point)
-    return piece
+        length = locate_reversal(system, state, memory, work, piece, before, slope, point)
+        return length, False
+    return piece, False
 
 
 @compiled
@@ -240,7 +231,7 @@ def full_step(
     while done < dt * (1 - 1e-12):
         piece = min(piece, dt - done)
         begin = before + done * slope
-        taken = piece_of_step(system, state, memory, work, piece, begin, slope, cuts < CUTS)
+        taken, lands = piece_of_step(system, state, memory, work, piece, begin, slope, cuts < CUTS)
         if taken < 0.0:
             rejected += 1
             piece *= 0.5
@@ -251,6 +242,8 @@ def full_step(
         else:
             cuts += 1
             finish_step(system, state, memory, work, taken, begin, begin + taken * slope)
+            if lands and np.any(system.restitution > 0.0):
+                collide(system, state, memory, work)
             done += taken
             piece = dt - done
     return rejected

@@ -16,6 +16,8 @@ from solver.types import Array
 CORNER_SIZE = 1e-6
 #: Gaps below this part of the size of the blocks are round-off.
 ROUND_OFF = 1e-12
+#: Corners closer than this part of the size of the blocks touch already.
+TOUCHING = 1e-9
 
 TOP = 2
 
@@ -141,6 +143,24 @@ def find_points(
         work.force[2 * count + 1] = memory.force[k, 1] if stays else 0.0
         count += 1
     work.counts[0] = count
+
+
+@compiled
+def clear_points(system: PlaneModel, work: PlaneWork) -> int:
+    """Move the points that are clear of their face behind the others; returns how many are not."""
+    touching = 0
+    for i in range(work.counts[0]):
+        if work.gap[i] > TOUCHING * system.size:
+            continue
+        for field in (work.points, work.face, work.state):
+            field[touching], field[i] = field[i], field[touching]
+        for length in (work.gap, work.offset):
+            length[touching], length[i] = length[i], length[touching]
+        for d in range(2):
+            a, b = 2 * touching + d, 2 * i + d
+            work.force[a], work.force[b] = work.force[b], work.force[a]
+        touching += 1
+    return touching
 
 
 @compiled

@@ -38,6 +38,8 @@ class PlaneModel(NamedTuple):
     """Block that carries each block, -1: floor or platform, (b,)."""
     friction: FrictionLaws
     """Of each block on what carries it, (b,)."""
+    restitution: Array
+    """e of each block on what carries it; 0: it lands without rebound, (b,)."""
     corner_of: Indices
     """Block whose corner each contact point is, (p,); points 4 b to 4 b + 3 are the corners of
     block b over what carries it."""

@@ -35,6 +35,8 @@ class PlaneBlock:
     """Of the centre, relative to the ground, m/s."""
     angular_velocity: float = 0.0
     """rad/s, clockwise."""
+    restitution: float = 0.0
+    """e on what carries it and on the floor; 0: it lands without rebound."""
 
     @property
     def centre(self) -> Array:
@@ -87,6 +89,7 @@ def system_of(
         thickness=np.array([shape.thickness for shape in shapes]),
         carrier=carriers,
         friction=FrictionLaws.of([block.friction for block in blocks]),
+        restitution=np.array([block.restitution for block in blocks]),
         corner_of=points[:, 0].copy(),
         corner=np.array(CORNERS)[points[:, 1]] * half[points[:, 0]],
         face_of=points[:, 2].copy(),

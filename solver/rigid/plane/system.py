@@ -220,6 +220,7 @@ def blocks_of(scene: Scene, drift: float = 0.0) -> list[PlaneBlock]:
                 pose=placed[spec.name],
                 velocity=spec.velocity,
                 angular_velocity=spec.angular_velocity,
+                restitution=spec.restitution or 0.0,
             )
         )
     return blocks

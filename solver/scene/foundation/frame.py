@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 from solver.errors import SceneError
 from solver.scene.cells import SHAPES, mesh_size_in_words
 from solver.scene.checking import OPEN, Checked, shown
+from solver.scene.damping import DampingSpec
 from solver.scene.foundation.base import Foundation, Lines, thickness_of
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import Count, Dimension, Positive, Ratio
@@ -78,6 +79,8 @@ class FrameSpec(Foundation):
     """`[foundation.cells]`. Default: its defaults."""
     degree: Literal[1, 2] = 2
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
+    damping: DampingSpec | None = None
+    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`."""
 
     def __post_init__(self) -> None:
         """Check the values."""

@@ -18,6 +18,7 @@ from solver.scene.cells import (
     refined,
 )
 from solver.scene.checking import OPEN, Checked, exactly_one
+from solver.scene.damping import DampingSpec
 from solver.scene.foundation.base import Foundation, Lines, Platform, thickness_of
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import Cell, Cells, Dimension, NotNegative, Positive, Ratio
@@ -62,6 +63,9 @@ class PlateSpec(Foundation):
     """Shape of the cells. Default: the first of those allowed."""
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement."""
+    damping: DampingSpec | None = None
+    """Its own Rayleigh damping, a table as `[damping]`; not where all of it is fixed. Default: that
+    of `[damping]`."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
     """What holds the plate, as described above."""
     period: Positive | None = None
@@ -76,6 +80,8 @@ class PlateSpec(Foundation):
         """Check the values."""
         Checked.__post_init__(self)
         exactly_one(self, "mass", "mass_ratio", "density")
+        if self.support == "fixed" and self.damping is not None:
+            raise not_applicable("damping", "a plate that is not held everywhere")
         if self.on_spring:
             exactly_one(self, "period", "stiffness")
             return

@@ -1,0 +1,69 @@
+"""Rayleigh damping of single bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockslip import Result, parse_scene, simulate
+from solver.errors import SceneError
+
+BLOCK = {"width": 0.25, "height": 1.0, "density": 2.7e3, "young": 5e8, "poisson": 0.2}
+FRAME = {
+    "kind": "frame",
+    "deck": {"width": 1.0, "height": 0.1},
+    "column": {"width": 0.05},
+    "storey": 0.6,
+    "young": 3e10,
+    "poisson": 0.2,
+    "density": 2.5e3,
+    "cells": {"bay": 6, "storey": 6},
+}
+GIVEN = {"mass": 2.0, "stiffness": 1e-3}
+
+
+def run(block: dict[str, Any] | None = None, **tables: Any) -> Result:
+    """A tenth of a second on shaken ground."""
+    small = {"cells": [2, 4]}
+    motion = {"kind": "sine", "amplitude_g": 0.1, "period": 0.05, "cycles": 2}
+    time = {"end": 0.1, "step": 1e-3, "adaptive": False}
+    scene = {"block": [BLOCK | small | (block or {})], "motion": motion, "time": time} | tables
+    result = simulate(parse_scene(scene))
+    assert result.status == "completed"
+    assert result.summary["energy"]["ledger_error_fraction"] < 1e-9
+    return result
+
+
+def lost(result: Result) -> np.ndarray:
+    """What damping took, J."""
+    return result.history["energy.damping_J"]
+
+
+def test_that_of_a_block_is_that_of_the_scene() -> None:
+    """One body with damping of its own moves as with [damping]; an empty table is none."""
+    own, of_all = run({"damping": GIVEN}), run(damping=GIVEN)
+    assert np.array_equal(lost(own), lost(of_all)) and lost(own)[-1] > 0.0
+    assert np.array_equal(own.history["block.centre_x_m"], of_all.history["block.centre_x_m"])
+    assert not lost(run({"damping": {}}, damping=GIVEN)).any()
+
+
+def test_that_of_a_frame_is_its_own() -> None:
+    """Under a rigid block, that of the frame alone; under an elastic one, either or both."""
+    on_rigid = run({"model": "rigid"}, foundation=FRAME | {"damping": GIVEN})
+    assert np.array_equal(
+        lost(on_rigid), lost(run({"model": "rigid"}, foundation=FRAME, damping=GIVEN))
+    )
+    frame = run(foundation=FRAME | {"damping": GIVEN})
+    both = run({"damping": GIVEN}, foundation=FRAME | {"damping": GIVEN})
+    assert np.diff(lost(frame)).min() >= 0.0 and lost(frame)[-1] > 0.0
+    assert np.array_equal(lost(both), lost(run(foundation=FRAME, damping=GIVEN)))
+    assert lost(both)[-1] != lost(frame)[-1]
+
+
+def test_a_plate_that_is_held_everywhere_has_none() -> None:
+    """One line that names the key."""
+    plate = {"kind": "elastic", "width": 1.0, "height": 0.2, "density": 2.7e3, "young": 5e10}
+    with pytest.raises(SceneError, match=r"^foundation\.damping applies to a plate that is not"):
+        run(foundation=plate | {"poisson": 0.2, "damping": GIVEN})
