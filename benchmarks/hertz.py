@@ -59,11 +59,11 @@ class NearGround(Plane):
         self.places: Array | None = None
         """Places of the points on the undeformed body, (points, 2), m."""
 
-    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         if self.places is not None:
             position = position - (1 - self.share) * self.places * (0.0, 1.0)
-        return super().seat(position, carrier)
+        return super().kinematics(position, carrier)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,8 +20,8 @@ import numpy as np
 
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import ground_motion
-from solver.rigid.space.start import SpaceBlock, blocks_of
 from solver.rigid.space.system import SpaceSystem
+from solver.rigid.start import RigidBlock, blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 END = 3.0
@@ -67,7 +67,7 @@ def pulse(random: np.random.Generator) -> dict[str, Any]:
     return {"kind": "half_sine", "amplitude_g": amplitude, "duration": 0.5 / frequency}
 
 
-def turned(blocks: list[SpaceBlock], seed: int) -> list[SpaceBlock]:
+def turned(blocks: list[RigidBlock], seed: int) -> list[RigidBlock]:
     """The drums, of every third seed each turned about the vertical by up to 45 degrees."""
     random = np.random.default_rng(seed)
     if seed % 3:

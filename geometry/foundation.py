@@ -10,67 +10,17 @@ import numpy as np
 from solver.types import Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RigidFoundation:
-    """A rigid plane that moves with the ground: nothing to mesh, no unknowns."""
+def level_frame(dimension: int, up: float = 1.0) -> Array:
+    """Rows normal and tangents of a level face that looks up, or down with `up` = -1, (d, d).
 
-    point: tuple[float, ...] = (0.0, 0.0)
-    """A point of the surface, m; two numbers in the plane, three in space."""
-    normal: tuple[float, ...] = (0.0, 1.0)
-    """Unit normal, out of the foundation."""
-
-    def __post_init__(self) -> None:
-        """Refuse a normal that is not of length 1 or not of the point's dimension."""
-        if len(self.point) not in (2, 3) or len(self.normal) != len(self.point):
-            raise ValueError(
-                f"RigidFoundation: got point {self.point} and normal {self.normal},"
-                " allowed two or three numbers each"
-            )
-        if not math.isclose(math.hypot(*self.normal), 1, rel_tol=1e-12):
-            raise ValueError(
-                f"RigidFoundation.normal: got {self.normal}, allowed a vector of length 1"
-            )
-
-    @classmethod
-    def level(cls, dimension: int, up: float = 1.0) -> RigidFoundation:
-        """The horizontal plane at level 0, looking up, or down with `up` = -1."""
-        normal = (0.0,) * (dimension - 1) + (up,)
-        return cls(point=(0.0,) * dimension, normal=normal)
-
-    @property
-    def dimension(self) -> int:
-        """2 in the plane, 3 in space."""
-        return len(self.point)
-
-    @property
-    def tangent(self) -> tuple[float, float]:
-        """Unit tangent in the plane: the normal turned clockwise, +x where the normal is +y."""
-        x, y = self.normal
-        return y, -x
-
-    @property
-    def frame(self) -> Array:
-        """Rows n, t in the plane; n, t1, t2 in space, with t1 = +x and t2 = +y where n = +z."""
-        if self.dimension == 2:
-            return np.array([self.normal, self.tangent])
-        return np.array([self.normal, *_tangents(*self.normal)])
-
-    def gap(self, points: Array) -> Array:
-        """Distance of points (n, d) above the surface, m, (n,); negative below it."""
-        gap: Array = (points - np.array(self.point)) @ np.array(self.normal)
-        return gap
-
-
-def _tangents(x: float, y: float, z: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The two that the shortest turn from +z to a unit normal makes of +x and +y.
-
-    After Duff et al. (2017), Building an orthonormal basis, revisited; also for normals that point
-    downwards.
+    In the plane the tangent is the normal turned clockwise; in space the first one is +x, and the
+    frame is right-handed.
     """
-    sign = math.copysign(1.0, z)
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    return (1.0 + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
+    frame = np.zeros((dimension, dimension))
+    frame[0, -1] = up
+    frame[1, 0] = up if dimension == 2 else 1.0
+    frame[2:, 1] = up
+    return frame
 
 
 def _refuse_what_is_not_positive(shape: Plate | Frame, names: tuple[str, ...]) -> None:

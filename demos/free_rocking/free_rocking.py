@@ -81,6 +81,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from demos.verdict import verdict
 from rockslip import Scene, load_scene, read_run, simulate
 from solver.errors import RockslipError
 from solver.parallel import on_first_rank
@@ -89,7 +90,6 @@ from solver.pictures.deformed import draw_deformed
 from solver.reference.housner import RockingReference, housner
 from solver.results.report import report
 from solver.results.runs import Run
-from solver.results.verdict import verdict
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
 

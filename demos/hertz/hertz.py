@@ -44,8 +44,8 @@ from matplotlib.figure import Figure
 from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
 from benchmarks.verification.load_steps import Tractions, pressed
 from benchmarks.verification.pressed_disc import disc_on_ground
+from demos.verdict import verdict
 from solver.pictures.style import colour, legend_above, new_figure, save
-from solver.results.verdict import verdict
 from solver.scene.material import Material
 
 OUTPUT = Path(__file__).resolve().parent / "output"

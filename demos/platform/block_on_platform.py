@@ -63,6 +63,7 @@ from mpi4py import MPI
 import numpy as np
 from matplotlib.figure import Figure
 
+from demos.verdict import verdict
 from rockslip import Scene, load_scene, read_run, simulate
 from solver.errors import RockslipError
 from solver.excitation.motion import base_motion
@@ -70,7 +71,6 @@ from solver.parallel import on_first_rank
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.results.runs import Run
-from solver.results.verdict import verdict
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
 

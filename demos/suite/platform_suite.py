@@ -61,9 +61,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from demos.verdict import verdict
 from solver.cli import main as rockslip
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save
-from solver.results.verdict import verdict
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"

@@ -57,42 +57,46 @@ class ElasticBody:
             supports: Further held facets.
             spring: Between some facets and the ground.
         """
-        self.name, self.thickness = name, thickness
-        self.material, self.damping = material, damping or DampingSpec()
-        self.law = material.times(thickness)
-        """Stresses times thickness."""
-        d = domain.geometry.dim
-        self.dimension, self.comm = d, domain.comm
-        self.space = fem.functionspace(domain, ("Lagrange", degree, (d,)))
-        self.owned = self.space.dofmap.index_map.size_local
-        self.size = self.owned * d
-        self.unknowns = self.space.dofmap.index_map.size_global * d
-        self.u, self.u_old = fem.Function(self.space, name="displacement"), fem.Function(self.space)
-        self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
+        self.name, self.thickness, self.damping = name, thickness, damping or DampingSpec()
+        self.material = material.times(thickness)
+        """Its stresses are times the thickness."""
+        self._discretise(domain, degree)
         if clamped is not None:
             facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
-            supports = (*supports, Support(facets=facets, directions=tuple(range(d))))
-        self.clamped = bool(supports)
-        self.fixed = self._held(supports)
-        self._forms = ElasticForms(
-            self.u, self.u_old, self.law, viscous=bool(self.damping.stiffness)
-        )
+            supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
+        self.clamped, self.fixed = bool(supports), self._held(supports)
+        self._assemble()
+        self._spring, self._dashpot = self._spread(domain, spring)
+        self._measure_inertia()
+
+    def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
+        """The space of displacements: its size, nodes, functions, and vectors that are kept."""
+        d = domain.geometry.dim
+        self.dimension, self.comm, self.identity = d, domain.comm, np.eye(d)
+        self.space = fem.functionspace(domain, ("Lagrange", degree, (d,)))
+        dofs = self.space.dofmap
+        self.owned = dofs.index_map.size_local
+        self.size, self.unknowns = self.owned * d, dofs.index_map.size_global * d
+        self.u, self.u_old = fem.Function(self.space, name="displacement"), fem.Function(self.space)
+        self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
+        # Views that are kept: asking dolfinx for one costs as much as copying the values.
+        self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
+        self._buffer = la.vector(dofs.index_map, dofs.index_map_bs)
+        self._forces = self._buffer.array
+
+    def _assemble(self) -> None:
+        """Forms, mass and stiffness; no tangent is factorized yet."""
+        viscous = bool(self.damping.stiffness)
+        self._forms = ElasticForms(self.u, self.u_old, self.material, viscous=viscous)
         self.stiffness_matrix, self.mass_matrix = self._forms.stiffness(), self._forms.mass()
         self._diagonal = self.stiffness_matrix.getDiagonal().array
         self._product = self.mass_matrix.createVecs()
         self._factor, self._image = (vector.array for vector in self._product)  # kept
-        self._buffer = la.vector(self.space.dofmap.index_map, self.space.dofmap.index_map_bs)
-        # Views that are kept: asking dolfinx for one costs as much as copying the values.
-        self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
-        self._forces = self._buffer.array
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._rounding: tuple[TangentWeights, Array] | None = None
-        self._spring, self._dashpot = self._spread(domain, spring)
+        self._interface: PETSc.Mat | None = None
         self.factorizations = 0
         """Number of tangents factorized so far."""
-        self._interface: PETSc.Mat | None = None
-        self.identity = np.eye(d)
-        self._measure_inertia()
 
     def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
         """Owned unknowns that supports hold."""
@@ -191,8 +195,8 @@ class ElasticBody:
     @property
     def rigidity(self) -> float:
         """Order of magnitude of the body's stiffness against forces on its surface, N/m."""
-        length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.law.density))
-        return self.law.longitudinal * length
+        length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.material.density))
+        return self.material.longitudinal * length
 
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""

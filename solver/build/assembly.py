@@ -11,7 +11,7 @@ import numpy as np
 from dolfinx.mesh import MeshTags
 
 from geometry.arrangement import Pose
-from geometry.foundation import RigidFoundation
+from geometry.foundation import level_frame
 from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
@@ -217,7 +217,7 @@ def _outline(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
 
 def _face(member: BlockBody, tag: FacetTag, up: float, margin: float) -> Face:
     """A level face of a block as a carrier."""
-    frame = RigidFoundation.level(member.body.dimension, up).frame
+    frame = level_frame(member.body.dimension, up)
     if isinstance(member.body, ElasticBody):
         assert member.tags is not None
         surface = carrier_surface(member.body.space, member.tags, int(tag))

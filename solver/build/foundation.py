@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from geometry.foundation import Frame, Plate, RigidFoundation
+from geometry.foundation import Frame, Plate, level_frame
 from geometry.frame_mesh import FrameCells, frame_mesh
 from geometry.mesh import plate_mesh
 from geometry.tags import FacetTag
@@ -49,7 +49,7 @@ class FoundationBody:
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
-        frame = RigidFoundation.level(self.dimension).frame
+        frame = level_frame(self.dimension)
         if self.surface is not None:
             assert isinstance(self.body, ElasticBody)
             surface = self.surface

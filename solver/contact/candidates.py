@@ -111,7 +111,7 @@ class MeshedContactPair:
         points = contact_points(
             space,
             tags,
-            self._member.law,
+            self._member.material,
             points=self._points,
             gamma=self._gamma,
             cuts=self._cuts,

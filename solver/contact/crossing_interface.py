@@ -35,10 +35,12 @@ class CrossingInterface(Interface):
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of pairs without contact forces."""
         surface, carried = self._observed(u, carrier_u)
-        seat = self.crossings.meet(surface.position, carried, (surface.position, carried.position))
+        kinematics = self.crossings.meet(
+            surface.position, carried, (surface.position, carried.position)
+        )
         return Memory(
             surface=surface,
-            seat=seat,
+            kinematics=kinematics,
             force=np.zeros((self.count, 3)),
             anchor=np.zeros((self.count, 2)),
             may_touch=self.crossings.present.copy(),
@@ -62,30 +64,30 @@ class CrossingInterface(Interface):
         Returns:
             The memory that the step starts from.
         """
-        assert memory.seat.carrier is not None
+        assert memory.kinematics.carrier is not None
         upper, lower = self._observed(u, carrier_u)
-        seat = self.crossings.meet(
-            memory.surface.position, memory.seat.carrier, (upper.position, lower.position)
+        kinematics = self.crossings.meet(
+            memory.surface.position, memory.kinematics.carrier, (upper.position, lower.position)
         )
         present = self.crossings.present.copy()
         return replace(
             memory,
-            seat=seat,
+            kinematics=kinematics,
             force=np.where(present[:, None], memory.force, 0.0),
             anchor=np.zeros_like(memory.anchor),
             may_touch=present,
         )
 
-    def augmented(self, surface: SurfaceState, seat: ContactKinematics) -> Array:
+    def augmented(self, surface: SurfaceState, kinematics: ContactKinematics) -> Array:
         """Augmented positions y = (g - rest, s) of all pairs, (16, 3), m."""
-        y = seat.place.copy()
+        y = kinematics.place.copy()
         y[:, 0] -= self.crossings.rest
         return y
 
     def inside(self, memory: Memory) -> Mask:
         """Pairs that cross at this instant, not only at some time in its step."""
-        assert memory.seat.carrier is not None
-        return self.crossings.within(memory.surface.position, memory.seat.carrier.position)
+        assert memory.kinematics.carrier is not None
+        return self.crossings.within(memory.surface.position, memory.kinematics.carrier.position)
 
     def point_forces(
         self, old: ContactKinematics, new: ContactKinematics, force: Array

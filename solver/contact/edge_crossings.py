@@ -56,7 +56,7 @@ class Meeting:
         present: Pairs that cross, (16,).
         rest: Gaps from which pairs that have sunk in are not pushed out, since that would gain
             energy; 0 for others, (16,), m.
-        start: The seat from which slip counts; None while it is being found.
+        start: The kinematics from which slip counts; None while it is being found.
     """
 
     frame: Array
@@ -117,7 +117,7 @@ class Crossings(FacetCarrier):
     def meet(
         self, edge: Array, face: SurfaceState, middle: tuple[Array, Array]
     ) -> ContactKinematics:
-        """Settle frames and pairs of the coming step; returns the seat from which slip counts.
+        """Settle frames and pairs of the coming step; returns from which kinematics slip counts.
 
         Args:
             edge: Where the nodes of the upper outline are at the start, (n, 3).
@@ -133,10 +133,10 @@ class Crossings(FacetCarrier):
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
             present = self.within(edge, face.position) | self.within(*end)
         self.meeting = Meeting(frame, present, nothing)
-        seat = self.seat(edge, face)
-        present = present & (seat.place[:, 0] > -CAME_ROUND * self._length)
-        self.meeting = Meeting(frame, present, np.minimum(seat.place[:, 0], 0.0), seat)
-        return seat
+        kinematics = self.kinematics(edge, face)
+        present = present & (kinematics.place[:, 0] > -CAME_ROUND * self._length)
+        self.meeting = Meeting(frame, present, np.minimum(kinematics.place[:, 0], 0.0), kinematics)
+        return kinematics
 
     def _inside(self, edge: Array, face: Array) -> bool:
         """Whether all of the upper face is far within the lower one, as on a plate."""
@@ -195,7 +195,7 @@ class Crossings(FacetCarrier):
         area = np.where(area == 0, np.inf, area)
         return (b0 * c1 - b1 * c0) / area, (a0 * c1 - a1 * c0) / area
 
-    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and slips at the crossings for positions of the upper outline's nodes."""
         assert carrier is not None
         place = np.zeros((self.count, 3))
@@ -207,7 +207,7 @@ class Crossings(FacetCarrier):
             place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
         else:
             upper, lower = self.upper.nowhere(position), self.lower.nowhere(carrier.position)
-        seat = ContactKinematics(
+        kinematics = ContactKinematics(
             place=place,
             frame=self.frame,
             carrier=carrier,
@@ -216,9 +216,9 @@ class Crossings(FacetCarrier):
         )
         start = self.meeting.start
         if start is not None and len(pairs):
-            slip = in_frames(self._moved(start, seat), self.frame)
+            slip = in_frames(self._moved(start, kinematics), self.frame)
             place[pairs, 1:] = slip[pairs, 1:]
-        return seat
+        return kinematics
 
     def _places(
         self, pairs: Indices, edge: Array, face: Array
@@ -292,7 +292,7 @@ class Crossings(FacetCarrier):
         """Zero: the work of the vectors is exact."""
         return 0.0
 
-    def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond an edge: of the pairs that may touch there are none."""
         return None
 

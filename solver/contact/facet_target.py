@@ -87,7 +87,7 @@ class Face(FacetCarrier):
         """Let the frame of the coming step be that of the turned body."""
         self.frame = self.reference_frame @ rotation.T
 
-    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         assert carrier is not None
         foot = self._foot(position @ self.frame[1:].T, carrier.position @ self.frame.T)
@@ -227,12 +227,12 @@ class Face(FacetCarrier):
         pressed = np.flatnonzero(force[:, 0] > 0)
         return self._way(old, new).work_defect(force, pressed) if len(pressed) else 0.0
 
-    def came_round(self, seat: ContactKinematics) -> Mask:
+    def came_round(self, kinematics: ContactKinematics) -> Mask:
         """Points so far behind the face that they can only have come there round its edge."""
-        before: Mask = seat.place[:, 0] > -CAME_ROUND * self.length
+        before: Mask = kinematics.place[:, 0] > -CAME_ROUND * self.length
         return ~before
 
-    def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the face."""
-        assert isinstance(seat.foot, Projection)
-        return seat.foot.beyond_edge
+        assert isinstance(kinematics.foot, Projection)
+        return kinematics.foot.beyond_edge

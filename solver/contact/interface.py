@@ -140,20 +140,20 @@ class Interface:
     ) -> tuple[SurfaceState, ContactKinematics]:
         """Where the points and their carrier are for the unknowns of both bodies."""
         surface = self.points.observe(u)
-        return surface, self._seat(surface, carrier_u)
+        return surface, self._kinematics(surface, carrier_u)
 
-    def _seat(self, surface: SurfaceState, carrier_u: Array | None) -> ContactKinematics:
+    def _kinematics(self, surface: SurfaceState, carrier_u: Array | None) -> ContactKinematics:
         """Gaps and tangential positions; a carrier without unknowns stands still."""
         points = self.carrier.points
         carried = None if points is None else points.observe(carrier_u)
-        return self.carrier.seat(surface.position, carried)
+        return self.carrier.kinematics(surface.position, carried)
 
-    def augmented(self, surface: SurfaceState, seat: ContactKinematics) -> Array:
+    def augmented(self, surface: SurfaceState, kinematics: ContactKinematics) -> Array:
         """Augmented positions y = (g, s) - T/gamma_h of all points, (points, d), m."""
         if not isinstance(surface, NitscheState):
-            return seat.place
+            return kinematics.place
         scaled: Array = self._gamma_column * surface.traction
-        return seat.place - scaled @ seat.frame.T
+        return kinematics.place - scaled @ kinematics.frame.T
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of points without contact forces.
@@ -163,18 +163,18 @@ class Interface:
             carrier_u: Those of the carrier; None for the ground.
             rotation: Of the body of the points, (d, d).
         """
-        surface, seat = self.observe(u, carrier_u)
-        y = self.augmented(surface, seat)
+        surface, kinematics = self.observe(u, carrier_u)
+        y = self.augmented(surface, kinematics)
         return Memory(
             surface=surface,
-            seat=seat,
+            kinematics=kinematics,
             force=np.zeros_like(y),
             anchor=y[:, 1:].copy(),
-            may_touch=self.may_touch(rotation, seat),
+            may_touch=self.may_touch(rotation, kinematics),
             past=np.zeros((self.count, PAST)),
         )
 
-    def may_touch(self, rotation: Array, seat: ContactKinematics) -> Mask:
+    def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
         """Points that may touch.
 
         At each corner it is the point whose face looks most against the carrier, and all other
@@ -183,9 +183,9 @@ class Interface:
         if self.corners is None:
             mask: Mask = np.ones(self.count, dtype=bool)
         else:
-            mask = self.corners.chosen(rotation, seat.frame[0])
+            mask = self.corners.chosen(rotation, kinematics.frame[0])
         if isinstance(self.carrier, Face):
-            mask &= ~self.carrier.came_round(seat)
+            mask &= ~self.carrier.came_round(kinematics)
         return mask
 
     def bounds(self, past: Array) -> Bounds:
@@ -196,7 +196,7 @@ class Interface:
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
-        beyond = self.carrier.beyond_edge(memory.seat)
+        beyond = self.carrier.beyond_edge(memory.kinematics)
         return memory.may_touch if beyond is None else memory.may_touch & ~beyond
 
     def point_forces(
@@ -205,8 +205,8 @@ class Interface:
         """Point forces as vectors in space on the body's points, and on the carrier's own.
 
         Args:
-            old: Seat at t_n, in the frame of the step.
-            new: Seat at t_{n+1}.
+            old: Kinematics at t_n, in the frame of the step.
+            new: Kinematics at t_{n+1}.
             force: Point forces f at t_{n+1}, (points, d), N.
         """
         vectors = self.carrier.vectors(old, new, force)
@@ -250,7 +250,7 @@ class Interface:
                 pulled = self._weight_column * memory.surface.traction
                 stored -= 0.5 * self.theta * float(np.vdot(pulled, scaled))
             if self.theta != 1:
-                stored -= 0.5 * (1 - self.theta) * _work(memory.force, scaled, memory.seat)
+                stored -= 0.5 * (1 - self.theta) * _work(memory.force, scaled, memory.kinematics)
         return stored
 
     def theta_increment(self, old: Memory, new: Memory) -> float:
@@ -265,7 +265,7 @@ class Interface:
         self,
         old: Memory,
         surface: SurfaceState,
-        seat: ContactKinematics,
+        kinematics: ContactKinematics,
         force: Array,
         bounds: Bounds,
         step: float,
@@ -280,32 +280,32 @@ class Interface:
         Args:
             old: Memory at t_n, in the frame of the step.
             surface: At t_{n+1}.
-            seat: At t_{n+1}.
+            kinematics: At t_{n+1}.
             force: Point forces at t_{n+1}.
             bounds: Of friction at all points in this step.
             step: Its length, s; infinite in equilibrium.
         """
-        y_old, y = self.augmented(old.surface, old.seat), self.augmented(surface, seat)
+        y_old, y = self.augmented(old.surface, old.kinematics), self.augmented(surface, kinematics)
         closed = force[:, 0] > 0
         anchor = y[:, 1:] + np.where(closed[:, None], force[:, 1:] * self._soft_column, 0.0)
         friction = -float(np.vdot(force[:, 1:], anchor - old.anchor))
         grown = (force - old.force) * self._soft_column
         stored = 0.5 * float(np.vdot(grown, force + old.force))
         contact = -float(np.vdot(force, y - y_old)) - stored - friction
-        contact -= self.carrier.work_defect(old.seat, seat, force)
+        contact -= self.carrier.work_defect(old.kinematics, kinematics, force)
         if self.theta != 1 and isinstance(surface, NitscheState):
             assert isinstance(old.surface, NitscheState)
             before = self._gamma_column * old.surface.traction
             after = self._gamma_column * surface.traction
-            ends = _work(force, after, seat) + _work(old.force, before, old.seat)
-            contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, seat))
+            ends = _work(force, after, kinematics) + _work(old.force, before, old.kinematics)
+            contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, kinematics))
         way = np.sqrt(((anchor - old.anchor) ** 2).sum(axis=1))
         slipped = points_that_slip(force, way, self.softness, bounds)
         past = pasts_after(old.past, closed, slipped, way / step)
-        memory = Memory(surface, seat, force, anchor, old.may_touch, past)
+        memory = Memory(surface, kinematics, force, anchor, old.may_touch, past)
         return memory, Dissipation(friction, contact)
 
 
-def _work(force: Array, moved: Array, seat: ContactKinematics) -> float:
-    """Sum of forces in the frame of a seat times vectors in space, J."""
-    return float(np.vdot(force, moved @ seat.frame.T))
+def _work(force: Array, moved: Array, kinematics: ContactKinematics) -> float:
+    """Sum of forces in the frame of contact times vectors in space, J."""
+    return float(np.vdot(force, moved @ kinematics.frame.T))

@@ -19,7 +19,7 @@ class Memory:
 
     Attributes:
         surface: Positions of the points, and tractions where they have any.
-        seat: Their gaps and tangential positions, and the frame that both are given in.
+        kinematics: Their gaps and tangential positions, and the frame that both are given in.
         force: Point forces f = w l on the body of the points, (points, d), N: normal, tangential.
         anchor: Stick memory, (points, d-1), m.
         may_touch: Points that may touch: of the coinciding points of a corner, the one whose face
@@ -28,7 +28,7 @@ class Memory:
     """
 
     surface: SurfaceState
-    seat: ContactKinematics
+    kinematics: ContactKinematics
     force: Array
     anchor: Array
     may_touch: Mask
@@ -42,7 +42,7 @@ class Memory:
     def take(self, rows: Indices, other: Memory, others: Indices) -> Memory:
         """This memory, with what another one remembers of some points.
 
-        Surface and seat stay: they are kinematics, and those of this memory are up to date.
+        Surface and kinematics stay: they say where points are, and those here are up to date.
 
         Args:
             rows: Numbers of the points here that take over, (m,).
@@ -57,7 +57,7 @@ class Memory:
         return replace(self, **kept)
 
 
-KINEMATICS = ("surface", "seat")
+KINEMATICS = ("surface", "kinematics")
 """Fields of a memory that say where points are; all others follow from the past alone."""
 
 REMEMBERED = tuple(field.name for field in fields(Memory) if field.name not in KINEMATICS)

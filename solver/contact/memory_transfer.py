@@ -24,7 +24,7 @@ def _ignored_until_open(interface: Interface, memory: Memory) -> Mask:
     outside = ~memory.may_touch
     if interface.corners is not None:
         outside = interface.corners.closed_to_all(memory.may_touch)
-    beyond = interface.carrier.beyond_edge(memory.seat)
+    beyond = interface.carrier.beyond_edge(memory.kinematics)
     if beyond is not None:
         outside |= beyond
     return outside & penetrating(interface, memory) if outside.any() else outside
@@ -34,7 +34,7 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
     """Points deeper in the carrier than closed ones are pressed."""
     length = interface.carrier.length if isinstance(interface.carrier, Face) else interface.size
     pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
-    deeper: Mask = memory.seat.place[:, 0] < -pressed - SUNK_IN * length
+    deeper: Mask = memory.kinematics.place[:, 0] < -pressed - SUNK_IN * length
     return deeper
 
 
@@ -59,11 +59,13 @@ def rotate_frame(
     exchanged = 0.0
     if isinstance(interface.carrier, Face) and carrier_rotation is not None:
         memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
-    may_touch = interface.may_touch(rotation, memory.seat) & ~_ignored_until_open(interface, memory)
+    may_touch = interface.may_touch(rotation, memory.kinematics) & ~_ignored_until_open(
+        interface, memory
+    )
     if (may_touch == memory.may_touch).all():
         return memory, exchanged
     before = interface.energy(memory)
-    y = interface.augmented(memory.surface, memory.seat)
+    y = interface.augmented(memory.surface, memory.kinematics)
     memory = _at_other_faces(interface, memory, y, may_touch)
     lost = ~may_touch
     after = replace(
@@ -83,10 +85,12 @@ def _turn_face(
     Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
     """
     face.rotate_frame(rotation)
-    turned = replace(memory, seat=face.seat(memory.surface.position, memory.seat.carrier))
+    turned = replace(
+        memory, kinematics=face.kinematics(memory.surface.position, memory.kinematics.carrier)
+    )
     apart = memory.force[:, 0] <= 0
     if apart.any():  # the foot of a point that is away from the face moves as the face turns
-        y = interface.augmented(turned.surface, turned.seat)
+        y = interface.augmented(turned.surface, turned.kinematics)
         anchor = np.where(apart[:, None], y[:, 1:], memory.anchor)
         turned = replace(turned, anchor=anchor)
     return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(

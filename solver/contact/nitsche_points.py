@@ -34,6 +34,18 @@ def same(chosen: Indices, before: Indices) -> bool:
     return chosen is before or (len(chosen) == len(before) and bool((chosen == before).all()))
 
 
+def normal_stress_map(material: Material, normal: Array) -> Array:
+    """Rows D with S N = D (2 E) for normals N (n, d), the strain's entries in one: (n, d, d d).
+
+    D is symmetric in the strain's indices, so that D^T gives symmetric matrices.
+    """
+    count, d = normal.shape
+    shared = np.einsum("ik,nl->nikl", np.eye(d), normal)
+    rows = material.shear * (shared + shared.swapaxes(2, 3))
+    rows += material.lame * normal[:, :, None, None] * np.eye(d)
+    return np.asarray(0.5 * rows.reshape(count, d, d * d))
+
+
 def compact(matrix: sp.spmatrix) -> Any:
     """The matrix in the form that multiplies fastest: dense while it is small."""
     return (
@@ -91,7 +103,7 @@ class ContactPoints:
             gradients=np.ascontiguousarray(table.gradients),
             point=np.ascontiguousarray(point, dtype=np.int64),
             share=np.ascontiguousarray(table.weight / self.weight[point]),
-            stress_rows=np.ascontiguousarray(material.normal_stress_map(table.normal)),
+            stress_rows=np.ascontiguousarray(normal_stress_map(material, table.normal)),
             reference=np.ascontiguousarray(self.reference),
         )
         if runs_machine_code():

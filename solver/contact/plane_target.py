@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from geometry.foundation import RigidFoundation
+from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, RigidPoints, SurfaceState
 from solver.contact.projection import ContactKinematics, spread
 from solver.types import Array, Mask
@@ -35,7 +35,7 @@ class Carrier(Protocol):
     def points(self) -> FacePoints | None:
         """The carrier's own points, on which forces act; None for the ground."""
 
-    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
@@ -49,13 +49,13 @@ class Carrier(Protocol):
     ) -> Array | None:
         """Forces on the carrier's own points."""
 
-    def carried(self, seat: ContactKinematics, values: Array) -> Array:
+    def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
         """What vectors of the carrier's points are at the contact points, or at all, (1, d)."""
 
     def rotate_frame(self, rotation: Array) -> None:
         """Let the frame of the coming step be that of the turned body."""
 
-    def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the carrier; None where it has none."""
 
 
@@ -77,10 +77,9 @@ class Plane:
     @classmethod
     def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
         """The horizontal plane at level 0."""
-        ground = RigidFoundation.level(dimension)
-        return cls(ground.frame, np.asarray(ground.point), platform)
+        return cls(level_frame(dimension), np.zeros(dimension), platform)
 
-    def seat(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         origin = self.origin if carrier is None else self.origin + carrier.position[0]
         return ContactKinematics((position - origin) @ self.frame.T, self.frame, carrier)
@@ -99,14 +98,14 @@ class Plane:
         """Zero: on a plane the work of forces is exact."""
         return 0.0
 
-    def carried(self, seat: ContactKinematics, values: Array) -> Array:
+    def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
         """What vectors of the carrier's points are at all contact points alike, (1, d)."""
         return values[:1]
 
     def rotate_frame(self, rotation: Array) -> None:
         """Leave the frame as it is: a plane does not turn."""
 
-    def beyond_edge(self, seat: ContactKinematics) -> Mask | None:
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond an edge: a plane has none."""
         return None
 
@@ -130,7 +129,7 @@ class FacetCarrier:
         assert old.foot is not None and new.foot is not None
         return spread(old.foot, new.foot, -vectors, self.points.count)
 
-    def carried(self, seat: ContactKinematics, values: Array) -> Array:
+    def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
         """What vectors of the nodes are at the contact points."""
-        assert seat.foot is not None
-        return seat.foot.carried(values)
+        assert kinematics.foot is not None
+        return kinematics.foot.carried(values)

@@ -82,6 +82,7 @@ class MeshedFields:
             velocity=self._velocity,
             contact_pressure=self._pressure,
             material=body.material,
+            thickness=body.thickness,
             index=index,
             part=number,
         )

@@ -54,6 +54,7 @@ class FieldWriter:
         velocity: fem.Function,
         contact_pressure: fem.Function,
         material: Material,
+        thickness: float = 1.0,
         index: PvdIndex | None = None,
         part: int = 0,
     ):
@@ -66,6 +67,7 @@ class FieldWriter:
             velocity: v, m/s, relative to the ground.
             contact_pressure: p, Pa, >= 0: scalar function of the same degree.
             material: For the stress.
+            thickness: t, m, where the stresses of the material are times the thickness.
             index: Lists the pieces of all bodies as they are written; None: `file` does.
             part: Number of the body in the index.
         """
@@ -85,7 +87,7 @@ class FieldWriter:
         test = ufl.TestFunction(cellwise)
         stress = von_mises_stress(displacement, material)
         self._integral = fem.form(stress * test * ufl.dx(metadata=rule))
-        self._volume = fem.assemble_vector(fem.form(test * ufl.dx)).array
+        self._volume = thickness * fem.assemble_vector(fem.form(test * ufl.dx)).array
         self._writer = io.VTKFile(mesh.comm, file, "w")
         self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
         self._stem, self._part, self._count = file.stem, part, 0

@@ -181,7 +181,9 @@ class BlockObserver:
         corners = self._corner_positions(state)
         height = corners[:, -1]
         if not lost:
-            height = link.interface.carrier.seat(corners, memory.seat.carrier).place[:, 0]
+            height = link.interface.carrier.kinematics(corners, memory.kinematics.carrier).place[
+                :, 0
+            ]
         spatial = corners.shape[1] == 3
         ends = ("1", "2", "3", "4") if spatial else ("left", "right")
         along = ("", "_second") if spatial else ("",)
@@ -214,7 +216,7 @@ class BlockObserver:
         deepest = 0.0
         for number in self._member.contacts:
             interface, memory = self._stepper.links[number].interface, state.contacts[number]
-            gap = memory.seat.place[interface.inside(memory), 0]
+            gap = memory.kinematics.place[interface.inside(memory), 0]
             deepest = min(deepest, float(np.min(gap, initial=0.0)))
         return max(0.0, -deepest)
 
@@ -269,7 +271,7 @@ class BlockObserver:
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T
         touching = self._touching(memory)
-        home = along + (memory.seat.place[touching, 1:] - along[touching]).mean(axis=0)
+        home = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
         same = np.flatnonzero(tag == tag[touching[0]])
@@ -280,7 +282,7 @@ class BlockObserver:
         closed = (memory.force[:, 0] > 0).nonzero()[0]
         if len(closed):
             return closed
-        height = np.where(memory.may_touch, memory.seat.place[:, 0], np.inf)
+        height = np.where(memory.may_touch, memory.kinematics.place[:, 0], np.inf)
         return np.flatnonzero(height <= height.min() + LEVEL * self._interface.size)
 
     def _slipped(self, memory: Memory) -> Array:
@@ -289,7 +291,7 @@ class BlockObserver:
         Home is where a point belongs at the start, for points of other faces where it has
         to be for the slip not to jump when they first touch.
         """
-        place, touching = memory.seat.place, self._touching(memory)
+        place, touching = memory.kinematics.place, self._touching(memory)
         which = touching.tobytes()
         if self._homes is None or self._homes[0] != which:
             self._settle(place, touching)

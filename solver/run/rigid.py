@@ -19,8 +19,8 @@ from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.columns import positions
 from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, is_kept, runs_machine_code
-from solver.rigid.outcome import Advance
 from solver.rigid.plane.system import PlaneSystem
+from solver.rigid.system import Advance
 from solver.scene import Scene
 from solver.types import Array
 

@@ -175,25 +175,38 @@ def simulate(
             stack.callback(progress.close)
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = History(scene_columns(scene), files.history_file)
-        first, watch = engine.first_row(), Watch(scene)
-        history.append(first)
-        watch.look(np.array(first)[None])
-        files.start(history, engine.open_fields, engine.description)
-        desk = RunContext(scene, history, files, interruption, watch, progress)
-        ready, written = time.perf_counter(), files.output_seconds
-        with rarely_collected():
-            status, reason = engine.loop(desk)
-        loop = time.perf_counter() - ready - (files.output_seconds - written)
-        cost = {
-            "wall_s": loop,
-            "setup_s": ready - began - written,
-            "output_s": files.output_seconds,
-            **engine.cost(),
-        }
-        summary = summarise(
-            scene, history, status=status, cost=cost, versions=versions(), reason=reason
-        )
-        for line in overlap_lines(summary):
-            files.log(line)
-        files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
+        desk = RunContext(scene, history, files, interruption, Watch(scene), progress)
+        status, summary = _run(engine, desk, began)
     return Result(status, history, summary)
+
+
+def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str, Any]]:
+    """From the first row to the summary; returns status and summary.
+
+    Args:
+        engine: Set up.
+        desk: Its history is empty yet.
+        began: When the run did, by the performance counter, s.
+    """
+    scene, history, files = desk.scene, desk.history, desk.files
+    first = engine.first_row()
+    history.append(first)
+    desk.watch.look(np.array(first)[None])
+    files.start(history, engine.open_fields, engine.description)
+    ready, written = time.perf_counter(), files.output_seconds
+    with rarely_collected():
+        status, reason = engine.loop(desk)
+    loop = time.perf_counter() - ready - (files.output_seconds - written)
+    cost = {
+        "wall_s": loop,
+        "setup_s": ready - began - written,
+        "output_s": files.output_seconds,
+        **engine.cost(),
+    }
+    summary = summarise(
+        scene, history, status=status, cost=cost, versions=versions(), reason=reason
+    )
+    for line in overlap_lines(summary):
+        files.log(line)
+    files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
+    return status, summary

@@ -7,10 +7,7 @@ rotate by any angle.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
-
-if TYPE_CHECKING:
-    from solver.types import Array
+from typing import Literal, TypeAlias
 
 Plane: TypeAlias = Literal["strain", "stress", "solid"]
 """Plane strain, plane stress, or a body in space."""
@@ -54,17 +51,3 @@ class Material:
     def times(self, thickness: float) -> Material:
         """The material of a plate of this thickness: forces per metre become whole forces."""
         return replace(self, young=self.young * thickness, density=self.density * thickness)
-
-    def normal_stress_map(self, normal: Array) -> Array:
-        """Rows D with S N = D (2 E) for normals N (n, d), the strain's entries in one: (n, d, d d).
-
-        D is symmetric in the strain's indices, so that D^T gives symmetric matrices.
-        """
-        import numpy as np  # here, so that reading a scene does not wait for it
-
-        count, d = normal.shape
-        identity = np.eye(d)
-        shared = np.einsum("ik,nl->nikl", identity, normal)
-        rows = self.shear * (shared + shared.swapaxes(2, 3))
-        rows += self.lame * normal[:, :, None, None] * identity
-        return np.asarray(0.5 * rows.reshape(count, d, d * d))

@@ -18,13 +18,13 @@ class Contact(NamedTuple):
 
     Attributes:
         surface: Its points.
-        seat: Their gaps and tangential positions.
+        kinematics: Their gaps and tangential positions.
         force: Point forces f, (points, d), N.
         bounds: Bounds of friction at all points.
     """
 
     surface: SurfaceState
-    seat: ContactKinematics
+    kinematics: ContactKinematics
     force: Array
     bounds: Bounds
 
@@ -35,24 +35,26 @@ class ContactIncrement(NamedTuple):
     Attributes:
         before: Memory of t_n, in the frame of the step.
         surface: Points at t_{n+1}.
-        seat: Their gaps and tangential positions at t_{n+1}.
+        kinematics: Their gaps and tangential positions at t_{n+1}.
         force: Point forces f at t_{n+1}, (points, d), N.
     """
 
     before: Memory
     surface: SurfaceState
-    seat: ContactKinematics
+    kinematics: ContactKinematics
     force: Array
 
     @classmethod
     def standing(cls, memory: Memory, force: Array) -> ContactIncrement:
         """An interface that stays where it is."""
-        return cls(before=memory, surface=memory.surface, seat=memory.seat, force=force)
+        return cls(before=memory, surface=memory.surface, kinematics=memory.kinematics, force=force)
 
     @property
     def in_equilibrium(self) -> ContactIncrement:
         """This increment with the interface at t_{n+1} at both ends."""
-        return self._replace(before=replace(self.before, surface=self.surface, seat=self.seat))
+        return self._replace(
+            before=replace(self.before, surface=self.surface, kinematics=self.kinematics)
+        )
 
 
 def add_contact_forces(
@@ -78,7 +80,7 @@ def add_contact_forces(
     """
     interface, before, after = link.interface, increment.before, increment
     vectors, reaction = interface.point_forces(
-        before.seat, after.seat, (sign * contact_weight) * after.force
+        before.kinematics, after.kinematics, (sign * contact_weight) * after.force
     )
     pull = None
     if interface.theta:
@@ -95,6 +97,6 @@ def add_contact_forces(
         interface.points.add_forces(own, forces)
     if link.carrier is not None and reaction is not None:
         carrier, points = target[system.slices[link.carrier]], interface.carrier.points
-        first, last = before.seat.carrier, after.seat.carrier
+        first, last = before.kinematics.carrier, after.kinematics.carrier
         assert points is not None and first is not None and last is not None
         points.add_forces(carrier, PointForces(first, last, reaction))

@@ -56,7 +56,7 @@ class Delassus(NamedTuple):
     Attributes:
         key: What it depends on.
         configurations: The configurations of the bodies that it was made with.
-        near: The points, their frames and seats.
+        near: The points, their frames and kinematics.
         couplings: How the points act on each body.
         W: (m, d, m, d), with the softness of the interfaces, m/N.
         softening: Part of the diagonal that only makes forces of rigid points unique, (m,), m/N.

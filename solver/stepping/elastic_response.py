@@ -107,7 +107,7 @@ class ElasticResponse:
         free: Array,
         moved: Array,
         frames: Sequence[Array],
-        seats: Sequence[ContactKinematics],
+        kinematics: Sequence[ContactKinematics],
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
         d = self.body.dimension
@@ -115,7 +115,7 @@ class ElasticResponse:
             layer = port.layer.gather(free)
             turned = frames[side.interface] @ at.rotation
             points = (port.read_rows @ layer.ravel()).reshape(-1, d)
-            spots = side.spots(seats)
+            spots = side.spots(kinematics)
             if spots is not None:
                 points = spots.carried(points)
             moved[side.own] += side.sign * in_frames(points, turned)
@@ -150,7 +150,7 @@ class ElasticResponse:
         entries: list[tuple[Indices, Indices, Array]] = []
         for number, places, own in near.members(self.sides):
             side = self.sides[number]
-            spots = side.spots(near.seats)
+            spots = side.spots(near.kinematics)
             if spots is None:
                 entries.append((places, side.port + own, np.full(len(own), side.sign)))
             else:

@@ -33,7 +33,7 @@ class MassOperator(NamedTuple):
 
     Attributes:
         key: Numbers of the closed points, as bytes.
-        near: The points, their frames and seats.
+        near: The points, their frames and kinematics.
         configurations: Configurations of the bodies.
         couplings: How the points act on each body.
         W: (m, d, m, d), 1/kg.
@@ -114,7 +114,7 @@ class VelocityImpulses:
         if self._constant and self._kept is not None and self._kept.key == key:
             return self._kept
         frames = self._points.frames_at(closed)
-        near = CandidateSet(closed, frames, [contact.seat for contact in contacts])
+        near = CandidateSet(closed, frames, [contact.kinematics for contact in contacts])
         W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
         configurations = [
             response.of_mass(u[own])
@@ -131,16 +131,16 @@ class VelocityImpulses:
         """Velocities of all points relative to their carriers, in their frames, (points, d)."""
         system, parts = self.system, []
         for link, contact in zip(self.links, contacts, strict=True):
-            interface, seat = link.interface, contact.seat
+            interface, kinematics = link.interface, contact.kinematics
             velocity = interface.points.velocity(
                 system.part(u, link.body), system.part(v, link.body)
             )
-            if seat.own_projection is not None:
-                velocity = seat.own_projection.carried(velocity)
+            if kinematics.own_projection is not None:
+                velocity = kinematics.own_projection.carried(velocity)
             if link.carrier is not None and interface.carrier.points is not None:
                 nodes = interface.carrier.points.velocity(
                     system.part(u, link.carrier), system.part(v, link.carrier)
                 )
-                velocity = velocity - interface.carrier.carried(seat, nodes)
-            parts.append(in_frames(velocity, seat.frame))
+                velocity = velocity - interface.carrier.carried(kinematics, nodes)
+            parts.append(in_frames(velocity, kinematics.frame))
         return joined(parts)

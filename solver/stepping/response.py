@@ -58,10 +58,10 @@ class BodyRole:
         """Numbers of the points of its interface among those of all."""
         return slice(self.first, self.first + self.count)
 
-    def spots(self, seats: Sequence[ContactKinematics]) -> Interpolation | None:
+    def spots(self, kinematics: Sequence[ContactKinematics]) -> Interpolation | None:
         """Where the contact points are among the body's own; None where they are the same."""
-        seat = seats[self.interface]
-        return seat.foot if self.carries else seat.own_projection
+        own = kinematics[self.interface]
+        return own.foot if self.carries else own.own_projection
 
 
 class CandidateSet(NamedTuple):
@@ -70,12 +70,12 @@ class CandidateSet(NamedTuple):
     Attributes:
         number: Their numbers among all points, rising.
         frames: Rows normal and tangents at each of them, (m, d, d).
-        seats: Seats of all interfaces, for where carried points stand.
+        kinematics: Kinematics of all interfaces, for where carried points stand.
     """
 
     number: Indices
     frames: Array
-    seats: Sequence[ContactKinematics]
+    kinematics: Sequence[ContactKinematics]
 
     def members(self, sides: Sequence[BodyRole]) -> list[tuple[int, Indices, Indices]]:
         """For each side that has any: its number, places of its points here, their own numbers."""
@@ -114,7 +114,7 @@ class Response(Protocol[Configuration, Coupling]):
         free: Array,
         moved: Array,
         frames: Sequence[Array],
-        seats: Sequence[ContactKinematics],
+        kinematics: Sequence[ContactKinematics],
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
 
@@ -190,12 +190,12 @@ class DenseResponse:
         self,
         at: DenseConfiguration,
         number: int,
-        seats: Sequence[ContactKinematics],
+        kinematics: Sequence[ContactKinematics],
         own: slice | Indices = slice(None),
     ) -> Array:
         """Rows of the points of a side's interface in what this body does to them."""
         side, rows = self.sides[number], at.rows[number]
-        spots = side.spots(seats)
+        spots = side.spots(kinematics)
         if spots is None:
             return at.level[number][own] if side.carries else rows[own]
         weights, nodes = side.sign * spots.weights[own], spots.nodes[own]
@@ -207,18 +207,18 @@ class DenseResponse:
         free: Array,
         moved: Array,
         frames: Sequence[Array],
-        seats: Sequence[ContactKinematics],
+        kinematics: Sequence[ContactKinematics],
     ) -> None:
         """Add what a free motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
-            rows = self._at(at, number, seats)
+            rows = self._at(at, number, kinematics)
             moved[side.own] += in_frames(rows @ free, frames[side.interface])
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
         J = np.zeros((*W.shape[:2], self.body.unknowns))
         for number, places, own in near.members(self.sides):
-            J[places] += self._at(at, number, near.seats, own)
+            J[places] += self._at(at, number, near.kinematics, own)
         J = near.frames @ J
         W += weight * np.tensordot(J / self.tangent, J, ([2], [2]))
         return J

@@ -106,7 +106,9 @@ def inertia_force(
         add_contact_forces(
             system,
             link,
-            ContactIncrement(before=memory, surface=c.surface, seat=c.seat, force=c.force),
+            ContactIncrement(
+                before=memory, surface=c.surface, kinematics=c.kinematics, force=c.force
+            ),
             p,
             traction_weight=0.0,
             contact_weight=1.0,

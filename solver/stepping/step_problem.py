@@ -112,7 +112,7 @@ class StepProblem:
         seen: list[Observed] = []
         for number, memory in enumerate(balance.contact):
             if self._asleep[number]:
-                seen.append((memory.surface, memory.seat))
+                seen.append((memory.surface, memory.kinematics))
             else:
                 seen.append(self._points.observe(number, u))
                 self._subtract_contact(number, seen[-1], residual)
@@ -127,7 +127,7 @@ class StepProblem:
         increment = ContactIncrement(
             before=balance.contact[number],
             surface=seen[0],
-            seat=seen[1],
+            kinematics=seen[1],
             force=self.force[points.own[number]],
         )
         weights = balance.weights[link.body or 0]
@@ -185,20 +185,20 @@ class StepProblem:
 
     def _free(self, residual: Array, y: Array) -> list[Array]:
         """The free motions of all bodies; what they do to augmented positions is added to y."""
-        frames, seats = self._points.frames, self._seats
+        frames, kinematics = self._points.frames, self._kinematics
         found = []
         for response, at, own in zip(
             self._tangents.responses, self._configurations, self._system.slices, strict=True
         ):
             free = response.free(at, residual[own])
-            response.read(at, free, y, frames, seats)
+            response.read(at, free, y, frames, kinematics)
             found.append(free)
         return found
 
     @property
-    def _seats(self) -> list[ContactKinematics]:
-        """Seats of all interfaces at the iterate."""
-        return [seat for _, seat in self._iterate.seen]
+    def _kinematics(self) -> list[ContactKinematics]:
+        """Kinematics of all interfaces at the iterate."""
+        return [kinematics for _, kinematics in self._iterate.seen]
 
     def augmented(self) -> tuple[Array, Mask | None]:
         """Augmented positions of all points at the iterate, and which are beyond an edge.
@@ -207,9 +207,9 @@ class StepProblem:
         """
         points, parts = self._points, []
         beyond: Mask | None = None
-        for number, (surface, seat) in enumerate(self._iterate.seen):
-            parts.append(points.links[number].interface.augmented(surface, seat))
-            off = True if self._asleep[number] else self._beyond_edge(number, seat)
+        for number, (surface, kinematics) in enumerate(self._iterate.seen):
+            parts.append(points.links[number].interface.augmented(surface, kinematics))
+            off = True if self._asleep[number] else self._beyond_edge(number, kinematics)
             if off is not None and np.any(off):
                 if beyond is None:
                     beyond = np.zeros(points.count, dtype=bool)
@@ -217,15 +217,15 @@ class StepProblem:
         y = parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
         return y, self._edges.settled(beyond)
 
-    def _beyond_edge(self, number: int, seat: ContactKinematics) -> Mask | None:
+    def _beyond_edge(self, number: int, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of their carrier, where it has one.
 
         One that the step begins with stays a point until its end: let go in the middle of a solve,
         it would lose the friction that keeps it from going.
         """
         carrier = self._points.links[number].interface.carrier
-        before = carrier.beyond_edge(self._balance.contact[number].seat)
-        now = carrier.beyond_edge(seat)
+        before = carrier.beyond_edge(self._balance.contact[number].kinematics)
+        now = carrier.beyond_edge(kinematics)
         return None if before is None or now is None else before & now
 
     def near(self, y: Array, beyond: Mask | None) -> Indices:
@@ -250,7 +250,7 @@ class StepProblem:
                 key,
                 tangents.responses,
                 self._configurations,
-                CandidateSet(near, self._points.frames_at(near), self._seats),
+                CandidateSet(near, self._points.frames_at(near), self._kinematics),
                 contact_weight=self._balance.contact_weight,
                 softness=self._points.softness,
                 softening=self._softening,
@@ -295,11 +295,11 @@ class StepProblem:
 
     def _clearance(self, number: int, u: Array) -> float:
         """Smallest gap of an interface's points that may touch, m."""
-        _, seat = self._points.observe(number, u)
-        beyond = self._beyond_edge(number, seat)
+        _, kinematics = self._points.observe(number, u)
+        beyond = self._beyond_edge(number, kinematics)
         may_touch = self._balance.contact[number].may_touch
         may = may_touch if beyond is None else may_touch & ~beyond
-        return float(np.min(seat.place[may, 0], initial=np.inf))
+        return float(np.min(kinematics.place[may, 0], initial=np.inf))
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, or points break loose in it."""
@@ -321,6 +321,8 @@ class StepProblem:
         points, found = self._points, []
         for number, (own, bounds) in enumerate(zip(points.own, self.friction.bounds, strict=True)):
             asleep = self._asleep[number]
-            surface, seat = points.observe(number, u) if asleep else self._iterate.seen[number]
-            found.append(Contact(surface, seat, self.force[own], bounds))
+            surface, kinematics = (
+                points.observe(number, u) if asleep else self._iterate.seen[number]
+            )
+            found.append(Contact(surface, kinematics, self.force[own], bounds))
         return found

@@ -170,7 +170,7 @@ class Stepper:
         )
         solution = self._solved(balance, u)
         contacts = [
-            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds, np.inf)[0]
+            link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, np.inf)[0]
             for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
         ]
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
@@ -236,7 +236,7 @@ class Stepper:
         v = 2 * np.asarray(du / dt) - state.v
         p = inertia_force(system, self.links, state, step, solution)
         remembered = [
-            link.interface.remember(memory, c.surface, c.seat, c.force, c.bounds, dt)
+            link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
         ]
         contacts = [memory for memory, _ in remembered]

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from planes import TiltedPlane
 
 from geometry.arrangement import (
     initial_position,
@@ -13,7 +14,7 @@ from geometry.arrangement import (
     pivot_in_space,
 )
 from geometry.block import Block
-from geometry.foundation import RigidFoundation
+from geometry.foundation import level_frame
 
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=2680.0)
 CORNERS = np.array([[-0.125, 0.0], [0.125, 0.0], [0.125, 1.0], [-0.125, 1.0]])
@@ -42,7 +43,7 @@ def test_tilts_are_mirror_images_and_touch_the_ground(degrees):
     towards = initial_position(SHAPE, 0.2, tilt)(CORNERS)
     away = initial_position(SHAPE, -0.2, -tilt)(CORNERS * [-1, 1])
     np.testing.assert_allclose(towards, away * [-1, 1], atol=1e-15)
-    gaps = RigidFoundation().gap(towards)
+    gaps = TiltedPlane().gap(towards)
     assert gaps.min() == pytest.approx(0.0, abs=1e-16)
     edges = np.linalg.norm(np.diff(towards, axis=0), axis=1)
     np.testing.assert_allclose(edges, [0.25, 1.0, 0.25], rtol=1e-14)
@@ -103,7 +104,7 @@ def test_a_stack_turns_together():
     # A tilt of its own adds: the upper block stands on its corner on the tilted top.
     leaning = on_top(carrier, SHAPE.height, initial_position(upper, 0.05, 0.1))
     assert math.atan2(leaning.rotation[0, 1], leaning.rotation[0, 0]) == pytest.approx(0.3)
-    top = RigidFoundation(
+    top = TiltedPlane(
         point=tuple(carrier(np.array([[0.0, 1.0]]))[0]), normal=tuple(carrier.rotation[:, 1])
     )
     gaps = top.gap(leaning(np.array(upper.corners())))
@@ -125,7 +126,7 @@ def test_a_stack_in_space():
     "normal", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.36, -0.48, 0.8), (0.6, 0.0, -0.8)]
 )
 def test_frame_in_space(normal):
-    plane = RigidFoundation(point=(1.0, 2.0, 3.0), normal=normal)
+    plane = TiltedPlane(point=(1.0, 2.0, 3.0), normal=normal)
     n, t1, t2 = plane.frame
     np.testing.assert_allclose(plane.frame @ plane.frame.T, np.eye(3), atol=1e-15)
     np.testing.assert_array_equal(n, normal)
@@ -140,17 +141,20 @@ def test_frame_in_space(normal):
 
 
 def test_level_foundations():
-    np.testing.assert_array_equal(RigidFoundation.level(2).frame, [[0, 1], [1, 0]])
-    np.testing.assert_array_equal(RigidFoundation.level(3).frame, [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    np.testing.assert_array_equal(TiltedPlane.level(2).frame, [[0, 1], [1, 0]])
+    np.testing.assert_array_equal(TiltedPlane.level(3).frame, [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    for dimension, up in [(2, 1.0), (2, -1.0), (3, 1.0), (3, -1.0)]:
+        frame = TiltedPlane.level(dimension, up).frame
+        np.testing.assert_array_equal(level_frame(dimension, up), frame)
     with pytest.raises(ValueError, match="two or three"):
-        RigidFoundation(point=(0.0, 0.0), normal=(0.0, 0.0, 1.0))
+        TiltedPlane(point=(0.0, 0.0), normal=(0.0, 0.0, 1.0))
 
 
 def test_foundation():
-    plane = RigidFoundation(point=(1.0, 2.0), normal=(0.6, 0.8))
+    plane = TiltedPlane(point=(1.0, 2.0), normal=(0.6, 0.8))
     assert plane.tangent == (0.8, -0.6)
     points = np.array([[1.0, 2.0], [1.6, 2.8], [1.8, 1.4]])
     np.testing.assert_allclose(plane.gap(points), [0.0, 1.0, 0.0], atol=1e-15)
-    assert RigidFoundation().tangent == (1.0, 0.0)
+    assert TiltedPlane().tangent == (1.0, 0.0)
     with pytest.raises(ValueError, match="normal"):
-        RigidFoundation(normal=(1.0, 1.0))
+        TiltedPlane(normal=(1.0, 1.0))

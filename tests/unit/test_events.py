@@ -16,10 +16,10 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     force = np.array([point[:2] for point in points])
     slipped = np.array([point[2] for point in points])
     none, yes = np.zeros((len(points), 1)), np.ones(len(points), dtype=bool)
-    seat = ContactKinematics(np.zeros((len(points), 2)), np.eye(2))
+    kinematics = ContactKinematics(np.zeros((len(points), 2)), np.eye(2))
     past = np.zeros((len(force), PAST))
     past[:, SLIPPED] = slipped
-    return Memory(None, seat, force, none, yes, past)  # type: ignore[arg-type]
+    return Memory(None, kinematics, force, none, yes, past)  # type: ignore[arg-type]
 
 
 STICKS, SLIPS, OPEN = (10.0, 1.0, False), (10.0, 3.0, True), (0.0, 0.0, False)

@@ -14,6 +14,7 @@ from solver.history.history import scene_columns
 from solver.rigid.plane import advance as plane_advance
 from solver.rigid.plane import rows as plane_rows
 from solver.rigid.plane.system import PlaneSystem
+from solver.rigid.rows import ENERGY
 
 G = 9.81
 
@@ -107,7 +108,7 @@ def test_columns_are_those_of_the_history() -> None:
     names = PlaneSystem.from_scene(given).columns
     assert [name for name in names if name in scene_columns(given)] == list(scene_columns(given))
     blocks, run = 2 * len(plane_rows.BLOCK), len(plane_rows.RUN)
-    assert len(names) == run + blocks + len(plane_rows.PLATFORM) + len(plane_rows.ENERGY)
+    assert len(names) == run + blocks + len(plane_rows.PLATFORM) + len(ENERGY)
 
 
 def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(

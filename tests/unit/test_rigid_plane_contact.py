@@ -28,7 +28,8 @@ from solver.rigid.plane.model import (
     new_memory,
     new_work,
 )
-from solver.rigid.plane.start import PlaneBlock, PlanePlatform, state_of, system_of
+from solver.rigid.plane.start import state_of, system_of
+from solver.rigid.start import RigidBlock, RigidPlatform
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
@@ -41,8 +42,8 @@ def parts(*, platform: bool = True) -> tuple[PlaneModel, PlaneState, PlaneMemory
     lower = Block(width=0.4, height=0.6, thickness=1.0, density=1000.0)
     upper = Block(width=0.3, height=0.5, thickness=1.0, density=1000.0)
     blocks = [
-        PlaneBlock(name="lower", shape=lower, friction=law, pose=initial_position(lower, 0.0, 0.0)),
-        PlaneBlock(
+        RigidBlock(name="lower", shape=lower, friction=law, pose=initial_position(lower, 0.0, 0.0)),
+        RigidBlock(
             name="upper",
             on="lower",
             shape=upper,
@@ -50,9 +51,12 @@ def parts(*, platform: bool = True) -> tuple[PlaneModel, PlaneState, PlaneMemory
             pose=initial_position(upper, 0.05, 0.0),
         ),
     ]
-    base = PlanePlatform(mass=100.0, stiffness=1e4) if platform else None
+    base = RigidPlatform(mass=100.0, stiffness=1e4) if platform else None
     scheme = GeneralizedAlpha(0.8)
-    system, state = system_of(blocks, base, (0.0, -9.81), scheme, True), state_of(blocks, base)
+    system, state = (
+        system_of(blocks, base, np.array([0.0, -9.81]), scheme, True),
+        state_of(blocks, base),
+    )
     state.q[4] += 0.6
     points = len(system.corner_of)
     return system, state, new_memory(points), new_work(points, len(state.q), 2)

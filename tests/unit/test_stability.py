@@ -20,13 +20,19 @@ from benchmarks.stability.matrix import StabilityCase, changed
 from benchmarks.stability.sampler import draw
 from benchmarks.stability.scenes import ROCK, STACK
 from benchmarks.stability.table import as_csv, as_text, sentence
-from benchmarks.stability.verdict import Verdict, judge, trouble
+from benchmarks.stability.verdict import Verdict, judge, trouble, warm_up
 from rockslip import Scene, parse_scene
 from solver.cli import main
 from solver.errors import SceneError
 from solver.scene import limits
 
 pytestmark = pytest.mark.serial
+
+
+@pytest.fixture(scope="module")
+def compiled() -> None:
+    """Compile what scenes need before the limits of their time begin."""
+    warm_up()
 
 
 def scene(**changes: object) -> Scene:
@@ -79,6 +85,7 @@ def _word(case: StabilityCase) -> str:
     return "fine"
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize(
     ("seed", "number"),
     [(33, 35), (33, 77), (33, 113), (33, 115), (33, 129), (66260, 42), (86243, 146)],
@@ -98,6 +105,7 @@ def test_random_scenes_that_gained_energy(
     assert verdict.energy_gain < 1e-6
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize(
     ("seed", "number", "end"),
     [
@@ -112,7 +120,6 @@ def test_random_scenes_that_did_not_converge(seed: int, number: int, end: float)
     strip on its edge; no gravity, where open and jammed contact are solutions alike.
     """
     case = draw(number + 1, seed)[number]
-    # The engine of the first is compiled where it was not kept: a minute, more beside other work.
     verdict = judge(replace(case, tables=changed(case.tables, {"time.end": end})), 600.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
@@ -240,6 +247,7 @@ def test_theta_without_an_energy_needs_gamma() -> None:
     scene(contact__theta=1, contact__gamma=10.0, block__young=young)
 
 
+@pytest.mark.usefixtures("compiled")
 def test_verdicts() -> None:
     rigid = changed(ROCK, {"block.model": "rigid"})
     held = judge(StabilityCase(family="f", row="r", column="c", tables=rigid), 60.0)
@@ -272,6 +280,7 @@ def test_a_ledger_has_as_many_digits_as_the_energy_in_motion(moving: float, word
     assert trouble(result) == word
 
 
+@pytest.mark.usefixtures("compiled")
 def test_penetration_over_that_of_a_penalty_method() -> None:
     """A standing block: pressure rho g H, gamma (lambda + 2 mu)/h with lambda = 0."""
     changes = {"block.tilt_deg": 0.0, "block.poisson": 0.0, "time.end": 2e-3}
@@ -283,6 +292,7 @@ def test_penetration_over_that_of_a_penalty_method() -> None:
     assert 0.0 <= held.penetration_over_static < 1.0
 
 
+@pytest.mark.usefixtures("compiled")
 def test_a_scene_that_takes_too_long_is_stopped() -> None:
     tables = changed(ROCK, {"block.model": "rigid", "time.end": 5000.0, "time.step": 1e-4})
     verdict = judge(StabilityCase(family="f", row="r", column="c", tables=tables), 0.2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from solver.results.verdict import verdict
+from demos.verdict import verdict
 
 Captured = pytest.CaptureFixture[str]
 

@@ -251,9 +251,9 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
     state, _ = initial_state(overhanging, assembly)
     state, _ = assembly.stepper.advance(state, 1e-3)
     problem = assembly.stepper._solve._solver._problem
-    seats = zip(assembly.stepper.links, state.contacts, strict=True)
+    pairs = zip(assembly.stepper.links, state.contacts, strict=True)
     off = np.concatenate(
-        [link.interface.carrier.beyond_edge(memory.seat) for link, memory in seats]
+        [link.interface.carrier.beyond_edge(memory.kinematics) for link, memory in pairs]
     )
     assert off.any() and not off.all()
     y, beyond = problem.augmented()

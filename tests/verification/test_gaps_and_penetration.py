@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rockslip import Scene, parse_scene, simulate
-from solver.rigid.plane.system import PlaneSystem, blocks_of
-from solver.rigid.space.start import blocks_of as space_blocks_of
+from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
+from solver.rigid.start import blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def first_row(engine: str, depth: float, **upper: Any) -> dict[str, float]:
         system = PlaneSystem([lower, top], scheme)
         row = system.row(1e-3)
     else:
-        below, above = space_blocks_of(given)
+        below, above = blocks_of(given)
         above = replace(above, pose=replace(above.pose, place=above.pose.place - down))
         system = SpaceSystem([below, above], scheme)
         row = system.row(1e-3)

@@ -14,8 +14,9 @@ from scipy.spatial.transform import Rotation
 from geometry.arrangement import Pose, initial_position_in_space
 from geometry.block import Block
 from solver.reference.housner import housner
-from solver.rigid.space.start import SpaceBlock
+from solver.rigid.space.start import inertia_of
 from solver.rigid.space.system import SpaceSystem
+from solver.rigid.start import RigidBlock
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
@@ -35,19 +36,19 @@ def block(
     lift: float = 0.0,
     velocity: tuple[float, ...] = (0.0, 0.0, 0.0),
     spin: tuple[float, ...] = (0.0, 0.0, 0.0),
-) -> SpaceBlock:
+) -> RigidBlock:
     """A block on, or above, the floor."""
     law = friction if isinstance(friction, FrictionSpec) else FrictionSpec(static=friction)
     stand = initial_position_in_space(shape, (0.0, 0.0), tilt, azimuth)
     place = stand.place + np.array([0.0, 0.0, lift])
     pose = Pose(rotation=stand.rotation, about=stand.about, place=place)
-    return SpaceBlock(
+    return RigidBlock(
         name="block", shape=shape, friction=law, pose=pose, velocity=velocity, angular_velocity=spin
     )
 
 
 def run(
-    one: SpaceBlock, steps: int, dt: float, ground: Array | None = None, **kwargs: object
+    one: RigidBlock, steps: int, dt: float, ground: Array | None = None, **kwargs: object
 ) -> dict[str, Array]:
     """Columns of the history by their names; checks that nothing failed and the ledger closes."""
     system = SpaceSystem([one], GeneralizedAlpha(0.8), **kwargs)  # type: ignore[arg-type]
@@ -69,7 +70,7 @@ def test_free_tumbling_keeps_energy_and_momentum() -> None:
 
     def momentum() -> Array:
         turn = system.rotation(0)
-        return turn @ (thrown.inertia * (turn.T @ system.angular_velocity(0)))
+        return turn @ (inertia_of(PAPER) * (turn.T @ system.angular_velocity(0)))
 
     before, axis = momentum(), []
     rows = []

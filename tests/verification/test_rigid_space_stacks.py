@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from geometry.arrangement import Pose, initial_position_in_space, on_top
 from geometry.block import Block
 from rockslip import parse_scene
-from solver.rigid.space.start import SpaceBlock, SpacePlatform
 from solver.rigid.space.system import SpaceSystem
+from solver.rigid.start import RigidBlock, RigidPlatform
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
@@ -29,7 +29,7 @@ def stack(
     *,
     yaw: float = 0.0,
     velocity: tuple[float, ...] = (0.0, 0.0, 0.0),
-) -> list[SpaceBlock]:
+) -> list[RigidBlock]:
     """Equal blocks on each other, each turned by `yaw` on the lower one; the top one is thrown."""
     c, s = math.cos(yaw), math.sin(yaw)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -39,7 +39,7 @@ def stack(
         turned = Pose(rotation=turn, about=flat.about, place=flat.place)
         poses.append(on_top(poses[-1], shape.height, turned))
     return [
-        SpaceBlock(
+        RigidBlock(
             name=f"block{k}",
             on=f"block{k - 1}" if k else "foundation",
             shape=shape,
@@ -135,7 +135,7 @@ def test_platform(friction: float, drift: float, slip: float, azimuth: float) ->
     mass, dt = shape.mass / 2, 5e-4
     stiffness = mass * (2 * math.pi / 0.5) ** 2
     damping = 2 * 0.05 * math.sqrt(stiffness * mass)
-    platform = SpacePlatform(mass=mass, stiffness=stiffness, damping=damping)
+    platform = RigidPlatform(mass=mass, stiffness=stiffness, damping=damping)
     time = np.arange(12001) * dt
     pull = np.where(time < 3.6, 0.4 * G * np.sin(2 * np.pi * time / 0.6), 0.0)
     way = np.array([math.cos(azimuth), math.sin(azimuth)])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from geometry.block import Block
-from geometry.foundation import RigidFoundation
+from geometry.foundation import level_frame
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from rockslip import BlockSpec, Scene, parse_scene, simulate
@@ -48,7 +48,7 @@ def outlined(shape: Block, tag: FacetTag, cell: str, degree: int) -> tuple[Elast
     surface = carrier_surface(body.space, made.facet_tags, int(tag))
     up = 1.0 if tag == FacetTag.TOP else -1.0
     points = NodePoints(body, surface.layer, surface.positions)
-    frame = RigidFoundation.level(3, up).frame
+    frame = level_frame(3, up)
     return body, Face(points, surface.nodes, frame, surface.cell, surface.degree)
 
 
@@ -131,32 +131,42 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     middle = 0.5 * (u0 + u1)
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(3))
     memory = interface.prepare(memory, system.part(middle, 0), system.part(middle, 1))
-    surface, seat = interface.observe(system.part(u1, 0), system.part(u1, 1))
+    surface, kinematics = interface.observe(system.part(u1, 0), system.part(u1, 1))
     present = np.flatnonzero(memory.may_touch)
     assert len(present) >= 4
     assert (
-        seat.own_projection is not None
-        and seat.foot is not None
-        and memory.seat.own_projection is not None
+        kinematics.own_projection is not None
+        and kinematics.foot is not None
+        and memory.kinematics.own_projection is not None
     )
-    moved = memory.seat.own_projection.segment[present] != seat.own_projection.segment[present]
+    moved = (
+        memory.kinematics.own_projection.segment[present]
+        != kinematics.own_projection.segment[present]
+    )
     assert moved.any() == (travel == 1.0)
-    apart = seat.own_projection.carried(surface.position) - seat.foot.carried(seat.carrier.position)
+    apart = kinematics.own_projection.carried(surface.position) - kinematics.foot.carried(
+        kinematics.carrier.position
+    )
     normal = interface.carrier.frame[:, 0]
-    np.testing.assert_allclose(apart[present], (seat.place[:, :1] * normal)[present], atol=1e-12)
+    np.testing.assert_allclose(
+        apart[present], (kinematics.place[:, :1] * normal)[present], atol=1e-12
+    )
     force = np.zeros((interface.count, 3))
     force[present] = np.random.default_rng(5).uniform(0.5, 1.5, (len(present), 3))
     target = np.zeros(system.size)
     add_contact_forces(
         system,
         Link(interface, 0, 1),
-        ContactIncrement(before=memory, surface=surface, seat=seat, force=force),
+        ContactIncrement(before=memory, surface=surface, kinematics=kinematics, force=force),
         target,
         traction_weight=0.0,
         contact_weight=1.0,
         sign=1.0,
     )
-    y = [interface.augmented(*seen) for seen in ((memory.surface, memory.seat), (surface, seat))]
+    y = [
+        interface.augmented(*seen)
+        for seen in ((memory.surface, memory.kinematics), (surface, kinematics))
+    ]
     work = force * (y[1] - y[0])
     assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())
     total = [target[own].reshape(-1, 3).sum(axis=0) for own in system.slices]
@@ -245,7 +255,9 @@ def imbalance(stepper: Stepper, before: State, dt: float) -> tuple[State, float]
     after, _ = stepper.advance(before, dt)
     given = [np.zeros(3) for _ in system.bodies]
     for link, old, new in zip(stepper.links, started, after.contacts, strict=True):
-        total = link.interface.point_forces(old.seat, new.seat, new.force)[0].sum(axis=0)
+        total = link.interface.point_forces(old.kinematics, new.kinematics, new.force)[0].sum(
+            axis=0
+        )
         assert link.body is not None
         given[link.body] += total
         if link.carrier is not None:

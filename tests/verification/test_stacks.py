@@ -107,7 +107,9 @@ class Balance:
         """What the interfaces put on each block."""
         forces = [np.zeros(2) for _ in self.system.bodies]
         for link, before, after in zip(self.stepper.links, started, new.contacts, strict=True):
-            vectors, _ = link.interface.point_forces(before.seat, after.seat, after.force)
+            vectors, _ = link.interface.point_forces(
+                before.kinematics, after.kinematics, after.force
+            )
             total = vectors.sum(axis=0)
             if link.body is not None:
                 forces[link.body] += total

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry.block import Block
-from geometry.foundation import RigidFoundation
+from geometry.foundation import level_frame
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
@@ -112,11 +112,11 @@ class Pair:
             np.full(len(bottom), FacetTag.BOTTOM, dtype=np.int32),
         )
         return NitschePoints(
-            body, contact_points(body.space, tags, body.law, points="gauss", gamma=100.0)
+            body, contact_points(body.space, tags, body.material, points="gauss", gamma=100.0)
         )
 
     def _face(self, body, tags):
-        frame = RigidFoundation.level(self.dimension).frame
+        frame = level_frame(self.dimension)
         if isinstance(body, RigidBox):
             order, cell = FACE_CORNERS[self.dimension, FacetTag.TOP]
             ends = RigidPoints(body, body.corners[list(order)])
@@ -197,9 +197,9 @@ def test_work_is_exact_and_forces_are_opposite(
     middle = 0.5 * (BEFORE["lower"].angle + AFTER["lower"].angle)
     interface.carrier.rotate_frame(Pose(middle, 0.0).rotation(d))
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))
-    surface, seat = pair.observed(u1)
-    moved = seat.place - memory.seat.place
-    assert not seat.foot.beyond_edge.any() and not memory.seat.foot.beyond_edge.any()
+    surface, kinematics = pair.observed(u1)
+    moved = kinematics.place - memory.kinematics.place
+    assert not kinematics.foot.beyond_edge.any() and not memory.kinematics.foot.beyond_edge.any()
     if travel == 1.0 and case[1] == "elastic":
         assert np.abs(moved[:, 1]).min() > 2 / 7  # two facets at least
     force = np.random.default_rng(5).uniform(0.5, 1.5, (*interface.weight.shape, d))
@@ -207,13 +207,16 @@ def test_work_is_exact_and_forces_are_opposite(
     add_contact_forces(
         system,
         pair.link,
-        ContactIncrement(before=memory, surface=surface, seat=seat, force=force),
+        ContactIncrement(before=memory, surface=surface, kinematics=kinematics, force=force),
         target,
         traction_weight=0.0,
         contact_weight=1.0,
         sign=1.0,
     )
-    y = [interface.augmented(*seen) for seen in ((memory.surface, memory.seat), (surface, seat))]
+    y = [
+        interface.augmented(*seen)
+        for seen in ((memory.surface, memory.kinematics), (surface, kinematics))
+    ]
     work = force * (y[1] - y[0])
     assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())
     on_points, on_carrier = pair.total(target, 0), pair.total(target, 1)
@@ -229,11 +232,15 @@ def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:
     interface = pair.interface
     interface.carrier.rotate_frame(Pose(0.3, 0.0).rotation(2))
     memory = interface.start(pair.system.part(u0, 0), pair.system.part(u0, 1), np.eye(2))
-    _, seat = pair.observed(u1)
+    _, kinematics = pair.observed(u1)
     force = np.ones((interface.count, 2))
-    vectors, reaction = interface.point_forces(memory.seat, seat, force)
-    assert reaction is not None and seat.carrier is not None and memory.seat.carrier is not None
+    vectors, reaction = interface.point_forces(memory.kinematics, kinematics, force)
+    assert (
+        reaction is not None
+        and kinematics.carrier is not None
+        and memory.kinematics.carrier is not None
+    )
     done = np.sum(vectors * (pair.observed(u1)[0].position - memory.surface.position))
-    done += np.sum(reaction * (seat.carrier.position - memory.seat.carrier.position))
-    work = force * (seat.place - memory.seat.place)
+    done += np.sum(reaction * (kinematics.carrier.position - memory.kinematics.carrier.position))
+    work = force * (kinematics.place - memory.kinematics.place)
     assert done == pytest.approx(work.sum(), abs=1e-7 * np.abs(work).sum())

@@ -9,13 +9,14 @@ from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.advance import full_step
 from solver.rigid.plane.contact import TOP, distance, local_place, nearest_face
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.rigid.rows import write_energies
 from solver.types import Array
 
 RUN, BLOCK = positions("run", 2), positions("block", 2)
 """Places of the columns of the run and of a block within their parts of a row."""
 
-PLATFORM, ENERGY = positions("platform", 2), positions("energy", 2)
-"""Places of the columns of the platform and of the energies."""
+PLATFORM = positions("platform", 2)
+"""Places of the columns of the platform."""
 
 
 @compiled
@@ -90,26 +91,12 @@ def write_block(
 
 
 @compiled
-def write_energies(system: PlaneModel, state: PlaneState, start: float, row: Array) -> None:
-    """The columns of the energies; `start`: total energy at the start of the run, J."""
-    kinetic, gravity, spring = stored_energy(system, state)
-    total, exchanged = kinetic + gravity + spring, state.exchanged
-    row[ENERGY.kinetic_J], row[ENERGY.strain_J], row[ENERGY.gravity_J] = kinetic, 0.0, gravity
-    row[ENERGY.spring_J], row[ENERGY.interface_J] = spring, 0.0
-    row[ENERGY.input_J], row[ENERGY.friction_J] = exchanged[0], exchanged[1]
-    row[ENERGY.damping_J], row[ENERGY.contact_J] = exchanged[2], exchanged[3]
-    row[ENERGY.numerical_J], row[ENERGY.total_J] = exchanged[4], total
-    row[ENERGY.ledger_error_J] = total - start - exchanged[0] + exchanged[1:].sum()
-
-
-@compiled
 def write_row(
     system: PlaneModel,
     state: PlaneState,
     work: PlaneWork,
     dt: float,
     acceleration: float,
-    start: float,
     layout: RowLayout,
     row: Array,
 ) -> None:
@@ -120,7 +107,7 @@ def write_row(
         moving = row[layout.platform :]
         moving[PLATFORM.drift_m], moving[PLATFORM.velocity_m_s] = state.q[-1], state.v[-1]
         moving[PLATFORM.acceleration_m_s2] = acceleration
-    write_energies(system, state, start, row[layout.energy :])
+    write_energies(stored_energy(system, state), state.exchanged, row[layout.energy :])
 
 
 @compiled
@@ -133,11 +120,10 @@ def advance(
     smallest: float,
     ground: Array,
     shift: Array,
-    start: float,
     layout: RowLayout,
     rows: Array,
 ) -> tuple[int, int]:
-    """Take one step for each row; times are left to the caller.
+    """Take one step for each row; times and the total at the start are left to the caller.
 
     Args:
         system: The system.
@@ -148,7 +134,6 @@ def advance(
         smallest: No step is halved below this, s.
         ground: Acceleration of the ground at the ends of the steps, m/s2, (rows + 1, 2).
         shift: What its mean over each step has beyond that of its ends, m/s2, (rows, 2).
-        start: Total energy at the start of the run, J.
         layout: Where the parts of a row begin.
         rows: Written, in the order of `solver.history.columns.columns`.
 
@@ -175,5 +160,5 @@ def advance(
         row[RUN.base_acceleration_m_s2] = ground[i + 1, 0]
         row[RUN.base_vertical_acceleration_m_s2] = ground[i + 1, 1]
         gained = (state.v[-1] - speed) / dt
-        write_row(system, state, work, dt, gained, start, layout, row)
+        write_row(system, state, work, dt, gained, layout, row)
     return len(rows), rejected

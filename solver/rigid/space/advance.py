@@ -87,7 +87,7 @@ def run(
     layout: RowLayout,
     rows: Array,
 ) -> tuple[int, int]:
-    """As many steps as there are rows; times and errors are left to the caller.
+    """As many steps as there are rows; times and the total at the start are left to the caller.
 
     A step is divided where a point lands within it, and halved where it fails.
 

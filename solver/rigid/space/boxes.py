@@ -156,9 +156,9 @@ def _crossings(
         for number, t, side in ((2 * k, ends[0], sides[0]), (2 * k + 1, ends[1], sides[1])):
             if side == 0 or not (ends[0] < ends[1] and OUTLINE < t < 1 - OUTLINE):
                 continue
-            seat, across = over[k] + t * along, int(abs(side)) - 1
+            end, across = over[k] + t * along, int(abs(side)) - 1
             other = 3 - across
-            if abs(seat[other]) > limits[other - 1] - OUTLINE * np.max(limits):
+            if abs(end[other]) > limits[other - 1] - OUTLINE * np.max(limits):
                 continue
             edge = ring[(k + 1) % 4] - ring[k]
             place, border = ring[k] + t * edge, axes[other]
@@ -166,12 +166,12 @@ def _crossings(
             a, b = to_space(frames[0], way), to_space(frames[1], border)
             sine, rise, frame = frame_of(a, b, up)
             if sine < PARALLEL_ANGLE:
-                places[number], found[number] = place, seat
+                places[number], found[number] = place, end
                 continue
             if rise < STEEPEST_COSINE:
                 continue
-            seat[0], seat[across] = faces[1][0], math.copysign(limits[across - 1], side)
-            foot = to_body(axes, seat)
+            end[0], end[across] = faces[1][0], math.copysign(limits[across - 1], side)
+            foot = to_body(axes, end)
             crossing = way, foot, border, frame
             place, foot = moved_along(place, crossing, centres, frames, 1.0)
             beyond = abs(axes[other] @ foot) > limits[other - 1] * (1 + OUTLINE)

@@ -8,6 +8,7 @@ import numpy as np
 
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import compiled
+from solver.rigid.rows import write_energies
 from solver.rigid.space.boxes import corner, points_between
 from solver.rigid.space.contact import rotations
 from solver.rigid.space.model import SpaceModel, SpaceState
@@ -17,21 +18,21 @@ from solver.types import Array
 RUN, BLOCK = positions("run", 3), positions("block", 3)
 """Places of the columns of the run and of a block within their parts of a row."""
 
-PLATFORM, ENERGY = positions("platform", 3), positions("energy", 3)
-"""Places of the columns of the platform and of the energies."""
+PLATFORM = positions("platform", 3)
+"""Places of the columns of the platform."""
 
 
 @compiled
-def stored_energies(model: SpaceModel, state: SpaceState) -> Array:
+def stored_energy(model: SpaceModel, state: SpaceState) -> tuple[float, float, float]:
     """Kinetic, gravity and spring energy, J."""
-    found, last = np.zeros(3), len(model.mass) - 1
+    kinetic, gravity, last = 0.0, 0.0, len(model.mass) - 1
     for b in range(len(model.mass)):
         v, w, x = state.velocity[b], state.spin[b], state.place[b]
-        found[0] += 0.5 * model.mass[b] * np.sum(v * v)
-        found[0] += 0.5 * np.sum(model.inertia[b] * w * w)
-        found[1] -= model.mass[b] * np.sum(model.gravity * x)
-    found[2] = 0.5 * model.spring[0] * (state.place[last, 0] ** 2 + state.place[last, 1] ** 2)
-    return found
+        kinetic += 0.5 * model.mass[b] * np.sum(v * v)
+        kinetic += 0.5 * np.sum(model.inertia[b] * w * w)
+        gravity -= model.mass[b] * np.sum(model.gravity * x)
+    spring = 0.5 * model.spring[0] * (state.place[last, 0] ** 2 + state.place[last, 1] ** 2)
+    return kinetic, gravity, spring
 
 
 @compiled
@@ -102,22 +103,6 @@ def _record_platform(state: SpaceState, acceleration: Array, row: Array) -> None
 
 
 @compiled
-def _record_energies(model: SpaceModel, state: SpaceState, row: Array) -> None:
-    """The columns of the energies; the total at the start is still in the error of the ledger."""
-    energies, exchanged = stored_energies(model, state), state.exchanged
-    row[ENERGY.kinetic_J], row[ENERGY.strain_J], row[ENERGY.gravity_J] = (
-        energies[0],
-        0.0,
-        energies[1],
-    )
-    row[ENERGY.spring_J], row[ENERGY.interface_J] = energies[2], 0.0
-    row[ENERGY.input_J], row[ENERGY.friction_J] = exchanged[0], exchanged[1]
-    row[ENERGY.damping_J], row[ENERGY.contact_J] = exchanged[2], exchanged[3]
-    row[ENERGY.numerical_J], row[ENERGY.total_J] = exchanged[4], np.sum(energies)
-    row[ENERGY.ledger_error_J] = np.sum(energies) - exchanged[0] + np.sum(exchanged[1:])
-
-
-@compiled
 def record(
     model: SpaceModel,
     state: SpaceState,
@@ -152,4 +137,4 @@ def record(
         own[BLOCK.friction_force_second_N] = tally[b, 2]
     if model.mass[n] > 0:
         _record_platform(state, acceleration, row[layout.platform :])
-    _record_energies(model, state, row[layout.energy :])
+    write_energies(stored_energy(model, state), state.exchanged, row[layout.energy :])

@@ -1,130 +1,53 @@
-"""How rigid blocks in space start: from plain numbers, and from a scene."""
+"""How rigid blocks in space start: the arrays of the compiled code."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrangement import Pose
 from geometry.block import Block
 from solver.law.friction import PAST, FrictionLaws
 from solver.law.local_problem import new_counts
 from solver.rigid.space.boxes import SLOTS
 from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
 from solver.rigid.space.rotation import quaternion_of, rotation_of
-from solver.scene import FrictionSpec, Scene
-from solver.scene.places import poses
+from solver.rigid.start import RigidBlock, RigidPlatform, carriers_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array
 
-GROUND = "foundation"
+
+def half_of(shape: Block) -> Array:
+    """Half of width, thickness and height, m."""
+    return 0.5 * np.array([shape.width, shape.thickness, shape.height])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpaceBlock:
-    """A block and how it starts."""
-
-    name: str
-    on: str = GROUND
-    """Name of the block that carries it, or "foundation"."""
-    shape: Block
-    friction: FrictionSpec
-    """On what carries it and on the ground."""
-    pose: Pose
-    """From its own frame, origin at the bottom centre, to where it stands; the floor is z = 0."""
-    velocity: Sequence[float] | Array = (0.0, 0.0, 0.0)
-    """Of the centre, relative to the ground, m/s."""
-    angular_velocity: Sequence[float] | Array = (0.0, 0.0, 0.0)
-    """In space, rad/s."""
-
-    @property
-    def half(self) -> Array:
-        """Half of width, thickness and height, m."""
-        shape = self.shape
-        return 0.5 * np.array([shape.width, shape.thickness, shape.height])
-
-    @property
-    def centre(self) -> Array:
-        """Where its centre starts, m."""
-        return self.pose(np.array([[0.0, 0.0, self.shape.height / 2]]))[0]
-
-    @property
-    def inertia(self) -> Array:
-        """Principal moments of inertia about its centre, kg m2."""
-        square = self.half**2
-        return self.shape.mass / 3 * (square.sum() - square)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpacePlatform:
-    """A rigid platform on springs and dashpots, alike along x and y."""
-
-    mass: float
-    """kg."""
-    stiffness: float
-    """N/m."""
-    damping: float = 0.0
-    """N s/m."""
-    drift: tuple[float, float] = (0.0, 0.0)
-    """Along x and y at the start, m."""
-
-
-def platform_of(scene: Scene) -> SpacePlatform | None:
-    """The platform of a scene; on an incline it starts where the spring holds what it carries."""
-    if not scene.has_platform:
-        return None
-    mass, stiffness, damping = scene.platform()
-    drift = 0.0, 0.0
-    if scene.time.initial == "static" and not any(spec.tilt for spec in scene.blocks):
-        held = (mass + scene.carried_mass) / stiffness
-        drift = held * scene.gravity_vector[0], held * scene.gravity_vector[1]
-    return SpacePlatform(mass=mass, stiffness=stiffness, damping=damping, drift=drift)
-
-
-def blocks_of(scene: Scene, drift: tuple[float, float] = (0.0, 0.0)) -> list[SpaceBlock]:
-    """The blocks of a scene in space, in the order of the file, each where it starts.
-
-    Args:
-        scene: The scene.
-        drift: Of the platform, m.
-    """
-    placed = poses(scene, drift=drift)
-    return [
-        SpaceBlock(
-            name=spec.name,
-            on=spec.on,
-            shape=spec.shape,
-            friction=scene.friction_of(spec),
-            pose=placed[spec.name],
-            velocity=spec.velocity,
-            angular_velocity=np.broadcast_to(spec.angular_velocity, 3),
-        )
-        for spec in scene.blocks
-    ]
+def inertia_of(shape: Block) -> Array:
+    """Principal moments of inertia about the centre, kg m2."""
+    square = half_of(shape) ** 2
+    return shape.mass / 3 * (square.sum() - square)
 
 
 def model_of(
-    blocks: Sequence[SpaceBlock],
+    blocks: Sequence[RigidBlock],
     scheme: GeneralizedAlpha,
     gravity: Array,
-    platform: SpacePlatform | None,
+    platform: RigidPlatform | None,
     velocity_solve: bool,
 ) -> SpaceModel:
     """The constants of the compiled code."""
-    n, base = len(blocks), platform or SpacePlatform(mass=0.0, stiffness=0.0)
-    number = {block.name: b for b, block in enumerate(blocks)}
-    carried = [b for b, block in enumerate(blocks) if block.on != GROUND]
-    upper = np.array([*range(n), *carried], dtype=np.int64)
-    lower = np.array([n] * n + [number[blocks[b].on] for b in carried], dtype=np.int64)
+    n, base = len(blocks), platform or RigidPlatform(mass=0.0, stiffness=0.0)
+    shapes, carriers = [block.shape for block in blocks], carriers_of(blocks)
+    carried = np.flatnonzero(carriers >= 0)
+    upper = np.append(np.arange(n), carried)
+    lower = np.append(np.full(n, n), carriers[carried])
     own = np.arange(n)
     own[carried] = n + np.arange(len(carried))
-    nothing = np.zeros((1, 3))
+    nothing = np.zeros(3)
     return SpaceModel(
-        mass=np.array([*(block.shape.mass for block in blocks), base.mass]),
-        inertia=np.concatenate([*(block.inertia[None] for block in blocks), nothing]),
-        half=np.concatenate([*(block.half[None] for block in blocks), nothing]),
+        mass=np.array([*(shape.mass for shape in shapes), base.mass]),
+        inertia=np.array([*(inertia_of(shape) for shape in shapes), nothing]),
+        half=np.array([*(half_of(shape) for shape in shapes), nothing]),
         upper=upper,
         lower=lower,
         carried=own,
@@ -148,9 +71,9 @@ def new_memory(pairs: int) -> SpaceMemory:
 
 
 def state_of(
-    blocks: Sequence[SpaceBlock],
+    blocks: Sequence[RigidBlock],
     model: SpaceModel,
-    platform: SpacePlatform | None,
+    platform: RigidPlatform | None,
 ) -> SpaceState:
     """Where the blocks start, and the platform, whose inertia balances its spring."""
     n = len(blocks)
@@ -162,7 +85,7 @@ def state_of(
     for b, block in enumerate(blocks):
         place[b], velocity[b] = block.centre, block.velocity
         quaternion[b] = quaternion_of(block.pose.rotation)
-        spin[b] = rotation_of(quaternion[b]).T @ np.asarray(block.angular_velocity)
+        spin[b] = rotation_of(quaternion[b]).T @ np.broadcast_to(block.angular_velocity, 3)
     pairs, inertia_force = len(model.upper), -model.spring[0] * place[n, :2]
     return SpaceState(
         place=place,
