@@ -189,6 +189,29 @@ def test_a_stack_rebounds_from_its_foundation() -> None:
     assert result.history["upper.penetration_m"].max() < 1e-9
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_nothing_is_gained_at_random(seed: int) -> None:
+    """Blocks of all shapes, thrown or tilted, every third with another one on top."""
+    random = np.random.default_rng(seed)
+
+    def block(**more: Any) -> dict[str, Any]:
+        """A block of some width and restitution."""
+        width, ratio = (float(random.uniform(*ends)) for ends in ((0.2, 1.0), (0.05, 1.0)))
+        return SIZE | {"width": width, "restitution": ratio} | more
+
+    thrown = {"velocity": [float(random.uniform(-1, 1)), float(random.uniform(0.2, 1))]}
+    start = thrown if seed % 2 else {"tilt_deg": float(random.uniform(0.5, 4))}
+    blocks = [block(height=float(random.uniform(0.2, 1.2)), **start)]
+    if seed % 3 == 0:
+        mass = float(random.uniform(20, 2000))
+        blocks.append(block(name="upper", on="block", height=0.4, mass=mass))
+    friction = {"friction": float(random.choice([0.0, 0.05, 0.3, 0.8]))}
+    tables = scene(0.99).to_dict() | {"block": blocks, "contact": friction}
+    result = simulate(parse_scene(tables))
+    nothing_from_nothing(result)
+    assert result.history["block.penetration_m"].max() < 1e-6
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
