@@ -7,9 +7,12 @@ corrected such that
     0 <= P_n  complementary to  v_n >= 0,   |P_t| <= dt c + mu P_n, v_t = 0 inside the bound,
     P = dt f + q,
 
-with v <- v + M^-1 G^T q. Kinetic energy must not rise. Where the bound shrinks with P_n, giving
-back friction could accelerate: then points that slip keep their friction, then all do, and else the
-velocities stay as they are.
+with v <- v + M^-1 G^T q. Points that slipped in the step keep the direction of their friction,
+against the slip of the step, and stay at their bound, which follows P_n: the velocity at the end of
+the step is ahead of its slip by half a step. All others obey the law.
+
+The correction may return energy only as far as friction took it in this step. Where it would return
+more, points that slip keep their friction, then all do, and else the velocities stay as they are.
 """
 
 from __future__ import annotations
@@ -57,18 +60,46 @@ def _slipping(d: int, impulse: Array, bounds: Bounds) -> Indices:
 
 
 @compiled
-def friction_share(tangential: float, lost: float) -> float:
-    """Friction's share of the kinetic energy that impulses take, J.
+def friction_share(tangential: float, lost: float, taken: float) -> float:
+    """Friction's share of the kinetic energy that a correction takes, J.
 
     Normal and tangential impulses of a body act on each other: the work in one direction may be
-    negative, though their sum is a loss. A loss through friction cannot be negative: where the
-    tangential impulses give energy back, the normal ones took it before, and it is contact's.
+    negative, though their sum is a loss. Friction returns no more than it took before: what the
+    tangential impulses give back beyond that, the normal ones took, and it is contact's.
 
     Args:
         tangential: Energy taken in the tangential directions, J.
         lost: Energy taken in all, J.
+        taken: Energy that friction took in the step, before the correction, J.
     """
-    return min(max(tangential, 0.0), max(lost, 0.0))
+    return min(max(tangential, -taken), max(lost, -taken))
+
+
+@compiled
+def _solve_rung(
+    d: int, W: Array, free: Array, bounds: Bounds, given: Array, ratio: Array, counts: Indices
+) -> tuple[bool, Array]:
+    """Whether there are impulses that obey the law, and which.
+
+    Args:
+        d: Rows of a point.
+        W: Of the points, (d m, d m), 1/kg.
+        free: Velocities without impulses, (d m,), m/s.
+        bounds: Of the impulses; none where friction is no unknown.
+        given: Impulses that act in any case, (d m,), N s.
+        ratio: Tangential impulse for each unit of the normal one, besides, (d m,).
+        counts: Of outcomes of local problems.
+    """
+    m, mobility, states = len(bounds.mu), W.copy(), np.empty(len(bounds.mu), np.int64)
+    for n in range(0, d * m, d):
+        for k in range(n + 1, n + d):
+            mobility[:, n] += W[:, k] * ratio[k]
+    total = np.zeros_like(free)
+    settled = solve(d, mobility, free + W @ given, bounds, total, states, counts)
+    for n in range(0, d * m, d):
+        for k in range(n + 1, n + d):
+            total[k] += given[k] + ratio[k] * total[n]
+    return settled, total
 
 
 @compiled
@@ -78,8 +109,8 @@ def correct_impulses(
     velocity: Array,
     impulse: Array,
     bounds: Bounds,
+    taken: float,
     counts: Indices,
-    first: int,
 ) -> ImpulseCorrection:
     """Correct the impulses of closed points.
 
@@ -89,38 +120,42 @@ def correct_impulses(
         velocity: Of the points after the step, (d m,), m/s.
         impulse: dt f of the step, (d m,), N s.
         bounds: Of the impulses: mu and dt c.
+        taken: Energy that friction took in the step, J.
         counts: Of outcomes of local problems.
-        first: Where the ladder begins: 0 at the law for all points, 1 where points that slip keep
-            their friction. In space its direction lags by half a step behind a slip that turns.
     """
-    m, regular = len(bounds.mu), W.copy()
+    m, regular, slipping = len(bounds.mu), W.copy(), _slipping(d, impulse, bounds)
     for k in range(len(W)):
         regular[k, k] *= 1.0 + REGULAR
-    states, slipping = np.empty(m, np.int64), _slipping(d, impulse, bounds)
-    for keep in range(first, 3):
-        # Points whose friction is kept have none that is unknown.
-        kept, mu, cohesion = np.zeros_like(impulse), bounds.mu.copy(), bounds.cohesion.copy()
+    free, taken = velocity - regular @ impulse, max(taken, 0.0)
+    for rung in range(3):
+        given, ratio = np.zeros_like(impulse), np.zeros_like(impulse)
+        mu, cohesion = bounds.mu.copy(), bounds.cohesion.copy()
         for i in range(m):
-            if keep + slipping[i] > 1:
-                mu[i], cohesion[i] = 0.0, 0.0
-                kept[d * i + 1 : d * i + d] = impulse[d * i + 1 : d * i + d]
-        total = impulse - kept
-        free = velocity - regular @ total
+            if rung < 2 and slipping[i] == 0:
+                continue
+            tangential = slice(d * i + 1, d * i + d)
+            mu[i] = cohesion[i] = 0.0
+            given[tangential] = impulse[tangential]
+            size = math.sqrt(np.sum(impulse[tangential] ** 2))
+            if rung == 0 and size > 0.0:
+                given[tangential] *= bounds.cohesion[i] / size
+                ratio[tangential] = bounds.mu[i] / size * impulse[tangential]
         left = Bounds(mu, cohesion, bounds.slope)
-        if not solve(d, regular, free, left, total, states, counts):
+        settled, total = _solve_rung(d, regular, free, left, given, ratio, counts)
+        if not settled:
             continue
-        q = total + kept - impulse
+        q = total - impulse
         work = q * (velocity + 0.5 * (W @ q))
         normal, lost = -np.sum(work[::d]), -np.sum(work)
-        if lost >= -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
-            friction = friction_share(lost - normal, lost)
+        if lost + taken >= -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
+            friction = friction_share(lost - normal, lost, taken)
             return ImpulseCorrection(True, q, lost - friction, friction)
     counts[-1] += 1
     return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
 
 
 def impulse_correction(
-    local: LocalProblem, velocity: Array, W: Array, impulse: Array, bounds: Bounds
+    local: LocalProblem, velocity: Array, W: Array, impulse: Array, bounds: Bounds, taken: float
 ) -> ImpulseCorrection | None:
     """The correction after a step, or None where no point is closed or none was found.
 
@@ -131,5 +166,5 @@ def impulse_correction(
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    found = correct_impulses(d, *flat, bounds, local.counts, 0)
+    found = correct_impulses(d, *flat, bounds, taken, local.counts)
     return found._replace(q=found.q.reshape(m, d)) if found.found else None

@@ -70,7 +70,7 @@ class VelocityImpulses:
         self._kept: MassOperator | None = None
 
     def correct(
-        self, u: Array, v: Array, contacts: Sequence[Contact], dt: float
+        self, u: Array, v: Array, contacts: Sequence[Contact], dt: float, taken: float
     ) -> VelocityCorrection | None:
         """The correction after a step, or None where no solution was found.
 
@@ -79,6 +79,7 @@ class VelocityImpulses:
             v: Velocity before the correction, m/s.
             contacts: Interfaces at t_{n+1}.
             dt: Step, s.
+            taken: Energy that friction took in the step, J.
         """
         force = joined([contact.force for contact in contacts])
         closed = (force[:, 0] > 0).nonzero()[0]
@@ -87,7 +88,8 @@ class VelocityImpulses:
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
         bounds = Bounds(mu[closed], dt * cohesion[closed])
         velocity = self._velocity(u, v, contacts)[closed]
-        found = impulse_correction(self._local, velocity, operator.W, dt * force[closed], bounds)
+        impulse = dt * force[closed]
+        found = impulse_correction(self._local, velocity, operator.W, impulse, bounds, taken)
         if found is None:
             return None
         return VelocityCorrection(self._change(operator, found.q), found.contact, found.friction)

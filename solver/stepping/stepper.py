@@ -242,7 +242,9 @@ class Stepper:
         contacts = [memory for memory, _ in remembered]
         ends = StepEnds(dt=dt, u=u, v=v, du=du, dp=p - step.p, residual=solution.residual)
         sums = step_sums(system, ends)
-        correction = self._velocity_correction(u, v, solution, dt)
+        lost = [dissipation for _, dissipation in remembered]
+        rubbed = sum(each.friction for each in lost)
+        correction = self._velocity_correction(u, v, solution, dt, rubbed)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
         time, damped_until = state.time + dt, state.damped_until
         if changed:
@@ -261,10 +263,9 @@ class Stepper:
             changed=changed,
             damped_until=damped_until,
         )
-        lost = [dissipation for _, dissipation in remembered]
         exchange = Exchange(
             input=-float(sums.moved @ self.mean_base(state.time, dt)),
-            friction=sum(each.friction for each in lost) + correction.friction,
+            friction=rubbed + correction.friction,
             damping=sums.damping,
             contact=sum(each.contact for each in lost) + correction.contact + step.start.exchanged,
             numerical=numerical_loss(
@@ -275,14 +276,14 @@ class Stepper:
         return new, exchange
 
     def _velocity_correction(
-        self, u: Array, v: Array, solution: StepSolution, dt: float
+        self, u: Array, v: Array, solution: StepSolution, dt: float, rubbed: float
     ) -> VelocityCorrection:
-        """What contact at velocity level changes after a step."""
+        """What contact at velocity level changes after a step in which friction took `rubbed`."""
         closed = any((contact.force[:, 0] > 0).any() for contact in solution.contacts)
         if self.velocity_solve and closed:
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
-            correction = self._impulses.correct(u, v, solution.contacts, dt)
+            correction = self._impulses.correct(u, v, solution.contacts, dt, rubbed)
             if correction is not None:
                 return correction
         return VelocityCorrection(np.zeros_like(v), 0.0, 0.0)

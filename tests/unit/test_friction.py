@@ -151,13 +151,17 @@ def system(seed: int, points: int, d: int) -> tuple[np.ndarray, np.ndarray, np.n
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_the_velocities_obey_the_law_and_energy_falls_by_what_is_booked(d):
-    stuck = slid = 0
-    for seed in range(40):
+    stuck = slid = followed = 0
+    for seed in range(80):
         points = 1 + seed % 5
         velocity, W, impulse = system(seed, points, d)
         given = W.copy()
         bounds = Bounds(np.full(points, 0.5), np.full(points, 0.1))
-        correction = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds)
+        size = np.linalg.norm(impulse[:, 1:], axis=1)
+        slipping = size >= (0.5 * impulse[:, 0] + 0.1) * (1 - 1e-9)
+        mean = velocity - 0.5 * image(W, impulse)
+        taken = max(-float((impulse * mean)[slipping, 1:].sum()), 0.0)
+        correction = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds, taken)
         assert correction is not None
         assert np.array_equal(W, given)
         q, total, after = correction.q, impulse + correction.q, velocity + image(W, correction.q)
@@ -166,21 +170,26 @@ def test_the_velocities_obey_the_law_and_energy_falls_by_what_is_booked(d):
         # W = G M^-1 G^T: the kinetic energy changes by q.v + q.W q/2
         change = float((q * velocity).sum() + 0.5 * (q * image(W, q)).sum())
         booked = correction.contact + correction.friction
-        assert booked >= 0 and change == pytest.approx(-booked, rel=1e-9, abs=1e-12)
-        size, held = np.linalg.norm(impulse[:, 1:], axis=1), np.abs(q[:, 1:]).max(axis=1) == 0
-        slipping = size >= (0.5 * impulse[:, 0] + 0.1) * (1 - 1e-9)
+        held = np.abs(q[:, 1:]).max(axis=1) == 0
+        # Friction gives back no more than it took in the step.
+        assert correction.friction >= -taken and correction.contact >= -1e-12
+        assert change == pytest.approx(-booked, rel=1e-9, abs=1e-12)
         if held.all():
             continue
-        # All points obey the law, or, where that would add energy, those that did not slip before.
-        obeying = ~slipping if held[slipping].all() else np.ones_like(slipping)
-        free = obeying & (total[:, 0] > 0.1 / TOUCHING_SLOPE)  # with all of their cohesion
+        # Points that slipped are at their bound, in the same direction, or, where that would add
+        # energy, keep their friction; the others obey the law.
+        if not held[slipping].all():
+            followed += slipping.sum()
+            ratio = (0.5 * total[:, 0] + 0.1) / size
+            assert total[slipping, 1:] == pytest.approx((ratio[:, None] * impulse[:, 1:])[slipping])
+        free = ~slipping & (total[:, 0] > 0.1 / TOUCHING_SLOPE)  # with all of their cohesion
         bound = 0.5 * total[:, 0] + 0.1
         inside = free & (np.linalg.norm(total[:, 1:], axis=1) < bound * (1 - 1e-6))
         assert np.abs(after[inside, 1:]).max(initial=0) < 1e-6
         against = np.sum(total[:, 1:] * after[:, 1:], axis=1)
         assert against[free].max(initial=-1) < 1e-6  # friction opposes what is left of the slip
         stuck, slid = stuck + inside.sum(), slid + (free & ~inside).sum()
-    assert stuck >= 5 and slid >= 5
+    assert stuck >= 5 and slid >= 5 and followed >= 5
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -191,12 +200,30 @@ def test_a_mass_point_by_hand(d):
     impulse = np.zeros((1, d))
     impulse[0, 0] = 1.0
     local = LocalProblem(d)
-    correction = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.7, 1))
+    correction = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.7, 1), 0.0)
     assert correction.q == pytest.approx(-2 * velocity, rel=1e-7)
     assert (correction.contact, correction.friction) == pytest.approx((9.0, 0.16), rel=1e-6)
-    smooth = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.0, 1))
+    smooth = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.0, 1), 0.0)
     assert smooth.q == pytest.approx(np.array([[6.0, 0.0, 0.0]])[:, :d], rel=1e-7)
     assert (smooth.contact, smooth.friction) == pytest.approx((9.0, 0.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("speed", [0.5, 20.0])
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_mass_point_that_lands_while_it_slides(d, speed):
+    """Unit mass, 1 m/s down, mu = 0.1: the step took P_n = 2, half of it and of friction goes.
+
+    Friction took 0.2 (speed - 0.1) in the step, and 0.1 (speed - 0.05) in the whole landing.
+    """
+    along = np.array([0.6, 0.8])[: d - 1] / (0.6 if d == 2 else 1.0)
+    velocity = np.concatenate([[1.0], (speed - 0.2) * along])[None]
+    impulse = np.concatenate([[2.0], -0.2 * along])[None]
+    W = np.eye(d).reshape(1, d, 1, d)
+    bounds, taken = Bounds.uniform(0.1, 1), 0.2 * (speed - 0.1)
+    found = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds, taken)
+    assert found.q == pytest.approx(-impulse / 2, rel=1e-6)
+    returned = taken - 0.1 * (speed - 0.05)
+    assert (found.contact, found.friction) == pytest.approx((0.5, -returned), rel=1e-6)
 
 
 def test_cohesion_holds_what_friction_alone_does_not():
@@ -204,9 +231,9 @@ def test_cohesion_holds_what_friction_alone_does_not():
     W, velocity = np.eye(2).reshape(1, 2, 1, 2), np.array([[0.0, 0.5]])
     impulse = np.array([[1.0, 0.0]])
     local = LocalProblem(2)
-    sliding = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.1, 1))
+    sliding = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.1, 1), 0.0)
     held = impulse_correction(
-        local, velocity, W, impulse, Bounds(np.array([0.1]), np.array([0.45]))
+        local, velocity, W, impulse, Bounds(np.array([0.1]), np.array([0.45])), 0.0
     )
     assert sliding.q[0, 1] == pytest.approx(-0.1, rel=1e-6)
     assert held.q[0, 1] == pytest.approx(-0.5, rel=1e-6)
@@ -216,7 +243,7 @@ def test_no_closed_point_no_correction():
     local = LocalProblem(2)
     empty = np.zeros((0, 2))
     nothing = impulse_correction(
-        local, empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0)
+        local, empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0), 0.0
     )
     assert nothing is None and not local.rescues
 
@@ -226,6 +253,6 @@ def test_a_correction_that_would_add_energy_is_left_out():
     local = LocalProblem(2)
     velocity, W = np.array([[-1.0, 0.0]]), np.diag([-1.0, 1.0]).reshape(1, 2, 1, 2)
     impulse = np.array([[1.0, 0.0]])
-    result = impulse_correction(local, velocity, W, impulse, Bounds.uniform(5.0, 1))
+    result = impulse_correction(local, velocity, W, impulse, Bounds.uniform(5.0, 1), 0.0)
     assert result is None
     assert local.rescues["velocity solve left out"] == 1

@@ -154,7 +154,7 @@ def finish_step(
     """Take the solved step: ledger, new state, memory; then contact at velocity level."""
     book_step(system, state, work, dt, before, after)
     moved = work.rows[: 2 * work.counts[0]] @ work.increment
-    book_contact(state, work, moved)
+    rubbed = book_contact(state, work, moved)
     follow_slip(system, state, work, moved)
     state.v[:] = 2.0 * work.increment / dt - state.v
     state.q[:] += work.increment
@@ -162,7 +162,7 @@ def finish_step(
     remember_points(memory, work, moved, dt)
     add_impulses(system, work, dt * work.force)
     if system.velocity_solve:
-        correct_velocity(system, state, work, dt)
+        correct_velocity(system, state, work, dt, rubbed)
 
 
 @compiled
@@ -184,8 +184,8 @@ def book_step(
 
 
 @compiled
-def book_contact(state: PlaneState, work: PlaneWork, moved: Array) -> None:
-    """Friction: -f_t times the way of the anchor; contact: the rest of -f.dy."""
+def book_contact(state: PlaneState, work: PlaneWork, moved: Array) -> float:
+    """Friction, returned: -f_t times the way of the anchor; contact: the rest of -f.dy."""
     friction = total = 0.0
     for i in range(work.counts[0]):
         n, t = 2 * i, 2 * i + 1
@@ -194,6 +194,7 @@ def book_contact(state: PlaneState, work: PlaneWork, moved: Array) -> None:
             total -= work.force[n] * moved[n] + work.force[t] * moved[t]
     state.exchanged[1] += friction
     state.exchanged[3] += total - friction
+    return friction
 
 
 @compiled

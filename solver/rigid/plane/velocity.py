@@ -18,8 +18,10 @@ from solver.types import Array
 
 
 @compiled
-def correct_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float) -> None:
-    """Solve contact at velocity level and book what it takes."""
+def correct_velocity(
+    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, taken: float
+) -> None:
+    """Solve contact at velocity level and book what it takes; friction took `taken` (J) before."""
     keep_closed(work)
     count = work.counts[0]
     if count == 0:
@@ -29,9 +31,8 @@ def correct_velocity(system: PlaneModel, state: PlaneState, work: PlaneWork, dt:
     rows = work.rows[: 2 * count]
     W = (rows * system.flexibility) @ rows.T
     bounds = Bounds(work.friction[:count], dt * work.cohesion[:count], np.inf)
-    found = correct_impulses(
-        2, W, rows @ state.v, dt * work.force[: 2 * count], bounds, work.counts[2:], 0
-    )
+    impulse = dt * work.force[: 2 * count]
+    found = correct_impulses(2, W, rows @ state.v, impulse, bounds, taken, work.counts[2:])
     if found.found:
         state.v[:] += (found.q @ rows) * system.flexibility
         state.exchanged[3] += found.contact

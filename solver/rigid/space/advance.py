@@ -70,9 +70,11 @@ def _accept(
 ) -> None:
     """Take a step, and correct the velocities at its end."""
     watch(model, state, s, tally)
+    rubbed = -state.exchanged[1]
     take(model, state, s, start, end)
+    rubbed += state.exchanged[1]
     if model.velocity_solve:
-        correct_velocity(model, state, s)
+        correct_velocity(model, state, s, rubbed)
 
 
 @compiled

@@ -37,8 +37,11 @@ def _mobility(model: SpaceModel, frames: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
-    """Contact at velocity level: closed points neither approach nor, inside the cone, slip."""
+def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution, taken: float) -> None:
+    """Contact at velocity level: closed points neither approach nor, inside the cone, slip.
+
+    Friction took `taken` (J) in the step `s`.
+    """
     shut = chosen(s.contacts, s.force[:, 0].copy())
     m = len(shut.body)
     if m == 0:
@@ -51,7 +54,7 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> 
     W = compliance(shut, rows, yields, turning)
     velocity = changes(shut, rows, state.velocity, _spins(state, frames)).reshape(3 * m)
     impulse, bounds = s.dt * s.force[kept], Bounds(s.mu[kept], s.dt * s.cohesion[kept], np.inf)
-    found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, state.settled, 1)
+    found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, taken, state.settled)
     if found.found:
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
