@@ -57,7 +57,7 @@ def collide(system: PlaneModel, state: PlaneState, memory: PlaneMemory, work: Pl
     impulse = impulses(W, velocity, rebound, pivots, work)
     spent = impulse * (velocity + 0.5 * (W @ impulse))
     lost, tangential = -np.sum(spent), -np.sum(spent[1::2])
-    friction = friction_share(tangential, lost)
+    friction = friction_share(tangential, lost, 0.0)
     state.v[:] += (impulse @ rows) * system.flexibility
     state.exchanged[1] += friction
     state.exchanged[3] += lost - friction
