@@ -68,12 +68,17 @@ class FrictionBounds:
         """
         if not self._decays:
             return False
-        before = joined([bounds.mu for bounds in self.bounds])
+        solved_with = self.bounds
+        before = joined([bounds.mu for bounds in solved_with])
         self._speed = self._speed.copy()
         self._speed[near] = self._speed_of((q + image(W, force))[:, 1:])
         self.bounds = self._at_speed(self._speed)
         after = joined([bounds.mu for bounds in self.bounds])
-        return bool(np.abs(after - before).max() > SAME_FRICTION * before.max())
+        if np.abs(after - before).max() > SAME_FRICTION * before.max():
+            return True
+        # Points that slip are at the bounds that their forces were solved with, to the last digit.
+        self.bounds = solved_with
+        return False
 
     def break_loose(self, force: Array) -> bool:
         """Let points that reached their static friction slip from now on: mu_s to mu_d only.

@@ -13,6 +13,8 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.verification.newmark import incline_distance, sliding_block, sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
+from solver.build.assembly import build, initial_state
+from solver.law.friction import RATE
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
 from solver.scene import FrictionSpec
@@ -177,6 +179,28 @@ def growing(folder: Path) -> tuple[Path, np.ndarray, np.ndarray]:
 def phases(velocity: np.ndarray) -> list[tuple[bool, int]]:
     """Whether it slides and for how many steps, one after another."""
     return [(bool(k), len(list(g))) for k, g in itertools.groupby(np.abs(velocity) > 0.02)]
+
+
+def test_points_that_slide_are_known_to_slip_while_friction_grows() -> None:
+    """A slide that slows down, mu growing from step to step: no moving point is called stuck."""
+    sliding = scene(
+        {"static": 0.6, "dynamic": 0.2, "decay": 10.0},
+        *(0.1, 1e-4),
+        block={"velocity": [0.5, 0.0]},
+    )
+    assembly = build(sliding)
+    stepper, (state, _) = assembly.stepper, initial_state(sliding, assembly)
+    missed = moving = 0
+    for _ in range(600):
+        before = state.contacts[0].force[:, 0] > 0
+        state, _ = stepper.advance(state, sliding.time.step)
+        memory = state.contacts[0]
+        closed = before & (memory.force[:, 0] > 0)
+        slides = closed & (memory.past[:, RATE] > 0.05)
+        moving += int(slides.sum())
+        missed += int((slides & ~memory.slipped).sum())
+    assert moving > 200
+    assert missed == 0
 
 
 @pytest.mark.slow
