@@ -34,7 +34,7 @@ REFINEMENTS = (0.5, 1.0, 2.0)
 RHOS = (0.0, 0.5, 1.0)
 
 #: Tolerances of adaptive steps, over that of the scene or the default.
-TOLERANCES = (100.0, 10.0, 1.0, 0.1)
+TOLERANCES = (16.0, 4.0, 1.0, 0.25)
 
 #: What `--families` takes.
 NAMES = ("step", "adaptive", "mesh", "degree", "points", "rho_inf", "model")

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from solver.results.cautions import loss_shares
+
 #: As many impacts are listed at most.
 LISTED = 8
 
@@ -25,10 +27,10 @@ def report(summary: Mapping[str, Any]) -> str:
             f"energy: largest gain {_number(energy['largest_gain_fraction'], '.1e')}, ledger error "
             f"{_number(energy['ledger_error_fraction'], '.1e')} of {_number(energy['scale_J'])} J"
         )
-        lines.append(_losses(energy["loss"], energy["loss_share"]))
+        lines.append(_losses(energy["loss"]))
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
-    lines += [f"caution: {text}" for text in summary["cautions"]]
+    lines += [f"caution: {text}" for text in summary.get("cautions", [])]
     lines += overlap_lines(summary)
     return "\n".join(lines) + "\n"
 
@@ -61,8 +63,9 @@ CAUSES = {
 """Names of the causes of losses, in the order in which they are shown."""
 
 
-def _losses(loss: Mapping[str, float], shares: Mapping[str, float]) -> str:
+def _losses(loss: Mapping[str, float]) -> str:
     """What was lost, and to what."""
+    shares = loss_shares(loss)
     if not shares:
         return "lost: nothing"
     parts = [f"{100 * shares[key]:.1f} % {words}" for key, words in CAUSES.items() if key in shares]

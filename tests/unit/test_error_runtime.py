@@ -270,11 +270,11 @@ def test_families_of_an_elastic_scene() -> None:
 def test_adaptive_steps_are_a_ladder_of_tolerances() -> None:
     made = families(parse_scene(ELASTIC), ["adaptive"], 4, _never)
     spans = [subject(rung).time for rung in made[1].rungs]
-    assert [span.tolerance for span in spans] == pytest.approx([1e-5, 1e-6, 1e-7, 1e-8])
+    assert [span.tolerance for span in spans] == pytest.approx([1.6e-2, 4e-3, 1e-3, 2.5e-4])
     assert {(span.adaptive, span.step, span.largest) for span in spans} == {(True, 1e-3, 4e-3)}
     asked = {"end": 1.0, "step": 1e-3, "adaptive": True, "tolerance": 1e-5}
     made = families(parse_scene(ELASTIC | {"time": asked}), ["adaptive", "mesh"], 4, _never)
-    assert [rung.size for rung in made[1].rungs] == pytest.approx([1e-3, 1e-4, 1e-5, 1e-6])
+    assert [rung.size for rung in made[1].rungs] == pytest.approx([1.6e-4, 4e-5, 1e-5, 2.5e-6])
     others = [subject(rung).time for family in (made[0], made[2]) for rung in family.rungs]
     assert not any(span.adaptive for span in others)  # the other ladders have fixed steps
 

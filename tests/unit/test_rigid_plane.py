@@ -204,6 +204,7 @@ def test_a_run_can_be_stopped() -> None:
             """No display."""
 
     from rockslip import History
+    from solver.results.endings import Watch
     from solver.run.rigid import RigidRun
 
     class Files:
@@ -219,6 +220,7 @@ def test_a_run_can_be_stopped() -> None:
     given = scene()
     desk: Any = Stop()
     desk.history, desk.files = History(scene_columns(given)), Files()
+    desk.watch = Watch(given)
     run = RigidRun(given, print)
     desk.history.append(run.first_row())
     assert run.loop(desk) == ("interrupted", "stopped")

@@ -181,8 +181,8 @@ def test_too_stiff_for_the_step() -> None:
     with pytest.raises(SceneError, match=rf"sound crosses 1\.1e\+05 cells in .* {allowed}"):
         scene(block__young=1.2e17)
     assert scene(block__young=1.04e17).blocks[0].young == 1.04e17
-    with pytest.raises(SceneError, match=r"in a step of 0\.004 s"):
-        scene(block__young=1.04e17, time__adaptive=True)
+    span = scene(block__young=1.04e17, time__adaptive=True).time
+    assert span.largest is not None and span.step <= span.largest <= 1.01e-3, "it is shortened"
 
 
 def test_a_plate_too_soft() -> None:

@@ -237,10 +237,14 @@ def test_a_rigid_box_rests_on_an_elastic_block() -> None:
 
 
 def test_adaptive_steps() -> None:
-    """Steps that are refused and tried again lead to the motion of fixed ones."""
+    """Steps that are refused and tried again lead to the motion of fixed ones.
+
+    Two corners of the box strike at once, and there are two outcomes (angle_x 0.0029 and 0.0035):
+    fixed steps of 5e-5 s and adaptive ones that begin with 1e-3 s meet the other one.
+    """
     block = TALL | LEANING | {"angular_velocity": [0.0, 0.3, 0.0]}
-    adaptive = {"end": 0.12, "step": 1e-3, "adaptive": True, "tolerance": 1e-8}
-    found = run(block, PEBBLE, end=0.12, time=adaptive)
+    found = run(block, PEBBLE, end=0.12, time={"end": 0.12})
+    assert found.summary["cost"]["rejected_steps"] > 0
     fixed = run(block, PEBBLE, end=0.12, time={"end": 0.12, "step": 2e-4})
     for column in ("angle_x_rad", "angle_y_rad", "centre_x_m", "centre_z_m"):
         ends = [result.history[f"tall.{column}"][-1] for result in (found, fixed)]
