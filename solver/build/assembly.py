@@ -145,7 +145,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         material=spec.material(scene.material_plane),
         thickness=spec.thickness,
         degree=spec.degree,
-        damping=spec.damping,
+        damping=scene.damping_of(spec),
     )
     return BlockBody(spec, body, number, stand, made.facet_tags)
 

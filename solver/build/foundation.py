@@ -131,7 +131,7 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
         material=spec.material(scene.material_plane, scene.carried_mass),
         thickness=spec.thickness,
         degree=spec.degree,
-        damping=spec.damping,
+        damping=scene.damping_of(spec),
         supports=[Support(facets=bottom, directions=directions)],
         spring=spring,
     )
@@ -166,7 +166,7 @@ def _frame(spec: FrameSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
         material=spec.material(scene.material_plane),
         thickness=spec.deck.thickness,
         degree=spec.degree,
-        damping=spec.damping,
+        damping=scene.damping_of(spec),
         supports=[Support(facets=feet, directions=tuple(range(dimension)))],
     )
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))

@@ -27,13 +27,13 @@ def meshed_body(
     """The elastic body on a mesh.
 
     Args:
-        scene: Says whether it is in the plane or in space, and what damping bodies have.
+        scene: Says whether it is in the plane or in space.
         name: Of the body.
         made: Its mesh.
         material: What it is made of.
         thickness: t, m; in space it is in the mesh.
         degree: Polynomial degree of the displacement.
-        damping: Its own Rayleigh damping; None: that of the scene.
+        damping: Its Rayleigh damping; None: it has none.
         supports: Held facets.
         spring: To the ground.
     """
@@ -41,7 +41,7 @@ def meshed_body(
         made.mesh,
         material,
         degree=degree,
-        damping=scene.damping if damping is None else damping,
+        damping=damping,
         name=name,
         thickness=thickness if scene.dimension == 2 else 1.0,
         supports=supports,

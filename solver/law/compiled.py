@@ -188,7 +188,7 @@ _borrowed = _Borrowed()
 
 @compiled
 def borrowed(arrays: Arrays) -> Arrays:
-    """The same named tuple of arrays, whose uses are not counted; for compiled code.
+    """A named tuple of arrays whose uses are not counted, for compiled code.
 
     numba counts the uses of every array of a tuple at every call, atomically: two thirds of the
     time of a step. Python holds the arrays while compiled code runs, so nobody has to count.

@@ -115,7 +115,7 @@ def remember(past: Array, speed: float, slips: bool) -> None:
 
 @compiled
 def remember_open(past: Array) -> None:
-    """The same of an open point, or of one that touches elsewhere: it has not slipped."""
+    """Note that a point that is open, or touches elsewhere, has not slipped."""
     past[RATE] = past[SLIPPED] = 0.0
 
 

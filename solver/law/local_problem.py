@@ -24,7 +24,7 @@ ROUNDS = 20
 
 
 class NoContactSolution(Exception):
-    """None of the methods settled the local problem; a smaller time step is the remedy."""
+    """The local problem was settled by no method; a smaller time step is the remedy."""
 
 
 def new_counts() -> Indices:

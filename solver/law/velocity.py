@@ -39,11 +39,11 @@ class ImpulseCorrection(NamedTuple):
     found: bool
     """Whether there is one."""
     q: Array
-    """Of the closed points in their frames, (d m,) or (m, d), N s."""
+    """Impulses of the closed points in their frames, (d m,) or (m, d), N s."""
     contact: float
     """Energy taken in the normal directions, J."""
     friction: float
-    """In the tangential ones, J."""
+    """Energy taken in the tangential directions, J."""
 
 
 @compiled

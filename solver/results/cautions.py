@@ -43,18 +43,17 @@ def unresolved_share(loss: Mapping[str, float]) -> float:
     return (lost["contact_J"] + lost["numerical_J"]) / whole if whole > 0 else 0.0
 
 
-def _wave_speed(block: BlockSpec) -> float:
-    """Speed of sound along an elastic block, sqrt(E/rho), m/s."""
-    assert block.young is not None
-    return math.sqrt(block.young / block.shape.density)
+def _crossing_time(block: BlockSpec) -> float:
+    """Time in which sound crosses the height of an elastic block, s."""
+    return block.height / block.material("stress").wave_speed
 
 
 def suggested_damping(block: BlockSpec) -> float:
     """beta_R (s) that damps the first bending mode of a standing block by 2 % of critical.
 
-    2 xi/omega with omega = 3.516 sqrt(E I/(rho A H^4)) of a cantilever; two digits.
+    2 xi/omega with omega = 3.516 c sqrt(I/A)/H^2 of a cantilever; two digits.
     """
-    frequency = 3.516 / math.sqrt(12) * _wave_speed(block) * block.width / block.height**2
+    frequency = 3.516 / math.sqrt(12) * block.width / (block.height * _crossing_time(block))
     return float(f"{2 * SUGGESTED_RATIO / frequency:.1e}")
 
 
@@ -87,18 +86,15 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
     if math.isfinite(stop) and stop > scene.time.end * (1 + 1e-9):
         found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
-    elastic = [block for block in scene.blocks if block.model == "elastic"]
-    if not elastic:
+    if not _elastic(scene):
         return found
-    crossing = min(block.height / _wave_speed(block) for block in elastic)
-    coarse = not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING
-    undamped = any(_is_undamped(scene, block) for block in elastic)
-    if coarse:
+    crossing = min(map(_crossing_time, _elastic(scene)))
+    if not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING:
         found.append(
             f"sound crosses a block in {crossing:.2g} s, so that steps of {scene.time.step:g} s do "
             f"not resolve its impacts and decide what these lose{_remedy(scene)}"
         )
-    elif undamped:
+    elif _undamped(scene):
         found.append(
             "nothing damps the blocks, so that what one impact shakes meets the next one and no "
             f"step resolves what that loses{_remedy(scene)}"
@@ -106,10 +102,15 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     return found
 
 
-def _is_undamped(scene: Scene, block: BlockSpec) -> bool:
-    """Whether nothing damps the strain of a block."""
-    damping = scene.damping if block.damping is None else block.damping
-    return damping is None or damping.stiffness == 0
+def _elastic(scene: Scene) -> list[BlockSpec]:
+    """The elastic blocks of a scene."""
+    return [block for block in scene.blocks if block.model == "elastic"]
+
+
+def _undamped(scene: Scene) -> list[BlockSpec]:
+    """The elastic blocks whose strain nothing damps."""
+    damping = [(block, scene.damping_of(block)) for block in _elastic(scene)]
+    return [block for block, own in damping if own is None or own.stiffness == 0]
 
 
 def _remedy(scene: Scene) -> str:
@@ -117,9 +118,7 @@ def _remedy(scene: Scene) -> str:
     changes = []
     if not scene.time.adaptive:
         changes.append("leave out time.step, so that steps are adaptive")
-    elastic = [block for block in scene.blocks if block.model == "elastic"]
-    undamped = [block for block in elastic if _is_undamped(scene, block)]
-    if undamped:
+    if undamped := _undamped(scene):
         most = max(map(suggested_damping, undamped))
         changes.append(f"give damping.stiffness, for 2 % of critical {most:g}")
     return f": {', and '.join(changes)}" if changes else ""

@@ -17,7 +17,7 @@ from solver.scene import Scene
 from solver.types import Array, Indices, Mask
 
 SMALLEST_OVERLAP = 1e-3
-"""Of the smallest edge of two blocks: less is their deformation, or round-off."""
+"""Smallest depth that counts, as a part of the smallest edge: less is deformation."""
 
 
 def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:

@@ -181,9 +181,8 @@ class BlockObserver:
         corners = self._corner_positions(state)
         height = corners[:, -1]
         if not lost:
-            height = link.interface.carrier.kinematics(corners, memory.kinematics.carrier).place[
-                :, 0
-            ]
+            carrier = link.interface.carrier
+            height = carrier.kinematics(corners, memory.kinematics.carrier).place[:, 0]
         spatial = corners.shape[1] == 3
         ends = ("1", "2", "3", "4") if spatial else ("left", "right")
         along = ("", "_second") if spatial else ("",)

@@ -172,7 +172,7 @@ class _TurningBody:
     @property
     def crossing_time(self) -> float:
         """Time in which sound crosses a cell, s."""
-        return self.edge / math.sqrt(self.material.young / self.material.density)
+        return self.edge / self.material.wave_speed
 
 
 def _turning_bodies(scene: Scene) -> Iterator[_TurningBody]:

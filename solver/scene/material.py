@@ -6,6 +6,7 @@ rotate by any angle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
@@ -47,6 +48,11 @@ class Material:
     def longitudinal(self) -> float:
         """Lambda + 2 mu, Pa: the stiffness against a contact pressure."""
         return self.lame + 2 * self.shear
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of sound along a bar c = sqrt(E/rho), m/s."""
+        return math.sqrt(self.young / self.density)
 
     def times(self, thickness: float) -> Material:
         """The material of a plate of this thickness: forces per metre become whole forces."""

@@ -20,7 +20,7 @@ from solver.scene.checking import (
 )
 from solver.scene.contact import ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
-from solver.scene.foundation import FoundationSpec, Platform, RigidSpec
+from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
 from solver.scene.limits import longest_step, refuse_beyond
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
@@ -226,6 +226,10 @@ class Scene(Checked):
         for first, second in combinations(self.blocks, 2):
             if first.on != second.name and second.on != first.name:
                 yield first, second
+
+    def damping_of(self, body: BlockSpec | PlateSpec | FrameSpec) -> DampingSpec | None:
+        """Rayleigh damping of a meshed body: its own, or that of all."""
+        return self.damping if body.damping is None else body.damping
 
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
         """Friction between a block and what carries it."""

@@ -37,14 +37,14 @@ class PlaneModel(NamedTuple):
     carrier: Indices
     """Block that carries each block, -1: floor or platform, (b,)."""
     friction: FrictionLaws
-    """Of each block on what carries it, (b,)."""
+    """Friction of each block on what carries it, (b,)."""
     restitution: Array
     """e of each block on what carries it; 0: it lands without rebound, (b,)."""
     corner_of: Indices
     """Block whose corner each contact point is, (p,); points 4 b to 4 b + 3 are the corners of
     block b over what carries it."""
     corner: Array
-    """That corner in the frame of its block, m, (p, 2)."""
+    """Position of each contact point in the frame of the block whose corner it is, m, (p, 2)."""
     face_of: Indices
     """Block whose faces it may touch, -1: floor or platform, (p,)."""
     upper: Indices

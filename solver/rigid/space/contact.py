@@ -121,7 +121,7 @@ def contacts_of(
 
 @compiled
 def chosen(contacts: SpaceContacts, mask: Array) -> SpaceContacts:
-    """Those of the points where the mask is above 0."""
+    """Contacts of the points where the mask is above 0."""
     kept = np.flatnonzero(mask > 0)
     return SpaceContacts(
         contacts.pair[kept],
