@@ -107,23 +107,25 @@ class Tolerance:
     """Error of the vibration in a step, over the tolerance."""
     GROWTH = 8.0
     """By what the error grows when the step doubles."""
-    MARGIN = 1.25
+    MARGIN = 1.15
     """What a step that may double has left besides."""
 
     def __init__(self, tolerance: float):
         """Judge by a tolerance, which is about the error of the restitution of an impact."""
         self._tolerance = tolerance
 
-    def used(self, *, rigid: float, vibration: float, changed: bool) -> float:
+    def used(self, *, rigid: float, vibration: float, reversal: float, changed: bool) -> float:
         """The share of what is allowed that a step used; above 1 it is refused.
 
         Args:
             rigid: Error of the motion as a whole, over half the diagonal.
             vibration: Root of the mean square error of the points of a body, over the same length.
+            reversal: Error of a slip that turned round within the step, over that length.
             changed: Whether contact changed in the step.
         """
         bound = self.CHANGE * (1.0 if changed else self.CALM)
-        return max(rigid / bound, vibration / self.VIBRATION) / self._tolerance
+        shares = rigid / bound, vibration / self.VIBRATION, reversal / self.CHANGE
+        return max(shares) / self._tolerance
 
     def climbs(self, used: float) -> bool:
         """Whether twice the step may be tried after one that used this share."""

@@ -21,11 +21,33 @@ from solver.types import Array, Indices
 
 
 class VelocityCorrection(NamedTuple):
-    """Change of the velocity (owned unknowns) and the energy it takes (J)."""
+    """What contact at velocity level does after a step.
+
+    Attributes:
+        change: Change of the velocity of the owned unknowns, m/s.
+        contact: Energy it takes in the normal directions, J.
+        friction: Energy it takes in the tangential directions, J.
+        reversal: Speed at which what slipped in the step slips back at its end, m/s.
+    """
 
     change: Array
     contact: float
     friction: float
+    reversal: float
+
+
+def slip_reversal(friction: Array, velocity: Array) -> float:
+    """Speed at which points slip back at the end of a step, m/s, a mean over their friction.
+
+    Friction opposes the slip of the step as a whole. Where the slip turned round within the step,
+    friction drives what it should by now oppose. 0 where it does not.
+
+    Args:
+        friction: Tangential forces of closed points, (m, d - 1), N.
+        velocity: Their tangential velocities at the end of the step, (m, d - 1), m/s.
+    """
+    power = float(np.sum(friction * velocity))
+    return power / float(np.linalg.norm(friction, axis=1).sum()) if power > 0 else 0.0
 
 
 class MassOperator(NamedTuple):
@@ -92,7 +114,13 @@ class VelocityImpulses:
         found = impulse_correction(self._local, velocity, operator.W, impulse, bounds, taken)
         if found is None:
             return None
-        return VelocityCorrection(self._change(operator, found.q), found.contact, found.friction)
+        after = velocity + np.tensordot(operator.W, found.q.reshape(velocity.shape), 2)
+        return VelocityCorrection(
+            change=self._change(operator, found.q),
+            contact=found.contact,
+            friction=found.friction,
+            reversal=slip_reversal(force[closed, 1:], after[:, 1:]),
+        )
 
     def _change(self, operator: MassOperator, impulse: Array) -> Array:
         """Change of the velocity of all owned unknowns by impulses (m, d) at the closed points."""

@@ -28,6 +28,7 @@ class State:
         spring: Energy of springs to the ground, J.
         turning: How bodies turned at the start of the last step; None before the first.
         changed: Whether contact changed in the step that led here.
+        reversal: Speed at which what slipped in that step now slips back, m/s.
         damped_until: Time until which steps are damped since contact changed, s.
         motions: What `rigid_motion` found for u and v, by the number of the body.
     """
@@ -43,6 +44,7 @@ class State:
     spring: float = 0.0
     turning: Turning | None = None
     changed: bool = False
+    reversal: float = 0.0
     damped_until: float = 0.0
     motions: dict[int, RigidMotion] = field(default_factory=dict, compare=False, repr=False)
 

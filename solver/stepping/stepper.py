@@ -261,6 +261,7 @@ class Stepper:
             spring=sums.energies.spring,
             turning=step.turning,
             changed=changed,
+            reversal=correction.reversal,
             damped_until=damped_until,
         )
         exchange = Exchange(
@@ -286,4 +287,4 @@ class Stepper:
             correction = self._impulses.correct(u, v, solution.contacts, dt, rubbed)
             if correction is not None:
                 return correction
-        return VelocityCorrection(np.zeros_like(v), 0.0, 0.0)
+        return VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)

@@ -119,8 +119,9 @@ def test_steps_that_are_not_accurate_enough_are_halved_at_once_and_grow_again_at
 def test_the_bound_on_rigid_motion_is_strict_where_contact_changes():
     tolerance = Tolerance(1e-3)
     strict = 1e-3 * Tolerance.CHANGE
-    assert tolerance.used(rigid=strict, vibration=0.0, changed=True) == pytest.approx(1.0)
-    calm = tolerance.used(rigid=strict, vibration=0.0, changed=False)
+    used = tolerance.used(rigid=strict, vibration=0.0, reversal=0.0, changed=True)
+    assert used == pytest.approx(1.0)
+    calm = tolerance.used(rigid=strict, vibration=0.0, reversal=0.0, changed=False)
     assert calm == pytest.approx(1.0 / Tolerance.CALM)
 
 
@@ -128,15 +129,23 @@ def test_vibration_is_judged_by_itself():
     tolerance = Tolerance(1e-3)
     most = 1e-3 * Tolerance.VIBRATION
     for changed in (False, True):
-        used = tolerance.used(rigid=0.0, vibration=2 * most, changed=changed)
+        used = tolerance.used(rigid=0.0, vibration=2 * most, reversal=0.0, changed=changed)
         assert used == pytest.approx(2.0)
 
 
-def test_steps_grow_only_where_twice_the_step_would_pass():
-    """The error grows with the cube of the step; a quarter is kept in reserve."""
+def test_a_slip_that_turned_round_is_judged_as_a_change_of_contact():
     tolerance = Tolerance(1e-3)
-    assert tolerance.climbs(0.99 / 10)
-    assert not tolerance.climbs(1.01 / 10)
+    most = 1e-3 * Tolerance.CHANGE
+    used = tolerance.used(rigid=0.0, vibration=0.0, reversal=2 * most, changed=False)
+    assert used == pytest.approx(2.0)
+
+
+def test_steps_grow_only_where_twice_the_step_would_pass():
+    """The error grows with the cube of the step, and a little is kept in reserve."""
+    tolerance = Tolerance(1e-3)
+    most = 1 / (Tolerance.MARGIN * 2**3)
+    assert tolerance.climbs(0.99 * most)
+    assert not tolerance.climbs(1.01 * most)
 
 
 def test_a_step_is_halved_as_often_as_its_error_asks_for():
