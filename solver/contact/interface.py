@@ -32,10 +32,11 @@ from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
 from solver.contact.theta_term import theta_matrix
 from solver.law.friction import (
-    PAST,
     Bounds,
     FrictionLaws,
     bounds_by_past,
+    bounds_followed,
+    new_pasts,
     pasts_after,
     points_that_slip,
 )
@@ -171,7 +172,7 @@ class Interface:
             force=np.zeros_like(y),
             anchor=y[:, 1:].copy(),
             may_touch=self.may_touch(rotation, kinematics),
-            past=np.zeros((self.count, PAST)),
+            past=new_pasts(self.count),
         )
 
     def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
@@ -193,6 +194,15 @@ class Interface:
         if self.law.constant:
             return self._constant_bounds
         return bounds_by_past(self._laws, past, self.area)
+
+    def bounds_followed(self, past: Array, mu: Array, speed: Array, slips: Mask) -> Bounds:
+        """The same within a step, by their coefficients so far, speeds (m/s) and slips, (points,).
+
+        `solver.law.friction.followed` says how.
+        """
+        if self.law.constant:
+            return self._constant_bounds
+        return bounds_followed(self._laws, past, self.area, mu, speed, slips)
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
@@ -301,7 +311,7 @@ class Interface:
             contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, kinematics))
         way = np.sqrt(((anchor - old.anchor) ** 2).sum(axis=1))
         slipped = points_that_slip(force, way, self.softness, bounds)
-        past = pasts_after(old.past, closed, slipped, way / step)
+        past = pasts_after(self._laws, old.past, closed, slipped, way / step, step)
         memory = Memory(surface, kinematics, force, anchor, old.may_touch, past)
         return memory, Dissipation(friction, contact)
 

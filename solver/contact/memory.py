@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
-import numpy as np
-
 from solver.contact.body_points import SurfaceState
 from solver.contact.projection import ContactKinematics
-from solver.law.friction import SLIPPED
+from solver.law.friction import slipped_before
 from solver.types import Array, Indices, Mask
 
 
@@ -37,7 +35,7 @@ class Memory:
     @property
     def slipped(self) -> Mask:
         """Points that slipped in the last step."""
-        return np.asarray(self.past[:, SLIPPED] > 0.0)
+        return slipped_before(self.past)
 
     def take(self, rows: Indices, other: Memory, others: Indices) -> Memory:
         """This memory, with what another one remembers of some points.

@@ -39,7 +39,17 @@ RATE, SLIPPED, BROKEN = 0, 1, 2
 where it stuck), whether it slipped then, and whether it ever broke loose (0 or 1)."""
 
 PAST = 3
-"""How much that is."""
+"""How much that is. The engines carry it along; what it means is known in this file only."""
+
+
+def new_pasts(*shape: int) -> Array:
+    """What points remember that have touched nothing yet, (*shape, PAST)."""
+    return np.zeros((*shape, PAST))
+
+
+def slipped_before(pasts: Array) -> Mask:
+    """The points that slipped in the last step, (m,), by their pasts (m, PAST)."""
+    return np.asarray(pasts[:, SLIPPED] > 0.0)
 
 
 class FrictionLaws(NamedTuple):
@@ -85,6 +95,8 @@ def followed(
 ) -> tuple[float, bool]:
     """Friction of a point within a step, of the motion that the coefficient `mu` led to.
 
+    All engines bring the friction of their points up to the motion by this function.
+
     With DC = 0 it only falls, from mu_s to mu_d: no choice between the two can then repeat itself.
 
     Args:
@@ -92,21 +104,30 @@ def followed(
         k: The point's surface.
         past: What the point remembers.
         mu: Its coefficient so far.
-        speed: Slip in this step over its length, m/s.
-        slips: Whether it slips in this step.
+        speed: Slip in this step over its length, m/s; 0 of a point that sticks.
+        slips: Whether it has broken loose in this step.
 
     Returns:
         The coefficient; whether the point keeps its cohesion.
     """
     lost = laws.cohesion_lost[k] and (slips or past[BROKEN] > 0.0)
     if laws.decay[k] > 0.0:
-        return coefficient(laws, k, speed if slips else 0.0, slips), not lost
+        return coefficient(laws, k, speed, slips), not lost
     return float(laws.dynamic[k]) if slips else mu, not lost
 
 
 @compiled
-def remember(past: Array, speed: float, slips: bool) -> None:
-    """Write what a closed point remembers of a step into its past; speed as in `followed`."""
+def remember(laws: FrictionLaws, k: int, past: Array, speed: float, slips: bool, dt: float) -> None:
+    """Write what a closed point of surface k remembers of a step into its past.
+
+    Args:
+        laws: Of all surfaces; this law remembers nothing that depends on its constants.
+        k: The point's surface.
+        past: Changed in place.
+        speed: Slip in the step over its length, m/s.
+        slips: Whether it slipped.
+        dt: Step, s; infinite in equilibrium.
+    """
     past[RATE] = speed if slips else 0.0
     past[SLIPPED] = 1.0 if slips else 0.0
     if slips:
@@ -114,8 +135,8 @@ def remember(past: Array, speed: float, slips: bool) -> None:
 
 
 @compiled
-def remember_open(past: Array) -> None:
-    """The same of an open point, or of one that touches elsewhere: it has not slipped."""
+def remember_open(laws: FrictionLaws, k: int, past: Array, dt: float) -> None:
+    """The same of an open point, or with dt = 0 of one that comes to touch another face."""
     past[RATE] = past[SLIPPED] = 0.0
 
 
@@ -206,12 +227,26 @@ def bounds_by_past(laws: FrictionLaws, past: Array, area: Array) -> Bounds:
 
 
 @compiled
-def pasts_after(past: Array, closed: Mask, slipped: Mask, speed: Array) -> Array:
-    """Pasts of m points after a step, (m, PAST), those before staying as they are."""
+def bounds_followed(
+    laws: FrictionLaws, past: Array, area: Array, mu: Array, speed: Array, slips: Mask
+) -> Bounds:
+    """The same within a step: coefficients so far, speeds and slips as in `followed`."""
+    new, cohesion = np.empty(len(area)), np.empty(len(area))
+    for i in range(len(area)):
+        new[i], coheres = followed(laws, 0, past[i], mu[i], speed[i], slips[i])
+        cohesion[i] = laws.cohesion[0] * area[i] if coheres else 0.0
+    return Bounds(new, cohesion, np.inf)
+
+
+@compiled
+def pasts_after(
+    laws: FrictionLaws, past: Array, closed: Mask, slipped: Mask, speed: Array, dt: float
+) -> Array:
+    """Pasts of m points of one surface after a step, (m, PAST); `past` stays as it is."""
     after = past.copy()
     for i in range(len(after)):
         if closed[i]:
-            remember(after[i], speed[i], slipped[i])
+            remember(laws, 0, after[i], speed[i], slipped[i], dt)
         else:
-            remember_open(after[i])
+            remember_open(laws, 0, after[i], dt)
     return after

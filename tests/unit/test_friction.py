@@ -95,7 +95,7 @@ def test_within_a_step_a_jump_only_falls_and_a_decay_follows_the_speed():
     assert followed(jump, 0, past, 0.2, 0.0, False) == (0.2, True)
     mu, _ = followed(decay, 0, past, 0.2, np.log(2) / 3, True)
     assert mu == pytest.approx(0.4)
-    assert followed(decay, 0, past, 0.2, 1.0, False)[0] == 0.6
+    assert followed(decay, 0, past, 0.2, 0.0, False)[0] == 0.6
 
 
 def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips():
@@ -109,7 +109,8 @@ def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips():
 def test_a_point_remembers_that_it_slipped_while_it_is_closed_and_for_ever_that_it_broke_loose():
     closed, slipped = mask(1, 1, 0), mask(1, 0, 0)
     before = pasts((0.0, 0, 0), (0.3, 1, 1), (0.3, 1, 1))
-    after = pasts_after(before, closed, slipped, np.array([0.2, 0.1, 0.1]))
+    law = FrictionLaws.of([FrictionSpec(static=0.6)])
+    after = pasts_after(law, before, closed, slipped, np.array([0.2, 0.1, 0.1]), 1e-3)
     assert after.tolist() == [[0.2, 1.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
     assert before[2].tolist() == [0.3, 1.0, 1.0]
 

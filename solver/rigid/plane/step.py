@@ -159,7 +159,7 @@ def finish_step(
     state.v[:] = 2.0 * work.increment / dt - state.v
     state.q[:] += work.increment
     state.p[:] = work.inertia
-    remember_points(memory, work, moved, dt)
+    remember_points(system, memory, work, moved, dt)
     add_impulses(system, work, dt * work.force)
     if system.velocity_solve:
         correct_velocity(system, state, work, dt, rubbed)
@@ -231,11 +231,11 @@ def way_in_flight(system: PlaneModel, q: Array, increment: Array, b: int) -> flo
 
 
 @compiled
-def remember_points(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float) -> None:
+def remember_points(
+    system: PlaneModel, memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float
+) -> None:
     """Keep gaps, anchors and states of the closed points for the next step, and all pasts."""
     memory.closed[:] = 0
-    for k in range(len(memory.past)):
-        remember_open(memory.past[k])
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
             continue
@@ -243,5 +243,9 @@ def remember_points(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: floa
         memory.closed[k], memory.face[k], memory.state[k] = 1, work.face[i], work.state[i]
         memory.gap[k] = work.gap[i] + moved[n]
         memory.offset[k] = work.offset[i] + moved[t] - work.place[t]
-        remember(memory.past[k], abs(work.place[t]) / dt, work.slips[i] == 1)
+        speed, slid = abs(work.place[t]) / dt, work.slips[i] == 1
+        remember(system.friction, system.upper[k], memory.past[k], speed, slid, dt)
         memory.force[k, 0], memory.force[k, 1] = work.force[n], work.force[t]
+    for k in range(len(memory.past)):
+        if memory.closed[k] == 0:
+            remember_open(system.friction, system.upper[k], memory.past[k], dt)

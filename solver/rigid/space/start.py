@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.block import Block
-from solver.law.friction import PAST, FrictionLaws
+from solver.law.friction import FrictionLaws, new_pasts
 from solver.law.local_problem import new_counts
 from solver.rigid.space.boxes import SLOTS
 from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
@@ -66,7 +66,7 @@ def new_memory(pairs: int) -> SpaceMemory:
         force=np.zeros((*size, 3)),
         face=np.full(size, AWAY, dtype=np.int64),
         rest=np.zeros(size),
-        past=np.zeros((*size, PAST)),
+        past=new_pasts(*size),
     )
 
 
