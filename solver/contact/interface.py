@@ -196,9 +196,9 @@ class Interface:
         return bounds_by_past(self._laws, past, self.area)
 
     def bounds_followed(self, past: Array, mu: Array, speed: Array, slips: Mask) -> Bounds:
-        """The same within a step, by their coefficients so far, speeds (m/s) and slips, (points,).
+        """Bounds of friction at all points in a step, by their speeds (m/s) and slips, (points,).
 
-        `solver.law.friction.followed` says how.
+        `mu` has their coefficients so far; `solver.law.friction.followed` says how they follow.
         """
         if self.law.constant:
             return self._constant_bounds

@@ -1,23 +1,22 @@
 """The columns of a history: one table, which all engines fill by name.
 
-A new column is one entry of `TABLE` and one line in each engine, where it is computed. Names of the
-columns, their places in a row and the tables of docs/output.md follow from the table.
+A new column is one entry of `TABLE`, and a line in `solver.history.block_columns` where it follows
+from a block's motion as a rigid body, else one in each engine. Names of the columns, their places
+in a row and the tables of docs/output.md follow from the table.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from solver.types import Array
-
-Value = TypeVar("Value")
 
 Part = Literal["run", "block", "platform", "energy"]
 """The parts of a row, which lie one after the other; that of the blocks once for each block."""
@@ -284,22 +283,6 @@ def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
     after = first + blocks * stride
     moving = len(positions("platform", dimension)) if platform else 0
     return RowLayout(first, stride, after, after + moving)
-
-
-def ordered(names: Sequence[str], values: Mapping[str, Value]) -> list[Value]:
-    """The values of the columns in their order; those of no column are left out.
-
-    Args:
-        names: Of the columns.
-        values: By the name of the column.
-
-    Raises:
-        ValueError: Names the columns without a value.
-    """
-    missing = [name for name in names if name not in values]
-    if missing:
-        raise ValueError(f"no value for the columns {', '.join(missing)}")
-    return [values[name] for name in names]
 
 
 def check_filled(names: Sequence[str], rows: Array) -> None:

@@ -136,7 +136,7 @@ def remember(laws: FrictionLaws, k: int, past: Array, speed: float, slips: bool,
 
 @compiled
 def remember_open(laws: FrictionLaws, k: int, past: Array, dt: float) -> None:
-    """The same of an open point, or with dt = 0 of one that comes to touch another face."""
+    """Note that a point that is open, or with dt = 0 comes to touch elsewhere, has not slipped."""
     past[RATE] = past[SLIPPED] = 0.0
 
 
@@ -230,7 +230,10 @@ def bounds_by_past(laws: FrictionLaws, past: Array, area: Array) -> Bounds:
 def bounds_followed(
     laws: FrictionLaws, past: Array, area: Array, mu: Array, speed: Array, slips: Mask
 ) -> Bounds:
-    """The same within a step: coefficients so far, speeds and slips as in `followed`."""
+    """Bounds of m points within a step, of coefficients so far, speeds and slips as in `followed`.
+
+    By their pasts and areas, as in `bounds_by_past`.
+    """
     new, cohesion = np.empty(len(area)), np.empty(len(area))
     for i in range(len(area)):
         new[i], coheres = followed(laws, 0, past[i], mu[i], speed[i], slips[i])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rockslip import Scene, parse_scene
-from solver.history.columns import TABLE, check_filled, columns, ordered, positions, row_layout
+from solver.history.columns import TABLE, check_filled, columns, positions, row_layout
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
 
@@ -50,12 +50,6 @@ def test_every_name_ends_with_its_unit() -> None:
     for column in TABLE:
         assert column.name.endswith(ends[column.unit])
         assert column.meaning.endswith(".")
-
-
-def test_values_are_brought_into_the_order_of_the_columns() -> None:
-    assert ordered(["b", "a"], {"a": 1.0, "b": 2.0, "c": 3.0}) == [2.0, 1.0]
-    with pytest.raises(ValueError, match="no value for the columns b, d"):
-        ordered(["a", "b", "d"], {"a": 1.0})
 
 
 def test_columns_that_are_nan_throughout_are_named() -> None:
