@@ -53,12 +53,7 @@ class Statement(SceneError):
     """Bad input that is best said in a sentence of its own: a key, and what is wrong with it."""
 
     def __init__(self, where: str, predicate: str) -> None:
-        """Say what is wrong.
-
-        Args:
-            where: Path of the key: the subject of the sentence.
-            predicate: The rest of the sentence.
-        """
+        """Say what is wrong: the subject of the sentence, a path of a key, and the rest of it."""
         super().__init__(where, "", predicate)
         self.args = (where, predicate)
 

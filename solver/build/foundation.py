@@ -74,13 +74,7 @@ class FoundationBody:
 
 
 def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """Build what carries the blocks.
-
-    Args:
-        scene: Which it belongs to.
-        number: Of its body, if it is one.
-        comm: Communicator.
-    """
+    """Build what carries the blocks; `number` is that of its body, if it is one."""
     return _built(scene.foundation, scene, number, comm)
 
 

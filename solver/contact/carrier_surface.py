@@ -57,12 +57,7 @@ class Facets:
 
 
 def carrier_surface(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, tag: int) -> Facets:
-    """The face `tag` of a body as a carrier; collective.
-
-    Args:
-        V: Displacement space, of degree 1 or 2.
-        facet_tags: Tag of the face that a boundary facet belongs to.
-        tag: The face.
+    """The face `tag` of a body, whose displacement has degree 1 or 2, as a carrier; collective.
 
     Raises:
         ValueError: For other degrees, for a face without facets, and in the plane for a face that

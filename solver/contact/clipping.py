@@ -72,11 +72,9 @@ def _parts(
 
 
 def _half(polygon: Array, height: Array) -> Array:
-    """The part of a convex polygon where a linear function is not negative (Sutherland, Hodgman).
+    """The part of a convex polygon, (n, 2) in turn, where a linear function is not negative.
 
-    Args:
-        polygon: Its corners in turn, (n, 2).
-        height: The function's values there, (n,).
+    By its values at the corners, (n,) (Sutherland, Hodgman).
     """
     corners = []
     for k in range(len(polygon)):

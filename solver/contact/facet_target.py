@@ -121,11 +121,7 @@ class Face(FacetCarrier):
         return Projection(at, shape, own, slope, stretch, self._outside(where))
 
     def _nodal_gradient(self, values: Array) -> Array:
-        """Derivatives along the facets' coordinates at their nodes, (facets, k, components, d-1).
-
-        Args:
-            values: At the nodes, (n, components).
-        """
+        """Derivatives along facets' coordinates at their nodes, (facets, k, components, d-1)."""
         gradient: Array = np.einsum("jpk,fkd->fpdj", self._gradient, values[self.facets])
         return gradient
 

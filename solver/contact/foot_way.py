@@ -48,13 +48,10 @@ class FootWay:
     def between(
         cls, old: ContactKinematics, new: ContactKinematics, frame: Array, facet: float
     ) -> FootWay:
-        """The way between two instants.
+        """The way between two instants, from feet and nodes at t_n and t_{n+1}.
 
-        Args:
-            old: Feet and nodes at t_n.
-            new: Feet and nodes at t_{n+1}.
-            frame: Rows normal and tangents, (d, d).
-            facet: Length of the smallest facet, m.
+        `frame` has rows normal and tangents, (d, d); `facet` is the length of the smallest facet,
+        m.
         """
         first, last = old.foot, new.foot
         assert isinstance(first, Projection) and isinstance(last, Projection)
@@ -76,10 +73,9 @@ class FootWay:
         return cls(e_n, e_t, ds, kappa, a, share)
 
     def vectors(self, force: Array) -> Array:
-        """Point forces in the frame of the face, (m, d): f_n (n - kappa t) + a^-T f_t.
+        """Point forces in the frame of the face, (m, d), of normal and tangential ones, (m, d), N.
 
-        Args:
-            force: Normal and tangential, (m, d), N.
+        They are f_n (n - kappa t) + a^-T f_t.
         """
         vectors = np.empty_like(force)
         vectors[:, 0] = force[:, 0]
@@ -92,13 +88,10 @@ class FootWay:
         return vectors
 
     def work_defect(self, force: Array, pressed: Indices) -> float:
-        """Work of these vectors less that of the forces on (g, s), J.
+        """Work of these vectors less that of the forces (m, d), N, on (g, s), J.
 
-        Only feet that hardly move have any: kappa . e_t is not e_n there, nor a^-1 e_t ds.
-
-        Args:
-            force: Normal and tangential, (m, d), N.
-            pressed: Numbers of the closed points.
+        Only feet of closed points that hardly move have any: kappa . e_t is not e_n there,
+        nor a^-1 e_t ds.
         """
         near = pressed[self.share[pressed] < 1]
         kappa, e_t = self.slope[near], self.tangential[near]

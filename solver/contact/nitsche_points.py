@@ -120,12 +120,9 @@ class ContactPoints:
         return evaluate(self._rows, displacement)
 
     def traction_gradient(self, old: NitscheState, new: NitscheState, vector: Array) -> Array:
-        """Nodal values of `vector`.DT[v], (nodes, d), by the discrete gradient of the traction.
+        """Nodal values of `vector`.DT[v], (nodes, d), with one vector per point, (points, d).
 
-        Args:
-            old: State at t_n.
-            new: State at t_{n+1}.
-            vector: One vector per point, (points, d).
+        DT is the discrete gradient of the traction between two states.
         """
         return traction_gradient(self._rows, old, new, vector, self.layer.size)
 

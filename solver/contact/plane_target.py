@@ -65,12 +65,9 @@ class Plane:
     turns = False
 
     def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
-        """Set up.
+        """Take rows normal and tangents, (d, d), and a point of the plane, m.
 
-        Args:
-            frame: Rows normal and tangents, (d, d).
-            origin: A point of the plane, m.
-            platform: One point of the platform that the plane belongs to; None for the ground.
+        `platform` is one point of the platform that it belongs to; None for the ground.
         """
         self.frame, self.origin, self.points = frame, origin, platform
 

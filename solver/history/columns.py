@@ -226,14 +226,10 @@ def columns(
     vertical: bool = False,
     second: bool = False,
 ) -> tuple[str, ...]:
-    """Names of all columns of the history of a scene, in their order.
+    """Names of all columns of the history of a scene, in their order, by the names of its blocks.
 
-    Args:
-        blocks: Names of the blocks.
-        dimension: 2 or 3.
-        platform: Whether what carries the blocks moves as a whole.
-        vertical: Whether the ground also moves up and down.
-        second: Whether the ground also moves along the second horizontal direction.
+    `platform`: whether what carries the blocks moves as a whole; `vertical`, `second`: whether the
+    ground also moves up and down, or along the second horizontal direction.
     """
     exists = {"": True, "platform": platform, "vertical": vertical, "second": second}
     there = [c for c in TABLE if c.dimension in (None, dimension) and exists[c.needs]]
@@ -249,12 +245,9 @@ def columns(
 def positions(part: Part, dimension: int) -> Any:
     """Places of the columns of a part of a row within that part, as a named tuple of integers.
 
-    The engines' rows have the columns of all motions of the ground: those that a scene does not
-    have are left out when a row enters the history. Compiled code takes the tuple as a constant.
-
-    Args:
-        part: Of the row; `positions("block", 2).angle_rad` is a place within the part of a block.
-        dimension: 2 or 3.
+    `positions("block", 2).angle_rad` is a place within the part of a block in the plane. The
+    engines' rows have the columns of all motions of the ground: those that a scene does not have
+    are left out when a row enters the history. Compiled code takes the tuple as a constant.
     """
     fields = [c.field for c in TABLE if c.part == part and c.dimension in (None, dimension)]
     return namedtuple(f"{part.title()}Columns", fields)(*range(len(fields)))
@@ -272,12 +265,9 @@ class RowLayout(NamedTuple):
 
 
 def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
-    """Where the parts of a row with all motions of the ground begin.
+    """Where the parts of a row with all motions of the ground begin, for a number of blocks.
 
-    Args:
-        blocks: Number of blocks.
-        dimension: 2 or 3.
-        platform: Whether what carries the blocks moves as a whole.
+    `platform`: whether what carries the blocks moves as a whole.
     """
     first, stride = len(positions("run", dimension)), len(positions("block", dimension))
     after = first + blocks * stride
@@ -287,10 +277,6 @@ def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
 
 def check_filled(names: Sequence[str], rows: Array) -> None:
     """Make sure that an engine has filled all columns of the rows that it began as nan.
-
-    Args:
-        names: Of the columns.
-        rows: (rows, columns).
 
     Raises:
         ValueError: Names the columns that are nan in every row.

@@ -120,13 +120,7 @@ def followed(
 def remember(laws: FrictionLaws, k: int, past: Array, speed: float, slips: bool, dt: float) -> None:
     """Write what a closed point of surface k remembers of a step into its past.
 
-    Args:
-        laws: Of all surfaces; this law remembers nothing that depends on its constants.
-        k: The point's surface.
-        past: Changed in place.
-        speed: Slip in the step over its length, m/s.
-        slips: Whether it slipped.
-        dt: Step, s; infinite in equilibrium.
+    Speed (m/s) and slip are those of the whole step; dt (s) is infinite in equilibrium.
     """
     past[RATE] = speed if slips else 0.0
     past[SLIPPED] = 1.0 if slips else 0.0
@@ -204,11 +198,8 @@ def points_at_bound(force: Array, bounds: Bounds) -> Mask:
 def points_that_slip(force: Array, way: Array, own: Array, bounds: Bounds) -> Mask:
     """The points that slip in a step: at the bound, and moved by more than round-off.
 
-    Args:
-        force: Point forces, (m, d), N.
-        way: How far each moved along its carrier from where it stuck, (m,), m.
-        own: Compliance of each, (m,), m/N.
-        bounds: Of friction; cohesion counts as far as the force has built it up.
+    By their forces, (m, d), N, how far each moved along its carrier from where it stuck, (m,), m,
+    and their own compliances, (m,), m/N; cohesion counts as far as the force has built it up.
     """
     found = points_at_bound(force, Bounds(bounds.mu, bounds.cohesion, TOUCHING_SLOPE))
     for i in range(len(force)):

@@ -43,8 +43,7 @@ def is_interpreted() -> bool:
 def chosen_for(block_steps: float) -> Iterator[None]:
     """Interpret while a run lasts, if it is short enough for that to be faster.
 
-    Args:
-        block_steps: Number of its steps times that of its blocks; infinite: never interpret.
+    By the number of its steps times that of its blocks; infinite: never interpret.
     """
     before = CHOICE.interprets
     CHOICE.interprets = CHOICE.spent + block_steps <= SHORT

@@ -143,12 +143,8 @@ def draw_deformed(
 ) -> None:
     """Draw the bodies at some times side by side, true to scale, coloured by von Mises stress.
 
-    Args:
-        figure: A matplotlib figure.
-        fields: The .pvd file.
-        times: Instants, s; the snapshots nearest to them are drawn.
-        dimension: Of the bodies, 2 or 3.
-        floor: Height of the floor, m; drawn in the plane only.
+    Of the .pvd file the snapshots nearest to the times (s) are drawn; the floor, at a height in m,
+    in the plane only.
     """
     from matplotlib.collections import PolyCollection
 

@@ -39,9 +39,8 @@ class Watch:
     def __init__(self, scene: Scene):
         """Watch a scene from its start.
 
-        Args:
-            scene: What is run. Where all blocks are rigid, what falls off its carrier lands on the
-                floor; with meshed bodies a block is carried by one body alone, and falls on.
+        Where all blocks are rigid, what falls off its carrier lands on the floor; with meshed
+        bodies a block is carried by one body alone, and falls on.
         """
         self._scene, self._names = scene, scene_columns(scene)
         self._before: Array | None = None

@@ -68,13 +68,7 @@ class Impact:
 
 
 def swings(time: Array, angle: Array, slenderness: float) -> list[Swing]:
-    """The swings of a block, in their order.
-
-    Args:
-        time: t, s.
-        angle: Rocking angle theta, rad.
-        slenderness: alpha, rad.
-    """
+    """The swings of a block, in their order, by its rocking angles theta and slenderness, rad."""
     large = SMALLEST_SWING * slenderness
     found: list[Swing] = []
     first: int | None = None
@@ -126,15 +120,10 @@ def rocking_energy(angle: float, shape: Block, gravity: float) -> float:
 def impacts(
     time: Array, angle: Array, shape: Block, gravity: float, acceleration: Array | None = None
 ) -> list[Impact]:
-    """The impacts of a block: the ends of its swings.
+    """The impacts of a block: the ends of its swings, by its rocking angles theta, rad.
 
-    Args:
-        time: t, s.
-        angle: Rocking angle theta, rad.
-        shape: The block.
-        gravity: g, m/s2.
-        acceleration: Angular acceleration of a rigid block at these angles on a base that moves,
-            1/s2; None for a base at rest.
+    On a base that moves `acceleration` has the angular acceleration of a rigid block at these
+    angles, 1/s2; None: the base is at rest.
     """
     found = swings(time, angle, shape.slenderness)
     result = []

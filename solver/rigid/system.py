@@ -59,14 +59,9 @@ class RigidSystem(ABC):
         platform: RigidPlatform | None = None,
         velocity_solve: bool = True,
     ):
-        """Start at t = 0.
+        """Start at t = 0; without `gravity`, in m/s2, it is 9.81 downwards.
 
-        Args:
-            blocks: In any order.
-            scheme: Time stepping.
-            gravity: m/s2; None: 9.81 downwards.
-            platform: What carries the blocks, if it moves.
-            velocity_solve: Whether contact is also solved at velocity level after each step.
+        `velocity_solve`: whether contact is also solved at velocity level after each step.
         """
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
@@ -84,11 +79,7 @@ class RigidSystem(ABC):
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
-        """The system of a scene whose blocks are all rigid.
-
-        Args:
-            scene: Its foundation is rigid or an oscillator.
-        """
+        """The system of a scene of rigid blocks on rigid ground or an oscillator."""
         platform = platform_of(scene)
         return cls(
             blocks_of(scene, (0.0, 0.0) if platform is None else platform.drift),
@@ -185,11 +176,9 @@ class RigidSystem(ABC):
             setattr(self, name, value)
 
     def row(self, dt: float, ground: Sequence[float] | None = None) -> Array:
-        """The row of this moment, before a step; its forces are those of the instant that follows.
+        """The row of this moment, before a step dt (s); its forces are those of the next instant.
 
-        Args:
-            dt: The step that follows, s.
-            ground: Acceleration of the ground, m/s2; None: it stands.
+        The ground has an acceleration, m/s2; None: it stands.
         """
         rows, d, short = np.full((2, len(self.columns)), np.nan), self.dimension, TRIAL * dt
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))

@@ -34,14 +34,7 @@ class BlockObserver:
     def __init__(
         self, member: BlockBody, stepper: Stepper, state: State, carrier: BlockBody | None
     ):
-        """Start at a state.
-
-        Args:
-            member: The block.
-            stepper: What steps it.
-            state: Where the run starts.
-            carrier: The block that carries it; None: the foundation does.
-        """
+        """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
         self._own = stepper.system.slices[member.number]
         self._angles = np.zeros(1 if stepper.system.dimension == 2 else 4)
@@ -155,9 +148,7 @@ class BlockObserver:
     def _force(self, state: State, lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.
 
-        Args:
-            state: At the end of a step.
-            lost: Whether the block has lost its carrier: the foundation is level.
+        Where it has lost its carrier the foundation is level.
         """
         own, *edges = self._member.contacts
         force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)

@@ -32,13 +32,7 @@ class Observer:
     """
 
     def __init__(self, assembly: Assembly, state: State, names: Sequence[str]):
-        """Start at a state.
-
-        Args:
-            assembly: Bodies, interfaces, loads.
-            state: Where the run starts.
-            names: Columns that are written down.
-        """
+        """Start where the run starts; `names` are the columns that are written down."""
         self._stepper = assembly.stepper
         members = {member.spec.name: member for member in assembly.members}
         self._blocks = [

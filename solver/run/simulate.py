@@ -183,10 +183,8 @@ def simulate(
 def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
-    Args:
-        engine: Set up.
-        desk: Its history is empty yet.
-        began: When the run did, by the performance counter, s.
+    The engine is set up, the history empty, and the run `began` at a time of the performance
+    counter, s.
     """
     scene, history, files = desk.scene, desk.history, desk.files
     first = engine.first_row()

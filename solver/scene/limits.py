@@ -78,10 +78,7 @@ def refuse_beyond(scene: Scene, shaking: float) -> None:
 def _pressure(scene: Scene, block: BlockSpec, acceleration: float) -> float:
     """Weight and inertia of a block and of all that it carries, over its bottom, Pa.
 
-    Args:
-        scene: What the block is part of.
-        block: Which one.
-        acceleration: Gravity and the peaks of the ground's acceleration, added up, m/s2.
+    `acceleration`: gravity and the peaks of the ground's acceleration, added up, m/s2.
     """
     carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
     return carried * acceleration / _bottom(block)

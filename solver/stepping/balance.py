@@ -58,12 +58,8 @@ class Balance(NamedTuple):
     def tolerance(self, system: System, guess: Array) -> float:
         """Residual that counts as zero, N: a part of the forces, or round-off of the stresses.
 
-        Displacements at both ends of the step make the round-off: a body that comes down without
-        loads may touch just where its displacement is zero.
-
-        Args:
-            system: All bodies.
-            guess: Displacement at which the iteration begins, m.
+        Displacements at both ends of the step, the guess (m) among them, make the round-off: a body
+        that comes down without loads may touch just where its displacement is zero.
         """
         reached = np.maximum(np.abs(guess), np.abs(self.start))
         round_off = sum(
@@ -75,12 +71,7 @@ class Balance(NamedTuple):
         return max(RESIDUAL_TOLERANCE * (load or inertia), least)
 
     def smooth_residual(self, system: System, u: Array) -> Array:
-        """Out-of-balance force at u without that of contact, N.
-
-        Args:
-            system: All bodies.
-            u: Displacement of the owned unknowns, m.
-        """
+        """Out-of-balance force at the displacement u (m) without that of contact, N."""
         residual = self.constant.copy()
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
         travel = None if self.way is None else u - self.start - self.way

@@ -58,12 +58,9 @@ class Compliance:
     """
 
     def __init__(self, body: ElasticBody, factor: Factorization, ports: Sequence[InterfaceDofs]):
-        """Start without any column.
+        """Start without any column; the factor is that of a tangent or mass.
 
-        Args:
-            body: The body that the factorization belongs to.
-            factor: Factorized tangent or mass.
-            ports: Groups of points; they are numbered on from group to group.
+        Ports are groups of points, which are numbered on from group to group.
         """
         self.body, self.factor, self.ports = body, factor, tuple(ports)
         self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])

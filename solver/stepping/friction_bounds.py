@@ -63,11 +63,8 @@ class FrictionBounds:
     def follows(self, near: Indices, W: Array, q: Array, force: Array) -> bool:
         """Take the bounds that go with the slip q + W f; whether they are others than before.
 
-        Args:
-            near: Numbers of the points of a local problem.
-            W: Its compliance, (m, d, m, d), m/N.
-            q: Its free values, (m, d), m.
-            force: Its solution with the bounds so far, (m, d), N.
+        W is the compliance of the near points, (m, d, m, d), m/N, q their free values, (m, d), m,
+        and f the solution with the bounds so far, (m, d), N.
         """
         if not self._decays:
             return False
@@ -84,13 +81,10 @@ class FrictionBounds:
         return False
 
     def break_loose(self, force: Array) -> bool:
-        """Let points that reached their static friction slip from now on: mu_s to mu_d only.
+        """Let points that reached their static friction slip from now on; whether there are any.
 
-        Args:
-            force: Point forces of all points, (points, d), N.
-
-        Returns:
-            Whether there are any: the forces are those of the wrong friction then.
+        They go from mu_s to mu_d only. By forces of all points, (points, d), N, which are then
+        those of the wrong friction.
         """
         any_loose = False
         for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):

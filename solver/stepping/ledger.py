@@ -58,13 +58,7 @@ class StepSums:
 
 
 def energies(system: System, u: Array, v: Array) -> Energies:
-    """Energies at the displacement u; collective.
-
-    Args:
-        system: All bodies.
-        u: Displacement of the owned unknowns, m.
-        v: Velocity, m/s.
-    """
+    """Energies at displacements (m) and velocities (m/s) of the owned unknowns; collective."""
     total = _own_energies(system, u, v)
     sums = global_sum(system.comm, np.array(astuple(total)))
     return Energies(*(float(value) for value in sums))
@@ -135,12 +129,8 @@ def numerical_loss(
 ) -> float:
     """What the averaging of forces takes, skew du.dr, less the work of the residual, J.
 
-    Args:
-        sums: What the step adds up.
-        links: All interfaces.
-        old: Memory of each of them at t_n.
-        new: At t_{n+1}.
-        skew: 1/2 - alpha_f of the scheme of the step.
+    By what the step adds up, and all interfaces' memories at its ends; skew is 1/2 - alpha_f of the
+    scheme of the step.
     """
     increment = sums.increment
     for link, first, last in zip(links, old, new, strict=True):

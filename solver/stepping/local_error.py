@@ -62,13 +62,7 @@ class LocalError:
     """
 
     def __init__(self, system: System, state: State, size: float):
-        """Start at a state.
-
-        Args:
-            system: The bodies.
-            state: Where the run starts.
-            size: Length R to which errors are referred, m.
-        """
+        """Start at a state; errors are referred to a length R, m."""
         self._system, self._size = system, size
         self._past = _Past(u=state.u, rigid=self._rigid_velocity(state))
         self._tried = self._past

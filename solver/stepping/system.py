@@ -136,13 +136,7 @@ def response_of(
 
 
 def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
-    """Rows between the points and the nodes of a meshed body.
-
-    Args:
-        points: The body's own points in an interface.
-        interface: The interface.
-        tractions: Whether points are read with their tractions.
-    """
+    """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
         d = points.dimension
         rows = (points.chosen[:, None] * d + np.arange(d)).ravel()

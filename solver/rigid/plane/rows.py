@@ -125,17 +125,9 @@ def advance(
 ) -> tuple[int, int]:
     """Take one step for each row; times and the total at the start are left to the caller.
 
-    Args:
-        system: The system.
-        state: Changed in place.
-        memory: Changed in place.
-        work: Room.
-        dt: Step, s.
-        smallest: No step is halved below this, s.
-        ground: Acceleration of the ground at the ends of the steps, m/s2, (rows + 1, 2).
-        shift: What its mean over each step has beyond that of its ends, m/s2, (rows, 2).
-        layout: Where the parts of a row begin.
-        rows: Written, in the order of `solver.history.columns.columns`.
+    State, memory, work and rows are changed in place; no step is halved below the smallest, s. The
+    ground's accelerations are those at the ends of the steps, (rows + 1, 2); the shift is what
+    their mean over each step has beyond that of its ends, (rows, 2), m/s2.
 
     Returns:
         Number of steps that succeeded (all, or up to the one that failed) and of rejected ones.

@@ -74,19 +74,10 @@ def solve_step(
     before: Array,
     after: Array,
 ) -> bool:
-    """Solve a step for the points in `work`: contact forces, increment, inertia force.
+    """Solve a step for the near points in `work`; returns whether it was solved.
 
-    Args:
-        system: The system.
-        state: At the start of the step.
-        memory: At the start of the step.
-        work: Near points; their forces, places and the increment are written.
-        dt: Step, s.
-        before: Acceleration of the ground at its start, m/s2, (2,).
-        after: At its end.
-
-    Returns:
-        Whether it was solved.
+    Their forces and places, the increment and the inertia force are written there. `before` and
+    `after` are accelerations of the ground at both its ends, m/s2, (2,).
     """
     count = work.counts[0]
     free, flexibility = free_motion(system, state, work, dt, before, after)

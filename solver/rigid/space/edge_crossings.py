@@ -134,14 +134,10 @@ def moved_along(
     frames: tuple[Array, Array],
     share: float,
 ) -> tuple[Array, Array]:
-    """Places on both edges after a share of the way to where they cross now.
+    """Places on both edges after a share of the way to where they cross now, each in its body, m.
 
-    Args:
-        arm: Place on the upper edge, in its body, m.
-        crossing: Way, foot, border, axes of one crossing.
-        places: Centres of the upper and the lower body, m.
-        frames: Their rotations.
-        share: Of the way.
+    Of the place `arm` on the upper edge, and way, foot, border and axes of one crossing; centres
+    and rotations are those of the upper and the lower body.
     """
     way, foot, border, axes = crossing
     a, b = to_space(frames[0], way), to_space(frames[1], border)

@@ -93,16 +93,10 @@ def follow_law(
     dt: float,
     law: tuple[Array, Array],
 ) -> bool:
-    """Bring friction to the slip that was found; whether it changed.
+    """Bring friction to the slip (m, 2) that was found, m; whether it changed.
 
-    Args:
-        model: The bodies.
-        state: At the start of the step.
-        contacts: m points.
-        sliding: Of `sliding_of`.
-        slip: (m, 2) m.
-        dt: Step, s.
-        law: Coefficients and cohesive forces, changed in place.
+    The points that slide are those of `sliding_of`; `law` has coefficients and cohesive forces,
+    which are changed in place.
     """
     (mu, cohesion), changed = law, False
     for q in range(len(mu)):

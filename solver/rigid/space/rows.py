@@ -104,15 +104,9 @@ def record(
 ) -> None:
     """Fill in a row from a state, but for the time, the step and the counts of iterations.
 
-    Args:
-        model: The bodies.
-        state: The state.
-        ground: Acceleration of the ground, m/s2.
-        seen: (n, 4) the last angles, carried on.
-        tally: (n + 1, 3) mean contact forces of the step, see `watch`.
-        acceleration: (3,) of the platform, the mean of the step, m/s2.
-        layout: Where the parts of the row begin.
-        row: The row; its error stands for the energy at the start until the first is taken off.
+    `seen` has the last angles, (n, 4), carried on, `tally` the mean contact forces of the step
+    (see `watch`); the acceleration is the platform's, the mean of the step, m/s2. The row's error
+    stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
     row[RUN.contact_points_closed] = np.sum(state.memory.force[:, :, 0] > 0)
