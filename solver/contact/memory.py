@@ -38,14 +38,9 @@ class Memory:
         return slipped_before(self.past)
 
     def take(self, rows: Indices, other: Memory, others: Indices) -> Memory:
-        """This memory, with what another one remembers of some points.
+        """This memory, with what another one remembers of some points, there `others`, here `rows`.
 
         Surface and kinematics stay: they say where points are, and those here are up to date.
-
-        Args:
-            rows: Numbers of the points here that take over, (m,).
-            other: Memory of an interface that has those points as well.
-            others: Their numbers there, (m,).
         """
         kept = {}
         for name in REMEMBERED:

@@ -44,12 +44,8 @@ def has_expected_mode(scene: Scene) -> bool:
 def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
     """Mode in which the only block of a scene on firm ground begins to move.
 
-    Args:
-        scene: With one block.
-        ground: Its motion of the ground, as it was read; None: it is read here.
-
-    Returns:
-        "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release.
+    "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release. The
+    motion of the ground is read here where it is not given.
     """
     block, law = scene.blocks[0], resistance(scene)
     gravity, slender = -scene.gravity_vector[-1], block.height / block.width
