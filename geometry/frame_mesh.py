@@ -52,17 +52,11 @@ def frame_mesh(
     cell: str | None = None,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> MeshedBody:
-    """Mesh a frame in its own frame of reference: origin at the centre of the deck's top.
+    """Mesh a frame with its origin at the centre of the deck's top; collective.
 
-    Collective.
-
-    Args:
-        frame: The frame: x in [-W/2, W/2], in space y in [-t/2, t/2], the deck from -h to 0, the
-            columns below it.
-        dimension: 2: a portal; 3: a deck on four columns, with one bay.
-        cells: Numbers of cells; None: those of `FrameCells`.
-        cell: As in `block_mesh`.
-        comm: The ranks that share the mesh.
+    It has x in [-W/2, W/2], in space y in [-t/2, t/2], the deck from -h to 0 and the columns below
+    it: in the plane a portal, in space a deck on four columns, with one bay. `cell` is as in
+    `block_mesh`.
     """
     if dimension not in (2, 3) or (dimension == 3 and frame.bays != 1):
         raise ValueError(
@@ -115,13 +109,9 @@ def boxes_mesh(
 ) -> MeshedBody:
     """Mesh a union of boxes of a coarse grid, which stands on its lowest boxes; collective.
 
-    Args:
-        lines: Lines of the coarse grid along x, in space along y, and upwards, m.
-        counts: Numbers of cells between them.
-        boxes: Which boxes of the grid there are, by their places along each direction.
-        carries: Place upwards of the boxes on whose tops blocks stand.
-        cell: As in `block_mesh`.
-        comm: The ranks that share the mesh.
+    The grid has lines along x, in space along y, and upwards, m, with numbers of cells between
+    them; boxes are given by their places along each direction. Blocks stand on the tops of the
+    boxes whose place upwards is `carries`. `cell` is as in `block_mesh`.
     """
     dimension = len(lines)
     if cell not in (None, *CELLS[dimension]):

@@ -69,16 +69,10 @@ class ContactPoints:
         size: float,
         merge: bool,
     ):
-        """Merge the evaluations into points.
+        """Merge the evaluations of all facets into points; gamma is Nitsche's, without dimension.
 
-        Args:
-            table: Evaluations of all facets.
-            layer: The nodes they refer to.
-            material: Of the body.
-            gamma: Nondimensional Nitsche parameter.
-            degree: Polynomial degree of the displacement.
-            size: Of the whole body, m: places that are nearer than 1e-9 of it are one.
-            merge: Whether evaluations of one face at one place are one point.
+        `merge`: evaluations of one face at one place are one point. Places that are nearer than
+        1e-9 of the size of the whole body (m) are one.
         """
         self.layer, self.material, self.size = layer, material, size
         self.node_positions = table.node_positions
@@ -206,16 +200,10 @@ def contact_points(
 ) -> ContactPoints:
     """The contact points of all tagged boundary facets of a body; the same on every rank.
 
-    Args:
-        V: Displacement space.
-        facet_tags: Tag of the face that a boundary facet belongs to.
-        material: Of the body.
-        points: "nodes" or "gauss".
-        gamma: Nondimensional Nitsche parameter.
-        cuts: Where the facets of the surface opposite lie in the undeformed body, m: the facets
-            here are integrated on the common refinement of both ("gauss" only), which alone passes
-            the patch test. In the plane the ends of those facets, (n, 2); in space their corners in
-            turn, (n, k, 3).
+    They are "nodes" or "gauss"; gamma is Nitsche's parameter without dimension. The cuts say where
+    the facets of the surface opposite lie in the undeformed body, m: the facets here are integrated
+    on the common refinement of both ("gauss" only), which alone passes the patch test. In the plane
+    they are the ends of those facets, (n, 2); in space their corners in turn, (n, k, 3).
 
     Raises:
         ValueError: For cuts with "nodes", and as `facet_rule`.

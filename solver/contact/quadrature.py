@@ -19,10 +19,7 @@ ON_FACET = 1e-6
 def facet_rule(points: str, degree: int, facet: basix.CellType) -> tuple[Array, Array]:
     """Points and weights on the reference facet, exact for the contact of polynomials.
 
-    Args:
-        points: "nodes" (Gauss-Lobatto: the nodes of the displacement) or "gauss".
-        degree: Polynomial degree of the displacement, 1 or 2.
-        facet: Shape of the facet.
+    Points are "nodes" (Gauss-Lobatto: the nodes of the displacement, of degree 1 or 2) or "gauss".
 
     Raises:
         ValueError: For the nodes of triangles of degree 2: a rule there is exact for constants and

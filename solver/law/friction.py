@@ -93,22 +93,12 @@ def held(laws: FrictionLaws, k: int, past: Array) -> tuple[float, float]:
 def followed(
     laws: FrictionLaws, k: int, past: Array, mu: float, speed: float, slips: bool
 ) -> tuple[float, bool]:
-    """Friction of a point within a step, of the motion that the coefficient `mu` led to.
+    """Coefficient of a point by the motion that `mu` led to; whether it keeps its cohesion.
 
-    All engines bring the friction of their points up to the motion by this function.
-
-    With DC = 0 it only falls, from mu_s to mu_d: no choice between the two can then repeat itself.
-
-    Args:
-        laws: Of all surfaces.
-        k: The point's surface.
-        past: What the point remembers.
-        mu: Its coefficient so far.
-        speed: Slip in this step over its length, m/s; 0 of a point that sticks.
-        slips: Whether it has broken loose in this step.
-
-    Returns:
-        The coefficient; whether the point keeps its cohesion.
+    All engines bring the friction of their points up to the motion by this function. `past` is what
+    the point remembers; the speed, m/s, is its slip in this step over the step's length, 0 where it
+    sticks; `slips`: it has broken loose in this step. With DC = 0 the coefficient only falls, from
+    mu_s to mu_d: no choice between the two can then repeat itself.
     """
     lost = laws.cohesion_lost[k] and (slips or past[BROKEN] > 0.0)
     if laws.decay[k] > 0.0:

@@ -248,13 +248,9 @@ def mode(
 ) -> str:
     """Mode of a block: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
 
-    Args:
-        angle: Rocking angle against what carries the block, rad.
-        slip: Slip along what carries the block, m; its magnitude where that is a plane.
-        lift: Gap of the bottom corner that is higher, m.
-        shape: The block.
-        lean: Angle from upright, rad; None: the same as `angle`.
-        fell: Whether the block ends below what carried it.
+    The angle is that against what carries the block, the lean that from upright, rad; None: the
+    same. Slip is along what carries it, its magnitude where that is a plane; the lift is the gap of
+    the bottom corner that is higher, m. `fell`: the block ends below what carried it.
     """
     if fell:
         return "fell"

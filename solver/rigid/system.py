@@ -111,14 +111,9 @@ class RigidSystem(ABC):
     ) -> tuple[int, int]:
         """Fill rows but for their times; numbers of steps that succeeded, and of rejected ones.
 
-        The energy at the start is still in the error of the ledger.
-
-        Args:
-            dt: Step, s.
-            smallest: No step is divided further, s.
-            ground: (rows + 1, d) accelerations of the ground at the ends of the steps, m/s2.
-            shift: (rows, d) what its mean over each step has beyond that of its ends, m/s2.
-            rows: Written.
+        The energy at the start is still in the error of the ledger. No step is divided below the
+        smallest. `ground`, (rows + 1, d), has its accelerations at the ends of the steps, `shift`,
+        (rows, d), what its mean over each step has beyond that of its ends, m/s2.
         """
 
     @abstractmethod
@@ -144,16 +139,11 @@ class RigidSystem(ABC):
         smallest: float = 0.0,
         mean: Array | None = None,
     ) -> Advance:
-        """Run `count` steps.
+        """Run `count` steps; one that fails is divided down to the smallest, by default dt / 1024.
 
-        Args:
-            count: Number of steps.
-            dt: Step, s.
-            ground: (count + 1, d) accelerations of the ground at the ends of the steps, m/s2,
-                linear in between; None: it stands.
-            smallest: To which part a step that fails is divided, s; 0: dt / 1024.
-            mean: (count, d) mean accelerations of the ground over the steps, m/s2, where they are
-                not those of its ends.
+        `ground`, (count + 1, d), has its accelerations at the ends of the steps, linear in between,
+        m/s2; None: it stands. `mean`, (count, d), has those over the steps, where they are not
+        those of the ends.
         """
         motion, shift = _ground_of_steps(count, self.dimension, ground, mean)
         filled: Array = np.full((count, len(self.columns)), np.nan)

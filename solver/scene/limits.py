@@ -45,10 +45,8 @@ energy."""
 def refuse_beyond(scene: Scene, shaking: float) -> None:
     """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
 
-    Args:
-        scene: What is judged.
-        shaking: Peak accelerations of the ground in all directions, added up, m/s2. When a scene is
-            made, of the motions whose keys tell it; again when the others have been read.
+    The shaking is the peaks of the ground's accelerations in all directions, added up, m/s2. When a
+    scene is made, of the motions whose keys tell it; again when the others have been read.
 
     Raises:
         SceneError: Names the key, what it was given, and what is allowed.

@@ -83,13 +83,10 @@ class GeneralizedAlpha:
         stiffness_damping: float = 0.0,
         spring_damping: float = 0.0,
     ) -> TangentWeights:
-        """The weights of mass, stiffness and interface in the tangent of a step of length `dt`.
+        """The weights of mass, stiffness and interface in the tangent of a step of length `dt`, s.
 
-        Args:
-            dt: Step, s.
-            mass_damping: Rayleigh's lambda_R, 1/s.
-            stiffness_damping: Rayleigh's beta_R, s.
-            spring_damping: Dashpot over spring of what stands on springs, s.
+        With Rayleigh's lambda_R (1/s) and beta_R (s), and dashpot over spring (s) of what stands on
+        springs.
         """
         rate = self.contact_weight / dt
         return TangentWeights(

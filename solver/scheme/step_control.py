@@ -18,13 +18,10 @@ class Ladder:
     """Steps that have to succeed before a rung is climbed, at most."""
 
     def __init__(self, step: float, end: float, smallest: float, largest: float | None = None):
-        """Start at time 0 with a step of `step`.
+        """Start at time 0 with a step dt, s; all steps are dt times a power of two.
 
-        Args:
-            step: dt, s; all steps are dt times a power of two.
-            end: Time at which the run ends, s; no step goes beyond it.
-            smallest: No step is shorter than this, s.
-            largest: No step is longer than this, s; None for `step`.
+        No step goes beyond the end, is shorter than the smallest, or longer than the largest, by
+        default dt.
         """
         self._level = 0 if largest is None else max(0, math.floor(math.log2(largest / step) + 1e-9))
         self.depth = self._level + max(0, math.floor(math.log2(step / smallest) + 1e-9))

@@ -28,13 +28,9 @@ class FrictionBounds:
     """
 
     def __init__(self, points: PointTable, memories: Sequence[Memory], *, step: float, glued: bool):
-        """Start from what contact remembers.
+        """Start from what contact remembers at t_n.
 
-        Args:
-            points: All contact points.
-            memories: Memory of each interface at t_n.
-            step: dt, s, for the speed of slip; infinite in equilibrium.
-            glued: Whether closed points hold any friction.
+        The step, s, is infinite in equilibrium; `glued`: closed points hold any friction.
         """
         self._points = points
         self._step, self._glued = step, glued

@@ -112,14 +112,10 @@ def response_of(
     factor: Factorization | Array,
     weights: TangentWeights | None = None,
 ) -> AnyResponse:
-    """What a body offers to the contact problem.
+    """What a body offers to the contact problem, by its number.
 
-    Args:
-        system: All bodies.
-        body: Its number.
-        links: All interfaces.
-        factor: Factorized tangent or mass of a meshed body; the diagonal of a rigid one's.
-        weights: Of the tangent, whose points are read with their tractions; None for the mass.
+    The factor is the factorized tangent or mass of a meshed body, the diagonal of a rigid one's.
+    Weights are those of the tangent, whose points are read with their tractions; None for the mass.
     """
     member, sides = system.bodies[body], sides_of(body, links)
     tractions = weights is not None
