@@ -16,17 +16,14 @@ Placement = Callable[[Array], Array]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pose:
-    """A rigid motion of points, X -> rotation (X - about) + place; call it with points (n, d).
-
-    Attributes:
-        rotation: Rotation matrix, (d, d).
-        about: A point of the block in its own frame, (d,), m: the one it stands on.
-        place: Where this point goes, (d,), m, without round-off from the rotation.
-    """
+    """A rigid motion of points, X -> rotation (X - about) + place; call it with points (n, d)."""
 
     rotation: Array
+    """Rotation matrix, (d, d)."""
     about: Array
+    """A point of the block in its own frame, (d,), m: the one it stands on."""
     place: Array
+    """Where this point goes, (d,), m, without round-off from the rotation."""
 
     def __call__(self, points: Array) -> Array:
         """Positions of points (n, d) given in the block's own frame."""

@@ -26,15 +26,12 @@ it: what iterations with the undeformed tangent leave of an error is of that siz
 
 
 class StrainWeights(NamedTuple):
-    """Weights of the strains in the stress of a step's internal force.
-
-    Attributes:
-        new: w_new, of E_{n+1}.
-        old: w_old, of E_n.
-    """
+    """Weights of the strains in the stress of a step's internal force."""
 
     new: float
+    """w_new, of E_{n+1}."""
     old: float
+    """w_old, of E_n."""
 
 
 def green_strain(gradient: Any) -> Any:

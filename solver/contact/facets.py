@@ -39,17 +39,14 @@ class Evaluations:
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """Boundary facets that this rank owns, as sides of cells.
-
-    Attributes:
-        cells: Cell that each facet belongs to, (facets,).
-        sides: Which of the cell's facets it is, (facets,).
-        tags: Its tag, (facets,).
-    """
+    """Boundary facets that this rank owns, as sides of cells."""
 
     cells: Indices
+    """Cell that each facet belongs to, (facets,)."""
     sides: Indices
+    """Which of the cell's facets it is, (facets,)."""
     tags: Indices
+    """Its tag, (facets,)."""
 
 
 def tagged_sides(domain: mesh.Mesh, facet_tags: mesh.MeshTags) -> Sides:

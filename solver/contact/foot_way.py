@@ -26,23 +26,20 @@ twice as much or more those of its way; between the two they go over from one to
 
 @dataclass(frozen=True, slots=True)
 class FootWay:
-    """The way of the feet over the mean surface of a step, in the frame of the face.
-
-    Attributes:
-        normal: e_n, (m,), m.
-        tangential: e_t, (m, d-1), m.
-        material: ds, the way in the undeformed face, (m, d-1), m.
-        slope: kappa where a foot moves, else the slope of the surface there, (m, d-1).
-        stretch: a likewise, (m, d-1, d-1).
-        share: How far slope and stretch are those of the way, 0 to 1, (m,).
-    """
+    """The way of the feet over the mean surface of a step, in the frame of the face."""
 
     normal: Array
+    """e_n, (m,), m."""
     tangential: Array
+    """e_t, (m, d-1), m."""
     material: Array
+    """ds, the way in the undeformed face, (m, d-1), m."""
     slope: Array
+    """kappa where a foot moves, else the slope of the surface there, (m, d-1)."""
     stretch: Array
+    """a likewise, (m, d-1, d-1)."""
     share: Array
+    """How far slope and stretch are those of the way, 0 to 1, (m,)."""
 
     @classmethod
     def between(

@@ -19,13 +19,10 @@ from solver.types import Array, Mask
 
 
 class Carrier(Protocol):
-    """What carries contact points.
-
-    Attributes:
-        turns: Whether its frame turns with its body.
-    """
+    """What carries contact points."""
 
     turns: bool
+    """Whether its frame turns with its body."""
 
     @property
     def frame(self) -> Array:
@@ -108,14 +105,11 @@ class Plane:
 
 
 class FacetCarrier:
-    """A carrier that is part of a mesh, whose nodes take what presses on it.
-
-    Attributes:
-        points: Its nodes.
-    """
+    """A carrier that is part of a mesh, whose nodes take what presses on it."""
 
     turns = True
     points: FacePoints
+    """Its nodes."""
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

@@ -18,7 +18,7 @@ PLANE, SPACE = positions("block", 2), positions("block", 3)
 """Places of the columns within the part of a block."""
 
 
-class BlockMotion(NamedTuple):
+class MovingBlock(NamedTuple):
     """A block as a rigid body at an instant; of a meshed one the rigid motion that fits it best."""
 
     mass: float
@@ -45,14 +45,14 @@ def lean_in_space(rotation: Array, before: float) -> float:
 
 
 @compiled
-def write_plane_motion(block: BlockMotion, row: Array) -> None:
+def write_plane_motion(block: MovingBlock, row: Array) -> None:
     """Fill in the columns of a block in the plane that follow from its motion."""
     row[PLANE.angle_rad], row[PLANE.angular_velocity_rad_s] = block.angles[0], block.spin[0]
     row[PLANE.centre_x_m], row[PLANE.centre_y_m] = block.centre[0], block.centre[1]
 
 
 @compiled
-def write_space_motion(block: BlockMotion, row: Array) -> None:
+def write_space_motion(block: MovingBlock, row: Array) -> None:
     """Fill in the columns of a block in space that follow from its motion."""
     row[SPACE.angle_rad], row[SPACE.angle_x_rad] = block.angles[0], block.angles[1]
     row[SPACE.angle_y_rad], row[SPACE.angle_z_rad] = block.angles[2], block.angles[3]

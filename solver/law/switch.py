@@ -20,15 +20,12 @@ SHORT = 1000.0
 
 @dataclass(slots=True)
 class _Choice:
-    """What this process does.
-
-    Attributes:
-        interprets: Whether compiled functions are interpreted now.
-        spent: Steps of one block that were interpreted so far.
-    """
+    """What this process does."""
 
     interprets: bool = False
+    """Whether compiled functions are interpreted now."""
     spent: float = 0.0
+    """Steps of one block that were interpreted so far."""
 
 
 CHOICE = _Choice()

@@ -25,18 +25,15 @@ PLAIN, FLOOR, FLOOR_EDGE = "#d9dee5", "#dddddd", "#999999"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Snapshot:
-    """The bodies at an instant.
-
-    Attributes:
-        time_s: The instant, s.
-        outlines: Corners of each cell (in space: of each face of the surface) as it stands in the
-            picture, m; those that hide others later.
-        von_mises: Stress of each, Pa.
-    """
+    """The bodies at an instant."""
 
     time_s: float
+    """The instant, s."""
     outlines: list[Array]
+    """Corners of each cell (in space: of each face of the surface) as it stands in the picture, m;
+    those that hide others later."""
     von_mises: Array
+    """Stress of each, Pa."""
 
     @property
     def low(self) -> Array:

@@ -22,15 +22,12 @@ from solver.types import Array, Mask
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """Why a run ends early.
-
-    Attributes:
-        row: Number of its last row among those that were looked at.
-        reason: In words.
-    """
+    """Why a run ends early."""
 
     row: int
+    """Number of its last row among those that were looked at."""
     reason: str
+    """In words."""
 
 
 class Watch:

@@ -36,35 +36,29 @@ SMALLEST_SLIP = 1e-2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Swing:
-    """A stay of the angle on one side of zero.
-
-    Attributes:
-        first: Row at which it exceeds the smallest swing.
-        last: Last row of it.
-        peak_s: Time of the largest angle, s.
-        peak_rad: Largest angle, with its sign, rad.
-        turned: Whether the peak is a turning point, not the last row of the history.
-    """
+    """A stay of the angle on one side of zero."""
 
     first: int
+    """Row at which it exceeds the smallest swing."""
     last: int
+    """Last row of it."""
     peak_s: float
+    """Time of the largest angle, s."""
     peak_rad: float
+    """Largest angle, with its sign, rad."""
     turned: bool
+    """Whether the peak is a turning point, not the last row of the history."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impact:
-    """The end of a swing.
-
-    Attributes:
-        time_s: Time of the impact, s.
-        restitution: Ratio of angular velocities after and before of the rigid block that has the
-            same peaks; None where the peak after it is not in the history.
-    """
+    """The end of a swing."""
 
     time_s: float
+    """Time of the impact, s."""
     restitution: float | None
+    """Ratio of angular velocities after and before of the rigid block that has the same peaks; None
+    where the peak after it is not in the history."""
 
 
 def swings(time: Array, angle: Array, slenderness: float) -> list[Swing]:

@@ -13,7 +13,7 @@ from solver.contact.interface import Key
 from solver.contact.memory import Memory
 from solver.contact.projection import in_space
 from solver.history.block_columns import (
-    BlockMotion,
+    MovingBlock,
     lean_in_space,
     write_plane_motion,
     write_space_motion,
@@ -137,13 +137,13 @@ class BlockObserver:
             angles[0] = unwrap(lean(rotation), angles[0])
             inertia = np.array([shape.rotary_inertia])
             write_plane_motion(
-                BlockMotion(mass, inertia, centre, velocity, angles, spin, spin), row
+                MovingBlock(mass, inertia, centre, velocity, angles, spin, spin), row
             )
             return
         angles[0] = lean_in_space(rotation, angles[0])
         angles[1:] = rotation_vector(rotation)
         inertia, own = np.array(shape.principal_inertias), rotation.T @ spin
-        write_space_motion(BlockMotion(mass, inertia, centre, velocity, angles, spin, own), row)
+        write_space_motion(MovingBlock(mass, inertia, centre, velocity, angles, spin, own), row)
 
     def _force(self, state: State, lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.

@@ -32,14 +32,12 @@ class GeneralizedAlpha:
 
     With beta = gamma_n/2 the spectral radius at infinite frequency is 1 for every `rho_inf`: it
     sets the damping of the middle frequencies only.
-
-    Attributes:
-        rho_inf: Spectral radius that the weights come from.
-        damped_time: How long steps are taken with rho_inf = 0 after a change of contact, s.
     """
 
     rho_inf: float
+    """Spectral radius that the weights come from."""
     damped_time: float = 0.0
+    """How long steps are taken with rho_inf = 0 after a change of contact, s."""
 
     @property
     def damped(self) -> GeneralizedAlpha:

@@ -28,21 +28,18 @@ class Energies:
 
 @dataclass(slots=True)
 class StepSums:
-    """What a step adds up over all bodies.
-
-    Attributes:
-        energies: Energies at t_{n+1}, J.
-        moved: Sum of m du along each direction, (d,), kg m.
-        increment: du.dr with r = p + F but for the theta term of contact, J.
-        damping: du.C du/dt, J.
-        residual: Work of what the iteration left out of balance, J.
-    """
+    """What a step adds up over all bodies."""
 
     energies: Energies
+    """Energies at t_{n+1}, J."""
     moved: Array
+    """Sum of m du along each direction, (d,), kg m."""
     increment: float = 0.0
+    """du.dr with r = p + F but for the theta term of contact, J."""
     damping: float = 0.0
+    """du.C du/dt, J."""
     residual: float = 0.0
+    """Work of what the iteration left out of balance, J."""
 
     def over_ranks(self, comm: MPI.Intracomm) -> StepSums:
         """The sums over all ranks, in one message."""
@@ -78,23 +75,20 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
 
 
 class StepEnds(NamedTuple):
-    """Both ends of a step, before velocities are corrected; p in the frame of its middle.
-
-    Attributes:
-        dt: Step, s.
-        u: u_{n+1}, m.
-        v: v_{n+1}, m/s.
-        du: u_{n+1} - u_n, m.
-        dp: p_{n+1} - p_n, N.
-        residual: What the iteration left out of balance, N.
-    """
+    """Both ends of a step, before velocities are corrected; p in the frame of its middle."""
 
     dt: float
+    """Step, s."""
     u: Array
+    """u_{n+1}, m."""
     v: Array
+    """v_{n+1}, m/s."""
     du: Array
+    """u_{n+1} - u_n, m."""
     dp: Array
+    """p_{n+1} - p_n, N."""
     residual: Array
+    """What the iteration left out of balance, N."""
 
 
 def step_sums(system: System, ends: StepEnds) -> StepSums:

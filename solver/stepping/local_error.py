@@ -17,38 +17,32 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True)
 class StepError:
-    """Error of a step, over a length of the scene.
-
-    Attributes:
-        rigid: Of the motion of a body as a whole, the largest.
-        vibration: Of the points of a meshed body, root of the mean square, the largest.
-    """
+    """Error of a step, over a length of the scene."""
 
     rigid: float
+    """Of the motion of a body as a whole, the largest."""
     vibration: float
+    """Of the points of a meshed body, root of the mean square, the largest."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Past:
-    """What earlier steps leave for the estimate.
-
-    Attributes:
-        u: Displacement at t_n, m.
-        rigid: Velocities of the bodies as a whole at t_n, m/s.
-        rigid_change: Their mean accelerations in the last step, m/s2; None before the first.
-        mean: Mean velocities of all points in the last step, m/s; None likewise.
-        change: Accelerations between the last two steps, m/s2; None before the second.
-        dt: Length of the last step, s.
-        dt_before: Of the one before it, s.
-    """
+    """What earlier steps leave for the estimate."""
 
     u: Array
+    """Displacement at t_n, m."""
     rigid: Array
+    """Velocities of the bodies as a whole at t_n, m/s."""
     rigid_change: Array | None = None
+    """Their mean accelerations in the last step, m/s2; None before the first."""
     mean: Array | None = None
+    """Mean velocities of all points in the last step, m/s; None likewise."""
     change: Array | None = None
+    """Accelerations between the last two steps, m/s2; None before the second."""
     dt: float = 0.0
+    """Length of the last step, s."""
     dt_before: float = 0.0
+    """Of the one before it, s."""
 
 
 class LocalError:

@@ -43,19 +43,16 @@ REASONS = {
 
 
 class NewtonOutcome(NamedTuple):
-    """How a nonlinear solve ended.
-
-    Attributes:
-        converged: Whether it found a solution.
-        iterations: Corrections that it took.
-        residual: Euclidean norm of the last residual, N.
-        reason: Why it ended, in words.
-    """
+    """How a nonlinear solve ended."""
 
     converged: bool
+    """Whether it found a solution."""
     iterations: int
+    """Corrections that it took."""
     residual: float
+    """Euclidean norm of the last residual, N."""
     reason: str
+    """Why it ended, in words."""
 
 
 class NonlinearProblem(Protocol):

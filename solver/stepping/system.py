@@ -28,17 +28,14 @@ Body = ElasticBody | DenseBody
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """An interface between two bodies of a system.
-
-    Attributes:
-        interface: Kinematics and law.
-        body: Number of the body whose points these are; None for what is fixed to the ground.
-        carrier: Number of the body that carries them; None likewise.
-    """
+    """An interface between two bodies of a system."""
 
     interface: Interface
+    """Kinematics and law."""
     body: int | None
+    """Number of the body whose points these are; None for what is fixed to the ground."""
     carrier: int | None
+    """Number of the body that carries them; None likewise."""
 
 
 class System:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from solver.history.block_columns import PLANE as BLOCK
-from solver.history.block_columns import BlockMotion, write_plane_motion
+from solver.history.block_columns import MovingBlock, write_plane_motion
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.advance import full_step
@@ -77,7 +77,7 @@ def write_block(
     q, v, carrier, k = state.q, state.v, still_carried(system, state.q, b), 3 * b
     turned, spin = q[k + 2 : k + 3], v[k + 2 : k + 3]
     inertia, moved, velocity = system.mass[k + 2 : k + 3], q[k : k + 2], v[k : k + 2]
-    motion = BlockMotion(system.mass[k], inertia, moved, velocity, turned, spin, spin)
+    motion = MovingBlock(system.mass[k], inertia, moved, velocity, turned, spin, spin)
     write_plane_motion(motion, row)
     row[BLOCK.slip_m] = state.slip[b]
     row[BLOCK.gap_left_m] = height_over(system, q, b, 0, carrier)

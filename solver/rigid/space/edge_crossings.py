@@ -33,19 +33,16 @@ OUTLINE = 1e-6
 
 
 class SpaceCrossings(NamedTuple):
-    """Of ends of edges. Those that touch as points of a face have zeros here.
-
-    Attributes:
-        way: (ENDS, 3) direction of the upper edge, in its body.
-        foot: (ENDS, 3) place on the lower edge, in its body, m.
-        border: (ENDS, 3) direction of the lower edge, in its body.
-        axes: (ENDS, 3, 3) rows normal and two tangential, in space.
-    """
+    """Of ends of edges. Those that touch as points of a face have zeros here."""
 
     way: Array
+    """(ENDS, 3) direction of the upper edge, in its body."""
     foot: Array
+    """(ENDS, 3) place on the lower edge, in its body, m."""
     border: Array
+    """(ENDS, 3) direction of the lower edge, in its body."""
     axes: Array
+    """(ENDS, 3, 3) rows normal and two tangential, in space."""
 
 
 @compiled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.history.block_columns import SPACE as BLOCK
-from solver.history.block_columns import BlockMotion, lean_in_space, write_space_motion
+from solver.history.block_columns import MovingBlock, lean_in_space, write_space_motion
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import compiled
 from solver.rigid.rows import write_energies
@@ -70,7 +70,7 @@ def _record_block(
     seen[1:] = rotation_vector(state.quaternion[block], seen[1:])
     own, centre, velocity = state.spin[block], state.place[block], state.velocity[block]
     mass, inertia, spin = model.mass[block], model.inertia[block], to_space(frame, own)
-    write_space_motion(BlockMotion(mass, inertia, centre, velocity, seen, spin, own), row)
+    write_space_motion(MovingBlock(mass, inertia, centre, velocity, seen, spin, own), row)
     row[BLOCK.slip_m], row[BLOCK.slip_second_m] = state.slip[block, 0], state.slip[block, 1]
     shift, gap = state.place[block] - state.place[carrier], np.empty(4)
     for k in range(4):
