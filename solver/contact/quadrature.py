@@ -50,13 +50,8 @@ def on_pieces(start: Array, leg: Array, cuts: Array, degree: int) -> Rule:
     """Gauss points on the pieces into which points cut straight facets in the plane.
 
     A product of two piecewise polynomials is integrated exactly on the common refinement of both
-    meshes only; this is what passes the patch test.
-
-    Args:
-        start: First end of each facet, (facets, 2), m.
-        leg: From there to the other end, (facets, 2), m.
-        cuts: Points at which to cut, (n, 2), m; those on no facet do nothing.
-        degree: Polynomial degree of the displacement.
+    meshes only; this is what passes the patch test. Facets are given by their first ends and the
+    legs to the other ones, (facets, 2), m; cuts, (n, 2), m, that are on no facet do nothing.
     """
     points, weights = facet_rule("gauss", degree, basix.CellType.interval)
     square = np.einsum("fi,fi->f", leg, leg)[:, None]
