@@ -16,17 +16,14 @@ Placement = Callable[[Array], Array]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pose:
-    """A rigid motion of points, X -> rotation (X - about) + place; call it with points (n, d).
-
-    Attributes:
-        rotation: Rotation matrix, (d, d).
-        about: A point of the block in its own frame, (d,), m: the one it stands on.
-        place: Where this point goes, (d,), m, without round-off from the rotation.
-    """
+    """A rigid motion of points, X -> rotation (X - about) + place; call it with points (n, d)."""
 
     rotation: Array
+    """Rotation matrix, (d, d)."""
     about: Array
+    """A point of the block in its own frame, (d,), m: the one it stands on."""
     place: Array
+    """Where this point goes, (d,), m, without round-off from the rotation."""
 
     def __call__(self, points: Array) -> Array:
         """Positions of points (n, d) given in the block's own frame."""
@@ -58,17 +55,11 @@ def pivot(shape: Block, tilt: float) -> tuple[float, float]:
 
 
 def initial_position(shape: Block, offset: float, tilt: float) -> Pose:
-    """The map from the block's own frame to where it stands on the surface y = 0.
+    """The map from the block's own frame to where it stands on the surface y = 0, (n, 2) -> (n, 2).
 
-    Args:
-        shape: The block; its own frame has the origin at the bottom centre, x in [-B/2, B/2],
-            y in [0, H].
-        offset: Of the bottom centre along x before the tilt, m.
-        tilt: Rotation about the bottom corner on that side, rad, positive clockwise; |tilt| < pi/2,
-            so that this corner stays the lowest point and touches y = 0.
-
-    Returns:
-        The map X -> x of points, (n, 2) -> (n, 2).
+    The own frame has its origin at the bottom centre. `offset` is that of this point along x before
+    the tilt, m; `tilt` turns about the bottom corner on that side, rad, positive clockwise; |tilt|
+    < pi/2, so that this corner stays the lowest point and touches y = 0.
     """
     _refuse_lying(tilt)
     c, s = math.cos(tilt), math.sin(tilt)
@@ -81,12 +72,8 @@ def pivot_in_space(shape: Block, tilt: float, azimuth: float) -> tuple[float, fl
     """The bottom point that stays at its place when a block in space leans, own frame, m.
 
     The corner on the side that it leans to; the middle of an edge, or of the bottom, where it leans
-    straight over that edge or not at all.
-
-    Args:
-        shape: The block.
-        tilt: Rotation, rad.
-        azimuth: Direction in which it leans for tilt > 0, rad, from +x towards +y.
+    straight over that edge or not at all. For tilt > 0 it leans towards the azimuth, rad, from +x
+    towards +y.
     """
     towards = np.array([math.cos(azimuth), math.sin(azimuth)])
     sides = np.sign(tilt) * np.sign(np.where(np.abs(towards) < 1e-12, 0.0, towards))
@@ -96,18 +83,11 @@ def pivot_in_space(shape: Block, tilt: float, azimuth: float) -> tuple[float, fl
 def initial_position_in_space(
     shape: Block, offset: tuple[float, float], tilt: float, azimuth: float = 0.0
 ) -> Pose:
-    """The map from the own frame of a block in space to where it stands on the surface z = 0.
+    """The map from the own frame of a block in space to where it stands on z = 0, (n, 3) -> (n, 3).
 
-    Args:
-        shape: The block; its own frame has the origin at the bottom centre, x in [-B/2, B/2],
-            y in [-t/2, t/2], z in [0, H].
-        offset: Of the bottom centre along x and y before the tilt, m.
-        tilt: Rotation about the horizontal axis across the azimuth, rad, |tilt| < pi/2: the block
-            leans towards the azimuth and stands on the edge or corner on that side.
-        azimuth: From +x towards +y, rad: 0 leans towards +x, which is a rotation about +y.
-
-    Returns:
-        The map X -> x of points, (n, 3) -> (n, 3).
+    The own frame has its origin at the bottom centre; `offset` is that of this point along x and y
+    before the tilt, m. The block leans towards the azimuth (rad, from +x towards +y; 0 is a
+    rotation about +y) and stands on the edge or corner on that side, |tilt| < pi/2.
     """
     _refuse_lying(tilt)
     # Exactly along the axes where meant so: cos(pi/2) is 6e-17.
@@ -126,13 +106,10 @@ def initial_position_in_space(
 
 
 def on_top(carrier: Pose, height: float, own: Pose) -> Pose:
-    """Pose of a block that another block carries: on its top, tilted with it.
+    """Pose of a block that another block of a height (m) carries: on its top, tilted with it.
 
-    Args:
-        carrier: Where the block below stands.
-        height: Of the block below, m.
-        own: Where the upper block would stand on a surface at level 0 whose origin is below the
-            centre of the carrier's top.
+    `own` is where it would stand on a surface at level 0 with its origin below the centre of that
+    top.
     """
     dimension = len(own.place)
     top = np.zeros(dimension)

@@ -14,17 +14,14 @@ PARALLEL = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Boxes:
-    """A box as it stands at several instants.
-
-    Attributes:
-        half: Half its edges, (d,), m.
-        centres: Its centre, (n, d), m.
-        frames: Its axes as the columns of rotation matrices, (n, d, d).
-    """
+    """A box as it stands at several instants."""
 
     half: Array
+    """Half its edges, (d,), m."""
     centres: Array
+    """Its centre, (n, d), m."""
     frames: Array
+    """Its axes as the columns of rotation matrices, (n, d, d)."""
 
     def reach(self, axes: Array) -> Array:
         """How far it reaches from its centre along unit vectors (n, axes, d), (n, axes), m."""

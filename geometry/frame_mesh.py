@@ -1,4 +1,4 @@
-"""The mesh of a frame: a deck on columns."""
+"""The mesh of a frame, a deck on columns, and of other unions of boxes of a coarse grid."""
 
 from __future__ import annotations
 
@@ -52,31 +52,23 @@ def frame_mesh(
     cell: str | None = None,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> MeshedBody:
-    """Mesh a frame in its own frame of reference: origin at the centre of the deck's top.
+    """Mesh a frame with its origin at the centre of the deck's top; collective.
 
-    Collective.
-
-    Args:
-        frame: The frame: x in [-W/2, W/2], in space y in [-t/2, t/2], the deck from -h to 0, the
-            columns below it.
-        dimension: 2: a portal; 3: a deck on four columns, with one bay.
-        cells: Numbers of cells; None: those of `FrameCells`.
-        cell: As in `block_mesh`.
-        comm: The ranks that share the mesh.
+    It has x in [-W/2, W/2], in space y in [-t/2, t/2], the deck from -h to 0 and the columns below
+    it: in the plane a portal, in space a deck on four columns, with one bay. `cell` is as in
+    `block_mesh`.
     """
     if dimension not in (2, 3) or (dimension == 3 and frame.bays != 1):
         raise ValueError(
             f"frame_mesh: got dimension {dimension} with {frame.bays} bays, allowed 2, or 3 with 1"
         )
-    if cell not in (None, *CELLS[dimension]):
-        raise ValueError(f"frame_mesh: got cell {cell!r}, allowed one of {CELLS[dimension]}")
     cells = cells or FrameCells()
-    along_x = _breaks(frame.deck.width, frame.column_width, frame.bays)
-    lines, counts = [along_x], [_alternate(frame.bays, cells.bay, cells.column)]
+    along_x = column_breaks(frame.deck.width, frame.column_width, frame.bays)
+    lines, counts = [along_x], [alternate_counts(frame.bays, cells.bay, cells.column)]
     if dimension == 3:
         column = frame.column_thickness or frame.column_width
-        lines.append(_breaks(frame.deck.thickness, column, 1))
-        counts.append(_alternate(1, cells.bay_across or cells.bay, cells.column))
+        lines.append(column_breaks(frame.deck.thickness, column, 1))
+        counts.append(alternate_counts(1, cells.bay_across or cells.bay, cells.column))
     lines.append(np.array([-frame.deck.height - frame.storey, -frame.deck.height, 0.0]))
     counts.append([cells.storey, cells.deck])
     # All boxes of the deck; below it those where every direction has a column.
@@ -85,11 +77,10 @@ def frame_mesh(
         for place in product(*(range(len(count)) for count in counts))
         if place[-1] == 1 or all(index % 2 == 0 for index in place[:-1])
     ]
-    simplices = cell == CELLS[dimension][1]
-    return make("frame", lambda: _mesh_boxes(lines, counts, boxes, simplices), dimension, comm)
+    return boxes_mesh(lines, counts, boxes, carries=1, cell=cell, comm=comm)
 
 
-def _breaks(length: float, column: float, bays: int) -> Array:
+def column_breaks(length: float, column: float, bays: int) -> Array:
     """Places along the deck where columns begin and end, from -length/2 to length/2."""
     bay = (length - (bays + 1) * column) / bays
     if not bay > 0:
@@ -102,16 +93,37 @@ def _breaks(length: float, column: float, bays: int) -> Array:
     return symmetric
 
 
-def _alternate(bays: int, bay: int, column: int) -> list[int]:
+def alternate_counts(bays: int, bay: int, column: int) -> list[int]:
     """Numbers of cells of column, bay, column, ..."""
     return [column, *([bay, column] * bays)]
 
 
-def _mesh_boxes(
-    lines: list[Array], counts: list[list[int]], boxes: list[Box], simplices: bool
-) -> None:
-    """Mesh a union of boxes of a coarse grid in the current Gmsh model, tags included."""
-    builder = _Boxes(lines, counts)
+def boxes_mesh(
+    lines: list[Array],
+    counts: list[list[int]],
+    boxes: list[Box],
+    *,
+    carries: int,
+    cell: str | None = None,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> MeshedBody:
+    """Mesh a union of boxes of a coarse grid, which stands on its lowest boxes; collective.
+
+    The grid has lines along x, in space along y, and upwards, m, with numbers of cells between
+    them; boxes are given by their places along each direction. Blocks stand on the tops of the
+    boxes whose place upwards is `carries`. `cell` is as in `block_mesh`.
+    """
+    dimension = len(lines)
+    if cell not in (None, *CELLS[dimension]):
+        raise ValueError(f"boxes_mesh: got cell {cell!r}, allowed one of {CELLS[dimension]}")
+    simplices = cell == CELLS[dimension][1]
+    builder = _Boxes(lines, counts, carries)
+    return make("boxes", lambda: _mesh_boxes(builder, boxes, simplices), dimension, comm)
+
+
+def _mesh_boxes(builder: _Boxes, boxes: list[Box], simplices: bool) -> None:
+    """Mesh a union of boxes in the current Gmsh model, tags included."""
+    lines, counts = builder.lines, builder.counts
     solids = [builder.solid(place) for place in boxes]
     gmsh.model.geo.synchronize()
     dimension = len(lines)
@@ -137,9 +149,10 @@ def _refined(line: Array, count: list[int]) -> Array:
 class _Boxes:
     """Transfinite boxes of a coarse grid that share points, lines and faces where they touch."""
 
-    def __init__(self, lines: list[Array], counts: list[list[int]]):
-        """Take the coarse grid and the numbers of cells between its lines."""
+    def __init__(self, lines: list[Array], counts: list[list[int]], carries: int):
+        """Take the coarse grid, the numbers of cells between its lines, and which layer carries."""
         self.lines, self.counts, self.dimension = lines, counts, len(lines)
+        self.carries = carries
         self._made: dict[tuple[Box, Box], int] = {}
 
     def solid(self, place: Box) -> int:
@@ -209,10 +222,11 @@ class _Boxes:
         return found
 
     def _tag(self, place: Box, direction: int, up: bool) -> FacetTag:
-        """The side that a face looks to; the undersides of columns are feet."""
+        """The side that a face looks to; the undersides of the lowest boxes are feet."""
         if direction == self.dimension - 1:
             down = FacetTag.BOTTOM if place[-1] else FacetTag.FEET
-            return FacetTag.TOP if up else down
+            top = FacetTag.TOP if place[-1] == self.carries else FacetTag.FREE
+            return top if up else down
         sides = ((FacetTag.LEFT, FacetTag.RIGHT), (FacetTag.FRONT, FacetTag.BACK))
         return sides[direction][up]
 

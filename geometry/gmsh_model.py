@@ -152,10 +152,8 @@ def split_into_simplices(lines: list[Array]) -> None:
 
     Colour the nodes like a chessboard: every diagonal joins two nodes of the same colour as the
     first corner of the grid. So neighbours agree, and for even numbers of cells the mesh is its own
-    mirror image. Bottom corners then belong to several cells.
-
-    Args:
-        lines: Those of the tensor grid that the nodes lie on, in each direction.
+    mirror image. Bottom corners then belong to several cells. The nodes lie on the lines of a
+    tensor grid.
     """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     grid = coordinates.reshape(-1, 3)

@@ -63,12 +63,8 @@ def plate_mesh(
 ) -> MeshedBody:
     """Mesh a plate in its own frame, whose origin is at the centre of its top; collective.
 
-    Args:
-        plate: The plate: x in [-W/2, W/2], in space y in [-t/2, t/2], and from -h up to 0.
-        dimension: 2 or 3.
-        cells: As in `block_mesh`, all of one size in each direction.
-        cell: As in `block_mesh`.
-        comm: The ranks that share the mesh.
+    It has x in [-W/2, W/2], in space y in [-t/2, t/2], and goes from -h up to 0. Cells are those of
+    `block_mesh`, all of one size in each direction.
     """
     if not _allowed(dimension, cells, cell):
         raise ValueError(f"plate_mesh: dimension={dimension}, cells={cells}, cell={cell!r}")

@@ -11,7 +11,7 @@ class CellTag(IntEnum):
 
 
 class FacetTag(IntEnum):
-    """The sides of a body, in its own frame; the last three in space or on columns only."""
+    """The sides of a body, in its own frame; the last four in space or on columns only."""
 
     BOTTOM = 1
     RIGHT = 2
@@ -25,3 +25,5 @@ class FacetTag(IntEnum):
     """Towards +y."""
     FEET = 7
     """Feet of the columns, which are clamped."""
+    FREE = 8
+    """Tops that carry nothing, of storeys below the one that the blocks stand on."""

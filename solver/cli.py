@@ -36,11 +36,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code.
-
-    Args:
-        arguments: The command line without the name of the program; None: that of this process.
-    """
+    """Run the command line, without the name of the program; returns its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     # What follows "--" is for PETSc, not for argparse
     cut = words.index("--") if "--" in words else len(words)

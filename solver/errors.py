@@ -17,13 +17,9 @@ class SceneError(RockslipError):
     exit_code = 2
 
     def __init__(self, where: str, got: str, allowed: str, nearest: str | None = None) -> None:
-        """Say what is wrong.
+        """Say in words what stands at a path, such as `block.poisson`, and what may stand there.
 
-        Args:
-            where: Path of the key, such as `block.poisson`, or the file.
-            got: What stands there, in words.
-            allowed: What may stand there, in words.
-            nearest: The allowed word that looks most like it.
+        The path may also be a file; `nearest` is the allowed word that looks most like it.
         """
         # All four in `args`, so that the error survives pickling between ranks.
         super().__init__(where, got, allowed, nearest)
@@ -53,12 +49,7 @@ class Statement(SceneError):
     """Bad input that is best said in a sentence of its own: a key, and what is wrong with it."""
 
     def __init__(self, where: str, predicate: str) -> None:
-        """Say what is wrong.
-
-        Args:
-            where: Path of the key: the subject of the sentence.
-            predicate: The rest of the sentence.
-        """
+        """Say what is wrong: the subject of the sentence, a path of a key, and the rest of it."""
         super().__init__(where, "", predicate)
         self.args = (where, predicate)
 

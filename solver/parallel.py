@@ -35,8 +35,7 @@ Comm: TypeAlias = "MPI.Intracomm | Single"
 def world(*, meshed: bool = False) -> Comm:
     """All ranks there are: without MPI, whose start takes a quarter of a second, where one will do.
 
-    Args:
-        meshed: Whether there is a mesh, which MPI has to hold even on one rank.
+    A mesh needs MPI even on one rank.
 
     Raises:
         ImportError: MPI is needed and not there.
@@ -107,13 +106,10 @@ class Layer:
         position: NDArray[np.int64],
         nodes: NDArray[np.int64],
     ):
-        """Set up the exchange.
+        """Set up the exchange over the ranks of a mesh.
 
-        Args:
-            comm: The communicator of the mesh.
-            local: Owned nodes of this rank that are in the layer.
-            position: Where each of them stands in the layer.
-            nodes: Global numbers of all nodes of the layer, in its order.
+        `local` are the owned nodes of this rank that are in the layer, `position` where each of
+        them stands in it, `nodes` the global numbers of all its nodes, in its order.
         """
         self.comm, self.local, self.position, self.nodes = comm, local, position, nodes
         self.size = size = len(nodes)

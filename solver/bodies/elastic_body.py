@@ -295,22 +295,14 @@ class ElasticBody:
         return self._forms.increment_energy.scalar()
 
     def stiffen(self, interface: PETSc.Mat) -> None:
-        """Hand over the theta term of Nitsche's method, which tangents subtract.
-
-        Args:
-            interface: (theta/gamma_h) G_T^T w G_T.
-        """
+        """Hand over (theta/gamma_h) G_T^T w G_T of Nitsche's method, which tangents subtract."""
         self._interface = interface
         self._factorizations.clear()
 
     def restiffen(self, u: Array) -> bool:
         """From now on, the stiffness of the body as it is strained at u, turned back; collective.
 
-        Args:
-            u: Owned displacement, m.
-
-        Returns:
-            Whether it differs from what it was by enough to be taken.
+        Whether it differs from what it was by enough to be taken.
         """
         state, form = self._forms.strained_stiffness()
         shape = self.arm + u.reshape(-1, self.dimension)

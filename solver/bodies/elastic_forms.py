@@ -26,15 +26,12 @@ it: what iterations with the undeformed tangent leave of an error is of that siz
 
 
 class StrainWeights(NamedTuple):
-    """Weights of the strains in the stress of a step's internal force.
-
-    Attributes:
-        new: w_new, of E_{n+1}.
-        old: w_old, of E_n.
-    """
+    """Weights of the strains in the stress of a step's internal force."""
 
     new: float
+    """w_new, of E_{n+1}."""
     old: float
+    """w_old, of E_n."""
 
 
 def green_strain(gradient: Any) -> Any:
@@ -55,13 +52,9 @@ class ElasticForms:
     def __init__(
         self, u: fem.Function, u_old: fem.Function, material: Material, *, viscous: bool
     ) -> None:
-        """Compile the forms.
+        """Compile the forms; those of the strain rate only where the body is viscous.
 
-        Args:
-            u: Displacement u_{n+1}; its values are those at the time of assembly.
-            u_old: Displacement u_n.
-            material: Stresses times thickness.
-            viscous: Whether forces of the strain rate are needed.
+        The values of `u` are those at the time of assembly; stresses are times the thickness.
         """
         self._space, self._material = u.function_space, material
         domain = self._space.mesh

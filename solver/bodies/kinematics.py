@@ -10,20 +10,17 @@ from numpy.typing import NDArray
 
 
 class RigidMotion(NamedTuple):
-    """Motion of a body as a whole.
-
-    Attributes:
-        moved: Displacement of its centre of mass, (d,), m.
-        velocity: Of that centre, (d,), m/s.
-        spin: Angular velocity, rad/s: (1,), clockwise; in space (3,), by the right-hand rule; empty
-            where it cannot turn.
-        rotation: That fits its displacement best, (d, d).
-    """
+    """Motion of a body as a whole."""
 
     moved: NDArray[np.float64]
+    """Displacement of its centre of mass, (d,), m."""
     velocity: NDArray[np.float64]
+    """Of that centre, (d,), m/s."""
     spin: NDArray[np.float64]
+    """Angular velocity, rad/s: (1,), clockwise; in space (3,), by the right-hand rule; empty where
+    it cannot turn."""
     rotation: NDArray[np.float64]
+    """That fits its displacement best, (d, d)."""
 
 
 def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,9 +17,7 @@ STATIC = TangentWeights(mass=0.0, stiffness=1.0, interface=0.0, contact=0.0, spr
 def eigenvalues(body: ElasticBody, count: int = 1) -> Array:
     """Lowest eigenvalues omega^2 of K x = omega^2 M x with held supports, 1/s^2, rising.
 
-    Args:
-        body: On one rank; held or on a spring, so that K is positive definite.
-        count: How many.
+    The body is on one rank, and held or on a spring, so that K is positive definite.
     """
     factor = body.factorization(STATIC)
     mass = body.mass_matrix.copy()

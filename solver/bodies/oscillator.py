@@ -25,15 +25,7 @@ class Oscillator(DenseBody):
         dimension: int = 2,
         comm: MPI.Intracomm = MPI.COMM_WORLD,
     ):
-        """Set up.
-
-        Args:
-            mass: m_P, kg.
-            stiffness: k, N/m.
-            dashpot: c, N s/m.
-            dimension: Of space.
-            comm: Communicator of the run.
-        """
+        """Take the mass m_P (kg), the stiffness k (N/m) and the dashpot c (N s/m)."""
         translations = np.eye(dimension, dimension - 1)
         diagonal = np.full(dimension - 1, mass)
         super().__init__(

@@ -59,15 +59,7 @@ class RigidBox(DenseBody):
         mass: Array,
         comm: MPI.Intracomm = MPI.COMM_WORLD,
     ):
-        """Set up.
-
-        Args:
-            name: Of the block.
-            shape: Its size and density.
-            centre: Of the unrotated block, in its own frame, (d,), m.
-            mass: Diagonal of M, (unknowns,), kg and kg m2.
-            comm: Communicator of the run.
-        """
+        """Take the unrotated block's centre in its own frame, m, and M's diagonal, kg and kg m2."""
         dimension = len(centre)
         super().__init__(name, mass, np.eye(dimension, len(mass)), comm=comm)
         self.shape, self.centre = shape, centre
@@ -82,22 +74,11 @@ class RigidBox(DenseBody):
 
     @abstractmethod
     def initial(self, moved: Array, rotation: Array) -> Array:
-        """The owned unknowns at a place.
-
-        Args:
-            moved: Displacement of the centre, (d,), m.
-            rotation: Rotation of the block, (d, d).
-        """
+        """The owned unknowns where the centre has moved, (d,), m, and the block turned, (d, d)."""
 
     @abstractmethod
     def initial_velocity(self, velocity: Array, spin: Array, rotation: Array) -> Array:
-        """The owned velocities.
-
-        Args:
-            velocity: Of the centre, (d,), m/s.
-            spin: Angular velocity, (1,) clockwise, or (3,) in space, rad/s.
-            rotation: Rotation of the block, (d, d).
-        """
+        """The owned velocities: of the centre, m/s, and the spin, (1,) clockwise or (3,), rad/s."""
 
     @abstractmethod
     def rotation_at(self, values: Array) -> Array:

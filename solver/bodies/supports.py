@@ -10,27 +10,21 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Support:
-    """Facets whose displacement is held, in some directions or in all.
-
-    Attributes:
-        facets: Numbers of boundary facets.
-        directions: Held components of the displacement.
-    """
+    """Facets whose displacement is held, in some directions or in all."""
 
     facets: NDArray[np.int32]
+    """Numbers of boundary facets."""
     directions: tuple[int, ...]
+    """Held components of the displacement."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroundSpring:
-    """A horizontal spring and dashpot to the ground, spread evenly over some facets.
-
-    Attributes:
-        facets: Numbers of boundary facets.
-        stiffness: k of the whole spring, N/m.
-        dashpot: c of the whole dashpot, N s/m.
-    """
+    """A horizontal spring and dashpot to the ground, spread evenly over some facets."""
 
     facets: NDArray[np.int32]
+    """Numbers of boundary facets."""
     stiffness: float
+    """k of the whole spring, N/m."""
     dashpot: float = 0.0
+    """c of the whole dashpot, N s/m."""

@@ -91,11 +91,7 @@ def build(
 ) -> Assembly:
     """Mesh what has to be meshed and set the solver up.
 
-    Args:
-        scene: What to build.
-        ground: Its motion of the ground, as it was read; None: it is read here.
-        petsc_options: Options for SNES.
-        comm: Communicator.
+    The motion of the ground is read here where it is not given; the options are for SNES.
     """
     ground = ground or read_ground(scene, comm)
     placed = stands(scene)

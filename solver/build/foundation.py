@@ -12,6 +12,7 @@ import numpy as np
 
 from geometry.foundation import Frame, Plate, level_frame
 from geometry.frame_mesh import FrameCells, frame_mesh
+from geometry.gmsh_model import MeshedBody
 from geometry.mesh import plate_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
@@ -73,13 +74,7 @@ class FoundationBody:
 
 
 def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """Build what carries the blocks.
-
-    Args:
-        scene: Which it belongs to.
-        number: Of its body, if it is one.
-        comm: Communicator.
-    """
+    """Build what carries the blocks; `number` is that of its body, if it is one."""
     return _built(scene.foundation, scene, number, comm)
 
 
@@ -135,8 +130,7 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
         supports=[Support(facets=bottom, directions=directions)],
         spring=spring,
     )
-    surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return FoundationBody(dimension, number, body, surface=surface)
+    return _with_top(body, made, number)
 
 
 @_built.register
@@ -158,19 +152,31 @@ def _frame(spec: FrameSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
         storey=spec.cells.storey,
     )
     made = frame_mesh(frame, dimension=dimension, cells=cells, comm=comm)
+    return _on_feet(spec, scene, made, spec.deck.thickness, number)
+
+
+def _on_feet(
+    spec: FrameSpec, scene: Scene, made: MeshedBody, thickness: float, number: int
+) -> FoundationBody:
+    """A mesh that is clamped at its feet and carries blocks on its top; `thickness`: t, m."""
     feet = made.facet_tags.find(FacetTag.FEET)
     body = meshed_body(
         scene,
-        "frame",
+        spec.kind,
         made,
         material=spec.material(scene.material_plane),
-        thickness=spec.deck.thickness,
+        thickness=thickness,
         degree=spec.degree,
         damping=scene.damping_of(spec),
-        supports=[Support(facets=feet, directions=tuple(range(dimension)))],
+        supports=[Support(facets=feet, directions=tuple(range(scene.dimension)))],
     )
+    return _with_top(body, made, number)
+
+
+def _with_top(body: ElasticBody, made: MeshedBody, number: int) -> FoundationBody:
+    """A meshed body that carries blocks on its top."""
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return FoundationBody(dimension, number, body, surface=surface)
+    return FoundationBody(body.dimension, number, body, surface=surface)
 
 
 def natural_period(scene: Scene) -> float:

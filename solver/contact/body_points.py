@@ -84,14 +84,7 @@ class NodePoints:
         *,
         chosen: Indices | None = None,
     ):
-        """Take the nodes.
-
-        Args:
-            body: The meshed body.
-            layer: Nodes of it.
-            positions: Where they are in the undeformed body, (n, d).
-            chosen: Which nodes of the layer these are; None: all.
-        """
+        """Take nodes of a layer, all or some; their undeformed `positions`, m, are (n, d)."""
         self.body, self.layer = body, layer
         self.chosen = np.arange(layer.size) if chosen is None else chosen
         self._all = chosen is None

@@ -43,11 +43,7 @@ class ContactPair(Protocol):
     always: frozenset[int]
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of the faces that are turned towards the carrier, or always take part.
-
-        Args:
-            rotation: Of the body of the points, (d, d).
-        """
+        """Tags of the faces that a rotation turns towards the carrier, or that always take part."""
 
     def join(self, faces: frozenset[int]) -> Interface:
         """The interface of these faces, made anew; collective."""

@@ -29,20 +29,18 @@ class Facets:
     outward normal turned clockwise: +x on a top), and so do the nodes of each. In space they are
     ordered by place, and the nodes of each are in the order of basix's Lagrange element on the
     facet, first the corners, such that (second - first) x (third - first) points outwards.
-
-    Attributes:
-        nodes: Nodes of each facet, as places in `positions`, (facets, k).
-        positions: Where the nodes of the face are in the undeformed body, (nodes, d), m.
-        layer: The exchange of their values between ranks, in the same order.
-        degree: Polynomial degree of the displacement: 1 or 2.
-        cell: Shape of the facets: "interval", "triangle" or "quadrilateral".
     """
 
     nodes: Indices
+    """Nodes of each facet, as places in `positions`, (facets, k)."""
     positions: Array
+    """Where the nodes of the face are in the undeformed body, (nodes, d), m."""
     layer: Layer
+    """The exchange of their values between ranks, in the same order."""
     degree: int
+    """Polynomial degree of the displacement: 1 or 2."""
     cell: str
+    """Shape of the facets: "interval", "triangle" or "quadrilateral"."""
 
     @property
     def outlines(self) -> Array:
@@ -57,12 +55,7 @@ class Facets:
 
 
 def carrier_surface(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, tag: int) -> Facets:
-    """The face `tag` of a body as a carrier; collective.
-
-    Args:
-        V: Displacement space, of degree 1 or 2.
-        facet_tags: Tag of the face that a boundary facet belongs to.
-        tag: The face.
+    """The face `tag` of a body, whose displacement has degree 1 or 2, as a carrier; collective.
 
     Raises:
         ValueError: For other degrees, for a face without facets, and in the plane for a face that

@@ -24,15 +24,9 @@ def on_polygons(
     """Gauss points on the parts of facets that lie in convex polygons.
 
     A facet with no polygon on it stays whole. What of another no polygon covers has no points:
-    nothing is opposite to it.
-
-    Args:
-        start: First corner of each facet, (facets, 3), m.
-        legs: From there to the next two, (facets, 2, 3), m; the facets are triangles or
-            parallelograms.
-        polygons: Corners of the facets opposite, in turn, (n, k, 3), m, without overlap.
-        degree: Polynomial degree of the displacement.
-        facet: Shape of the facets.
+    nothing is opposite to it. Facets are triangles or parallelograms, given by their first corners,
+    (facets, 3), and the legs from there to the next two, (facets, 2, 3); polygons by the corners of
+    the facets opposite, in turn, (n, k, 3), m, without overlap.
     """
     whole = facet_rule("gauss", degree, facet)
     piece = basix.make_quadrature(basix.CellType.triangle, 2 * degree)
@@ -72,11 +66,9 @@ def _parts(
 
 
 def _half(polygon: Array, height: Array) -> Array:
-    """The part of a convex polygon where a linear function is not negative (Sutherland, Hodgman).
+    """The part of a convex polygon, (n, 2) in turn, where a linear function is not negative.
 
-    Args:
-        polygon: Its corners in turn, (n, 2).
-        height: The function's values there, (n,).
+    By its values at the corners, (n,) (Sutherland, Hodgman).
     """
     corners = []
     for k in range(len(polygon)):

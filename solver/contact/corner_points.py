@@ -20,12 +20,7 @@ class CornerPoints:
     """
 
     def __init__(self, places: Array, normal: Array):
-        """Find the groups.
-
-        Args:
-            places: Points of the undeformed body over the body's size, (points, d).
-            normal: Outward normals of their faces, (points, d).
-        """
+        """Find the groups by the points' places over the body's size and their outward normals."""
         _, group = np.unique(np.round(places, SAME_PLACE), axis=0, return_inverse=True)
         members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
         self._groups = [each for each in members if len(each) > 1]
@@ -34,9 +29,7 @@ class CornerPoints:
     def chosen(self, rotation: Array, towards: Array) -> Mask:
         """The points that may touch: one of each corner, and all that share no place.
 
-        Args:
-            rotation: Of the body, (d, d).
-            towards: Normal of the carrier, (d,).
+        The body has turned by a rotation (d, d); `towards` is the normal of the carrier, (d,).
         """
         mask = np.ones(len(self._normal), dtype=bool)
         if self._groups:

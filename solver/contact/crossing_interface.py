@@ -15,7 +15,7 @@ from solver.contact.edge_crossings import Crossings
 from solver.contact.interface import Interface, Key
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics, spread
-from solver.law.friction import PAST
+from solver.law.friction import new_pasts
 from solver.scene import FrictionSpec
 from solver.types import Array, Mask
 
@@ -44,7 +44,7 @@ class CrossingInterface(Interface):
             force=np.zeros((self.count, 3)),
             anchor=np.zeros((self.count, 2)),
             may_touch=self.crossings.present.copy(),
-            past=np.zeros((self.count, PAST)),
+            past=new_pasts(self.count),
         )
 
     def _observed(

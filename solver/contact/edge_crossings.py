@@ -78,13 +78,10 @@ class Crossings(FacetCarrier):
     count = 16
 
     def __init__(self, upper: Outline, lower: Outline, top: Face, bottom: Face):
-        """Set up.
+        """Take the outlines of a face that looks down and of one that looks up, and the faces.
 
-        Args:
-            upper: Outline of the face that looks down.
-            lower: Outline of the face that looks up.
-            top: The latter face itself, as what carries the former's nodes.
-            bottom: The former face, as what the latter's outline presses on.
+        The latter is what carries the former's nodes, the former what the latter's outline presses
+        on.
         """
         self.upper, self.lower, self.points = upper, lower, lower.points
         self._edges = np.divmod(np.arange(self.count), 4)

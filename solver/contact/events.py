@@ -20,10 +20,8 @@ compared with."""
 def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequence[bool]) -> bool:
     """Whether points that carry something changed their state of contact in a step.
 
-    Args:
-        old: Memory of each interface at t_n.
-        new: At t_{n+1}.
-        rigid: Whether neither of the bodies that touch is meshed.
+    By the memories of all interfaces before and after it; `rigid`: neither body that touches is
+    meshed.
     """
     states = [
         _changed(before, after, alone) for before, after, alone in zip(old, new, rigid, strict=True)

@@ -49,16 +49,11 @@ class Face(FacetCarrier):
         degree: int = 1,
         margin: float = 1e-9,
     ):
-        """Set up.
+        """Take the nodes of the face and of each facet, (facets, k), in the plane in their order.
 
-        Args:
-            points: The nodes of the face.
-            facets: Nodes of each facet, (facets, k); in the plane in their order along the face.
-            frame: Rows normal and tangents of the undeformed face.
-            cell: "interval", "triangle" or "quadrilateral".
-            degree: Polynomial degree on a facet.
-            margin: Part of a facet by which points may be beyond its edge; negative: must be
-                inside.
+        The frame has rows normal and tangents of the undeformed face. A cell is an "interval",
+        "triangle" or "quadrilateral". Points may be beyond an edge by the margin, a part of a
+        facet; negative: must be inside.
         """
         self.margin = margin
         if cell == "interval" and degree == 2:
@@ -121,11 +116,7 @@ class Face(FacetCarrier):
         return Projection(at, shape, own, slope, stretch, self._outside(where))
 
     def _nodal_gradient(self, values: Array) -> Array:
-        """Derivatives along the facets' coordinates at their nodes, (facets, k, components, d-1).
-
-        Args:
-            values: At the nodes, (n, components).
-        """
+        """Derivatives along facets' coordinates at their nodes, (facets, k, components, d-1)."""
         gradient: Array = np.einsum("jpk,fkd->fpdj", self._gradient, values[self.facets])
         return gradient
 

@@ -39,17 +39,14 @@ class Evaluations:
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """Boundary facets that this rank owns, as sides of cells.
-
-    Attributes:
-        cells: Cell that each facet belongs to, (facets,).
-        sides: Which of the cell's facets it is, (facets,).
-        tags: Its tag, (facets,).
-    """
+    """Boundary facets that this rank owns, as sides of cells."""
 
     cells: Indices
+    """Cell that each facet belongs to, (facets,)."""
     sides: Indices
+    """Which of the cell's facets it is, (facets,)."""
     tags: Indices
+    """Its tag, (facets,)."""
 
 
 def tagged_sides(domain: mesh.Mesh, facet_tags: mesh.MeshTags) -> Sides:
@@ -102,13 +99,8 @@ def evaluate_facets(
 ) -> Records:
     """Rows for all owned facets and rule points: the columns of `Evaluations`, with global nodes.
 
-    Args:
-        V: Displacement space.
-        facet_tags: Tags of the facets that take part.
-        points: "nodes" or "gauss".
-        degree: Polynomial degree of the displacement.
-        cuts: Of the surface opposite, with "gauss" only: in the plane points (n, 2) at which facets
-            are cut into pieces, in space polygons (n, k, 3) that they are cut by.
+    The cuts are of the surface opposite, with "gauss" only: in the plane points (n, 2) at which
+    facets are cut into pieces, in space polygons (n, k, 3) that they are cut by.
     """
     domain, kind = V.mesh, V.mesh.basix_cell()
     found = tagged_sides(domain, facet_tags)

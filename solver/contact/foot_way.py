@@ -26,35 +26,29 @@ twice as much or more those of its way; between the two they go over from one to
 
 @dataclass(frozen=True, slots=True)
 class FootWay:
-    """The way of the feet over the mean surface of a step, in the frame of the face.
-
-    Attributes:
-        normal: e_n, (m,), m.
-        tangential: e_t, (m, d-1), m.
-        material: ds, the way in the undeformed face, (m, d-1), m.
-        slope: kappa where a foot moves, else the slope of the surface there, (m, d-1).
-        stretch: a likewise, (m, d-1, d-1).
-        share: How far slope and stretch are those of the way, 0 to 1, (m,).
-    """
+    """The way of the feet over the mean surface of a step, in the frame of the face."""
 
     normal: Array
+    """e_n, (m,), m."""
     tangential: Array
+    """e_t, (m, d-1), m."""
     material: Array
+    """ds, the way in the undeformed face, (m, d-1), m."""
     slope: Array
+    """kappa where a foot moves, else the slope of the surface there, (m, d-1)."""
     stretch: Array
+    """a likewise, (m, d-1, d-1)."""
     share: Array
+    """How far slope and stretch are those of the way, 0 to 1, (m,)."""
 
     @classmethod
     def between(
         cls, old: ContactKinematics, new: ContactKinematics, frame: Array, facet: float
     ) -> FootWay:
-        """The way between two instants.
+        """The way between two instants, from feet and nodes at t_n and t_{n+1}.
 
-        Args:
-            old: Feet and nodes at t_n.
-            new: Feet and nodes at t_{n+1}.
-            frame: Rows normal and tangents, (d, d).
-            facet: Length of the smallest facet, m.
+        `frame` has rows normal and tangents, (d, d); `facet` is the length of the smallest facet,
+        m.
         """
         first, last = old.foot, new.foot
         assert isinstance(first, Projection) and isinstance(last, Projection)
@@ -76,10 +70,9 @@ class FootWay:
         return cls(e_n, e_t, ds, kappa, a, share)
 
     def vectors(self, force: Array) -> Array:
-        """Point forces in the frame of the face, (m, d): f_n (n - kappa t) + a^-T f_t.
+        """Point forces in the frame of the face, (m, d), of normal and tangential ones, (m, d), N.
 
-        Args:
-            force: Normal and tangential, (m, d), N.
+        They are f_n (n - kappa t) + a^-T f_t.
         """
         vectors = np.empty_like(force)
         vectors[:, 0] = force[:, 0]
@@ -92,13 +85,10 @@ class FootWay:
         return vectors
 
     def work_defect(self, force: Array, pressed: Indices) -> float:
-        """Work of these vectors less that of the forces on (g, s), J.
+        """Work of these vectors less that of the forces (m, d), N, on (g, s), J.
 
-        Only feet that hardly move have any: kappa . e_t is not e_n there, nor a^-1 e_t ds.
-
-        Args:
-            force: Normal and tangential, (m, d), N.
-            pressed: Numbers of the closed points.
+        Only feet of closed points that hardly move have any: kappa . e_t is not e_n there,
+        nor a^-1 e_t ds.
         """
         near = pressed[self.share[pressed] < 1]
         kappa, e_t = self.slope[near], self.tangential[near]

@@ -32,10 +32,11 @@ from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
 from solver.contact.theta_term import theta_matrix
 from solver.law.friction import (
-    PAST,
     Bounds,
     FrictionLaws,
     bounds_by_past,
+    bounds_followed,
+    new_pasts,
     pasts_after,
     points_that_slip,
 )
@@ -116,8 +117,7 @@ class Interface:
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
         """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.
 
-        Args:
-            like: A matrix of the body, for sizes and distribution.
+        The matrix `like`, of the body, gives sizes and distribution.
         """
         assert isinstance(self.points, NitschePoints)
         return theta_matrix(self.points.points, self.theta, like)
@@ -156,12 +156,9 @@ class Interface:
         return kinematics.place - scaled @ kinematics.frame.T
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
-        """The memory of points without contact forces.
+        """The memory of points without contact forces, by the owned unknowns of both bodies.
 
-        Args:
-            u: Owned unknowns of the body of the points; None for the ground.
-            carrier_u: Those of the carrier; None for the ground.
-            rotation: Of the body of the points, (d, d).
+        They are None for the ground; `rotation` is that of the body of the points, (d, d).
         """
         surface, kinematics = self.observe(u, carrier_u)
         y = self.augmented(surface, kinematics)
@@ -171,7 +168,7 @@ class Interface:
             force=np.zeros_like(y),
             anchor=y[:, 1:].copy(),
             may_touch=self.may_touch(rotation, kinematics),
-            past=np.zeros((self.count, PAST)),
+            past=new_pasts(self.count),
         )
 
     def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
@@ -194,6 +191,15 @@ class Interface:
             return self._constant_bounds
         return bounds_by_past(self._laws, past, self.area)
 
+    def bounds_followed(self, past: Array, mu: Array, speed: Array, slips: Mask) -> Bounds:
+        """Bounds of friction at all points in a step, by their speeds (m/s) and slips, (points,).
+
+        `mu` has their coefficients so far; `solver.law.friction.followed` says how they follow.
+        """
+        if self.law.constant:
+            return self._constant_bounds
+        return bounds_followed(self._laws, past, self.area, mu, speed, slips)
+
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
         beyond = self.carrier.beyond_edge(memory.kinematics)
@@ -204,10 +210,7 @@ class Interface:
     ) -> tuple[Array, Array | None]:
         """Point forces as vectors in space on the body's points, and on the carrier's own.
 
-        Args:
-            old: Kinematics at t_n, in the frame of the step.
-            new: Kinematics at t_{n+1}.
-            force: Point forces f at t_{n+1}, (points, d), N.
+        Forces are those at t_{n+1}, (points, d), N; `old` kinematics is in the frame of the step.
         """
         vectors = self.carrier.vectors(old, new, force)
         return vectors, self.carrier.reaction(old, new, vectors)
@@ -223,13 +226,8 @@ class Interface:
     ) -> Array:
         """Vectors that the discrete gradient of the traction is multiplied by, (points, d).
 
-        Args:
-            old: Surface at t_n.
-            new: Surface at t_{n+1}.
-            force: Point forces f at t_{n+1}.
-            traction_weight: 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], else 0 to
-                leave it out.
-            contact_weight: w_c.
+        The traction weight is 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], 0 to
+        leave it out, the contact weight w_c; forces f are those at t_{n+1}.
         """
         assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
         pressure = contact_weight * (force @ self.carrier.frame)
@@ -275,15 +273,8 @@ class Interface:
         Friction is minus the work of the tangential forces on the anchors. What contact takes is
         the work of the point forces against y that is neither stored in the interface nor lost in
         friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never negative. For others the
-        circulation of `energy` comes in, of either sign.
-
-        Args:
-            old: Memory at t_n, in the frame of the step.
-            surface: At t_{n+1}.
-            kinematics: At t_{n+1}.
-            force: Point forces at t_{n+1}.
-            bounds: Of friction at all points in this step.
-            step: Its length, s; infinite in equilibrium.
+        circulation of `energy` comes in, of either sign. Memory `old` is that at t_n, in the frame
+        of the step, all else is at t_{n+1}; the step (s) is infinite in equilibrium.
         """
         y_old, y = self.augmented(old.surface, old.kinematics), self.augmented(surface, kinematics)
         closed = force[:, 0] > 0
@@ -301,7 +292,7 @@ class Interface:
             contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, kinematics))
         way = np.sqrt(((anchor - old.anchor) ** 2).sum(axis=1))
         slipped = points_that_slip(force, way, self.softness, bounds)
-        past = pasts_after(old.past, closed, slipped, way / step)
+        past = pasts_after(self._laws, old.past, closed, slipped, way / step, step)
         memory = Memory(surface, kinematics, force, anchor, old.may_touch, past)
         return memory, Dissipation(friction, contact)
 

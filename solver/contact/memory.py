@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
-import numpy as np
-
 from solver.contact.body_points import SurfaceState
 from solver.contact.projection import ContactKinematics
-from solver.law.friction import SLIPPED
+from solver.law.friction import slipped_before
 from solver.types import Array, Indices, Mask
 
 
@@ -37,17 +35,12 @@ class Memory:
     @property
     def slipped(self) -> Mask:
         """Points that slipped in the last step."""
-        return np.asarray(self.past[:, SLIPPED] > 0.0)
+        return slipped_before(self.past)
 
     def take(self, rows: Indices, other: Memory, others: Indices) -> Memory:
-        """This memory, with what another one remembers of some points.
+        """This memory, with what another one remembers of some points, there `others`, here `rows`.
 
         Surface and kinematics stay: they say where points are, and those here are up to date.
-
-        Args:
-            rows: Numbers of the points here that take over, (m,).
-            other: Memory of an interface that has those points as well.
-            others: Their numbers there, (m,).
         """
         kept = {}
         for name in REMEMBERED:

@@ -69,16 +69,10 @@ class ContactPoints:
         size: float,
         merge: bool,
     ):
-        """Merge the evaluations into points.
+        """Merge the evaluations of all facets into points; gamma is Nitsche's, without dimension.
 
-        Args:
-            table: Evaluations of all facets.
-            layer: The nodes they refer to.
-            material: Of the body.
-            gamma: Nondimensional Nitsche parameter.
-            degree: Polynomial degree of the displacement.
-            size: Of the whole body, m: places that are nearer than 1e-9 of it are one.
-            merge: Whether evaluations of one face at one place are one point.
+        `merge`: evaluations of one face at one place are one point. Places that are nearer than
+        1e-9 of the size of the whole body (m) are one.
         """
         self.layer, self.material, self.size = layer, material, size
         self.node_positions = table.node_positions
@@ -120,12 +114,9 @@ class ContactPoints:
         return evaluate(self._rows, displacement)
 
     def traction_gradient(self, old: NitscheState, new: NitscheState, vector: Array) -> Array:
-        """Nodal values of `vector`.DT[v], (nodes, d), by the discrete gradient of the traction.
+        """Nodal values of `vector`.DT[v], (nodes, d), with one vector per point, (points, d).
 
-        Args:
-            old: State at t_n.
-            new: State at t_{n+1}.
-            vector: One vector per point, (points, d).
+        DT is the discrete gradient of the traction between two states.
         """
         return traction_gradient(self._rows, old, new, vector, self.layer.size)
 
@@ -209,16 +200,10 @@ def contact_points(
 ) -> ContactPoints:
     """The contact points of all tagged boundary facets of a body; the same on every rank.
 
-    Args:
-        V: Displacement space.
-        facet_tags: Tag of the face that a boundary facet belongs to.
-        material: Of the body.
-        points: "nodes" or "gauss".
-        gamma: Nondimensional Nitsche parameter.
-        cuts: Where the facets of the surface opposite lie in the undeformed body, m: the facets
-            here are integrated on the common refinement of both ("gauss" only), which alone passes
-            the patch test. In the plane the ends of those facets, (n, 2); in space their corners in
-            turn, (n, k, 3).
+    They are "nodes" or "gauss"; gamma is Nitsche's parameter without dimension. The cuts say where
+    the facets of the surface opposite lie in the undeformed body, m: the facets here are integrated
+    on the common refinement of both ("gauss" only), which alone passes the patch test. In the plane
+    they are the ends of those facets, (n, 2); in space their corners in turn, (n, k, 3).
 
     Raises:
         ValueError: For cuts with "nodes", and as `facet_rule`.

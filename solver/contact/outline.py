@@ -21,12 +21,7 @@ class Outline:
     """
 
     def __init__(self, points: FacePoints, degree: int):
-        """Set up.
-
-        Args:
-            points: The nodes on the outline.
-            degree: Polynomial degree between them, 1 or 2.
-        """
+        """Take the nodes on the outline; between them it has a polynomial degree of 1 or 2."""
         self.points, self._degree = points, degree
         level = points.reference[:, :-1]
         bound = {"low": level.min(axis=0), "high": level.max(axis=0)}

@@ -19,13 +19,10 @@ from solver.types import Array, Mask
 
 
 class Carrier(Protocol):
-    """What carries contact points.
-
-    Attributes:
-        turns: Whether its frame turns with its body.
-    """
+    """What carries contact points."""
 
     turns: bool
+    """Whether its frame turns with its body."""
 
     @property
     def frame(self) -> Array:
@@ -65,12 +62,9 @@ class Plane:
     turns = False
 
     def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
-        """Set up.
+        """Take rows normal and tangents, (d, d), and a point of the plane, m.
 
-        Args:
-            frame: Rows normal and tangents, (d, d).
-            origin: A point of the plane, m.
-            platform: One point of the platform that the plane belongs to; None for the ground.
+        `platform` is one point of the platform that it belongs to; None for the ground.
         """
         self.frame, self.origin, self.points = frame, origin, platform
 
@@ -111,14 +105,11 @@ class Plane:
 
 
 class FacetCarrier:
-    """A carrier that is part of a mesh, whose nodes take what presses on it.
-
-    Attributes:
-        points: Its nodes.
-    """
+    """A carrier that is part of a mesh, whose nodes take what presses on it."""
 
     turns = True
     points: FacePoints
+    """Its nodes."""
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

@@ -13,15 +13,12 @@ from solver.types import Array, Indices, Mask
 
 @dataclass(frozen=True, slots=True)
 class Interpolation:
-    """Places between the nodes of a surface.
-
-    Attributes:
-        nodes: Nodes around each place, (m, k).
-        weights: Shape functions N there, (m, k).
-    """
+    """Places between the nodes of a surface."""
 
     nodes: Indices
+    """Nodes around each place, (m, k)."""
     weights: Array
+    """Shape functions N there, (m, k)."""
 
     def carried(self, values: Array) -> Array:
         """N x: what nodal values x, (n, d), are at the places, (m, d)."""
@@ -30,55 +27,45 @@ class Interpolation:
 
 @dataclass(frozen=True, slots=True)
 class Projection(Interpolation):
-    """Where points stand on the facets of a face: their feet.
-
-    Attributes:
-        along: Tangential position s in the undeformed face, (m, d-1), m.
-        slope: Rise of the face along the tangents of the frame, (m, d-1); blended with that of the
-            next facet where facets meet, so that it is continuous.
-        stretch: Current over undeformed tangential lengths, likewise, (m, d-1, d-1).
-        beyond_edge: Feet beyond the edge of the face, (m,).
-    """
+    """Where points stand on the facets of a face: their feet."""
 
     along: Array
+    """Tangential position s in the undeformed face, (m, d-1), m."""
     slope: Array
+    """Rise of the face along the tangents of the frame, (m, d-1); blended with that of the next
+    facet where facets meet, so that it is continuous."""
     stretch: Array
+    """Current over undeformed tangential lengths, likewise, (m, d-1, d-1)."""
     beyond_edge: Mask
+    """Feet beyond the edge of the face, (m,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class EdgeInterpolation(Interpolation):
-    """Places on the edges of a face.
-
-    Attributes:
-        segment: Number of the segment, (m,).
-        where: Place on it, 0 to 1, (m,).
-        position: Where the nodes are, (n, 3), m.
-    """
+    """Places on the edges of a face."""
 
     segment: Indices
+    """Number of the segment, (m,)."""
     where: Array
+    """Place on it, 0 to 1, (m,)."""
     position: Array
+    """Where the nodes are, (n, 3), m."""
 
 
 class ContactKinematics(NamedTuple):
-    """Gaps and tangential positions of points over a carrier at one instant.
-
-    Attributes:
-        place: (g, s), (m, d), m.
-        frame: Rows normal and tangents that they are given in: one for all points, (d, d), or one
-            for each of them, (m, d, d).
-        carrier: Where the carrier's own points are; None for the ground.
-        foot: Where the points stand; None on a plane.
-        own_projection: Where they are among the nodes of their own body; None where they are those
-            nodes.
-    """
+    """Gaps and tangential positions of points over a carrier at one instant."""
 
     place: Array
+    """(g, s), (m, d), m."""
     frame: Array
+    """Rows normal and tangents that they are given in: one for all points, (d, d), or one for each
+    of them, (m, d, d)."""
     carrier: SurfaceState | None = None
+    """Where the carrier's own points are; None for the ground."""
     foot: Projection | EdgeInterpolation | None = None
+    """Where the points stand; None on a plane."""
     own_projection: EdgeInterpolation | None = None
+    """Where they are among the nodes of their own body; None where they are those nodes."""
 
 
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:

@@ -19,10 +19,7 @@ ON_FACET = 1e-6
 def facet_rule(points: str, degree: int, facet: basix.CellType) -> tuple[Array, Array]:
     """Points and weights on the reference facet, exact for the contact of polynomials.
 
-    Args:
-        points: "nodes" (Gauss-Lobatto: the nodes of the displacement) or "gauss".
-        degree: Polynomial degree of the displacement, 1 or 2.
-        facet: Shape of the facet.
+    Points are "nodes" (Gauss-Lobatto: the nodes of the displacement, of degree 1 or 2) or "gauss".
 
     Raises:
         ValueError: For the nodes of triangles of degree 2: a rule there is exact for constants and
@@ -53,13 +50,8 @@ def on_pieces(start: Array, leg: Array, cuts: Array, degree: int) -> Rule:
     """Gauss points on the pieces into which points cut straight facets in the plane.
 
     A product of two piecewise polynomials is integrated exactly on the common refinement of both
-    meshes only; this is what passes the patch test.
-
-    Args:
-        start: First end of each facet, (facets, 2), m.
-        leg: From there to the other end, (facets, 2), m.
-        cuts: Points at which to cut, (n, 2), m; those on no facet do nothing.
-        degree: Polynomial degree of the displacement.
+    meshes only; this is what passes the patch test. Facets are given by their first ends and the
+    legs to the other ones, (facets, 2), m; cuts, (n, 2), m, that are on no facet do nothing.
     """
     points, weights = facet_rule("gauss", degree, basix.CellType.interval)
     square = np.einsum("fi,fi->f", leg, leg)[:, None]

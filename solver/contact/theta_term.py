@@ -13,10 +13,7 @@ from solver.contact.nitsche_points import ContactPoints
 def theta_matrix(points: ContactPoints, theta: int, like: PETSc.Mat) -> PETSc.Mat:
     """(theta/gamma_h) G_T^T w G_T, with the rows G_T of the tractions of the undeformed body.
 
-    Args:
-        points: Contact points of the body.
-        theta: Variant of Nitsche's method: 1, 0 or -1.
-        like: A matrix of the body, for sizes and distribution.
+    The matrix `like`, of the body, gives sizes and distribution.
     """
     d = points.dimension
     weight = np.repeat(theta * points.weight * (1.0 / points.gamma_h), d)

@@ -18,12 +18,9 @@ def corrected(acceleration: Array, baseline: Baseline) -> Array:
     """Samples less the polynomial of time that makes the sum of their squared velocities least.
 
     After Berg and Housner (1961), who took off a parabola. The velocities are those of ground that
-    is at rest at the first sample and whose acceleration is linear between samples; at the last
-    sample they become small, not exactly zero.
-
-    Args:
-        acceleration: At equal distances, any unit, (n,) with n >= 2.
-        baseline: Degree of the polynomial; "none" leaves the samples as they are.
+    is at rest at the first sample and whose acceleration (n >= 2 samples at equal distances) is
+    linear between samples; at the last sample they become small, not exactly zero.
+    "none" leaves the samples as they are.
     """
     if baseline == "none":
         return acceleration

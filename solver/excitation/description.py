@@ -32,9 +32,8 @@ LARGEST_COUNT = 10**6
 def describe_motion(motion: BaseMotion | None, step: float | None) -> Lines:
     """Names and texts: of sampled motions their measures, of others peak, span and velocity.
 
-    Args:
-        motion: None: no motion. The first name is empty: it is that of the direction.
-        step: Of the run, s; None: not always the same.
+    The first name is empty: it is that of the direction. `step` is that of the run, s; None: it is
+    not always the same.
     """
     if motion is None:
         return [("", "none")]

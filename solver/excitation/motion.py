@@ -43,18 +43,10 @@ class BaseMotion(Protocol):
 
 
 def base_motion(spec: MotionSpec | None, end: float, where: str = "motion") -> BaseMotion | None:
-    """The motion of the ground along one direction in a run up to time `end` (s).
+    """The motion of the ground along one direction in a run up to time `end`, s; None: none.
 
     It is made by the module of its kind in `solver.excitation.kinds`, imported when it is asked
-    for.
-
-    Args:
-        spec: What the scene says: `scene.motion`, or its `vertical` or `second`.
-        end: s.
-        where: Path of the table in the scene, for errors.
-
-    Returns:
-        The motion; None: no motion in this direction.
+    for. Errors name the path of the table in the scene, `where`.
 
     Raises:
         SceneError: A file cannot be read; names file and line.
@@ -121,10 +113,7 @@ def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:
     """The motion of the ground, read and computed on rank 0, which tells the others.
 
     Peaks that only a motion that was read tells are held against the limits of the scene here.
-
-    Args:
-        scene: What asks for it.
-        comm: Collective on all its ranks; None: this process reads for itself alone.
+    Collective on all ranks of `comm`; without one this process reads for itself alone.
 
     Raises:
         SceneError: A file cannot be read, or the scene is beyond its limits; on every rank alike.

@@ -21,12 +21,7 @@ class Row:
 
 
 def read_lines(file: Path, key: str, expected: str) -> list[str]:
-    """The lines of a text file.
-
-    Args:
-        file: Its name.
-        key: Path of the key that names it, for errors.
-        expected: What it should hold, in words, for errors.
+    """The lines of a text file that a key names and that should hold what is expected, in words.
 
     Raises:
         SceneError: It cannot be read, is no text, or there is nothing in it.
@@ -64,13 +59,9 @@ def words_of(line: str) -> list[str]:
 
 
 def rows_of(file: Path, lines: list[str], expected: str, first: int = 1) -> list[Row]:
-    """All lines of numbers; blank lines and those that begin with # are skipped.
+    """All lines of numbers, the first of them with its number in the file.
 
-    Args:
-        file: For errors.
-        lines: The lines.
-        expected: What a line should hold, in words, for errors.
-        first: Number of the first line in the file.
+    Blank lines and those that begin with # are skipped. Errors say what a line should hold.
 
     Raises:
         SceneError: There is a line with anything but finite numbers.

@@ -18,17 +18,12 @@ Samples = NDArray[np.float64]
 def response_spectrum(
     acceleration: Samples, step: float, periods: ArrayLike, damping: float = 0.05
 ) -> Samples:
-    """Pseudo-spectral acceleration PSA = (2 pi/T)^2 max |u|, m/s^2, one for each period.
+    """Pseudo-spectral acceleration PSA = (2 pi/T)^2 max |u|, m/s^2, one for each period T > 0, s.
 
-    u'' + 2 xi w u' + w^2 u = -a(t), from rest and on through half a period after the last sample.
-    The recursion from sample to sample is exact (Nigam and Jennings 1969). The maximum is that of
-    the samples, as in published spectra: below that between them by at most (pi step/T)^2/2.
-
-    Args:
-        acceleration: a_i, m/s^2.
-        step: s.
-        periods: T > 0, s.
-        damping: xi, of critical, 0 <= xi < 1.
+    u'' + 2 xi w u' + w^2 u = -a(t), from rest and on through half a period after the last sample;
+    a_i in m/s^2, 0 <= xi < 1 of critical. The recursion from sample to sample is exact (Nigam and
+    Jennings 1969). The maximum is that of the samples, as in published spectra: below that between
+    them by at most (pi step/T)^2/2.
     """
     samples = np.asarray(acceleration, dtype=float)
     wanted = np.atleast_1d(np.asarray(periods, dtype=float))

@@ -12,13 +12,7 @@ class SteppedGround:
     """The motion of the ground at the ends of equal steps, kept for some steps ahead."""
 
     def __init__(self, motion: GroundMotion, step: float, ahead: int):
-        """Begin with none.
-
-        Args:
-            motion: What moves.
-            step: s.
-            ahead: Number of steps to find the motion for at a time.
-        """
+        """Begin with none; the motion is found for a number of steps (s) ahead at a time."""
         self._motion, self._step, self._ahead = motion, step, ahead
         self._first = 0
         self._acceleration: Array = np.zeros((0, 0))

@@ -89,13 +89,9 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
 def paraview_script(
     half_floor: float, *, dimension: int = 2, level: float = 0.0, stress: bool = True
 ) -> str:
-    """Text of `open_in_paraview.py`.
+    """Text of `open_in_paraview.py`, with a floor at a level whose half length is given, m.
 
-    Args:
-        half_floor: Half the length of the floor that is drawn, m.
-        dimension: Of the bodies, 2 or 3.
-        level: Height of the floor, m.
-        stress: Whether a body is elastic: coloured by its stress, else each body in a colour.
+    Bodies are coloured by their stress where one is elastic, else each in a colour.
     """
     spatial = dimension == 3
     return SCRIPT.substitute(

@@ -15,24 +15,16 @@ class PvdIndex:
     """
 
     def __init__(self, file: Path, *, writes: bool = True):
-        """Start an empty index.
-
-        Args:
-            file: The .pvd file, overwritten if it exists.
-            writes: False on all ranks but one: then nothing is written here.
-        """
+        """Start an empty index over an old file; `writes` is False on all ranks but one."""
         self._file, self._writes = file, writes
         self._end = len(HEAD)
         if writes:
             file.write_bytes(HEAD + TAIL)
 
     def add(self, time: float, piece: str, part: int = 0) -> None:
-        """List a piece.
+        """List a piece by its name in the folder of the index; `part` is the number of the body.
 
-        Args:
-            time: Of the fields in it, s; the same number for all parts of one time.
-            piece: Name of its file, in the folder of the index.
-            part: Number of the body.
+        The time (s) is the same number for all parts.
         """
         if not self._writes:
             return

@@ -25,14 +25,7 @@ class RigidSnapshots:
     def __init__(
         self, bodies: PlaneSystem | SpaceSystem, folder: Path, scene: Scene, *, writes: bool = True
     ):
-        """Open `fields.pvd` and write the script that shows it in ParaView.
-
-        Args:
-            bodies: The blocks.
-            folder: Of the run.
-            scene: Of the run.
-            writes: False on all ranks but one.
-        """
+        """Open `fields.pvd` and write the script that shows it in ParaView; on one rank only."""
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
         self._heights = [block.height for block in scene.blocks]
@@ -50,11 +43,7 @@ class RigidSnapshots:
             write_script(folder, scene, stress=False)
 
     def write(self, time: float) -> None:
-        """Write the bodies as they stand.
-
-        Args:
-            time: t, s.
-        """
+        """Write the bodies as they stand, at a time, s."""
         for block, corners in enumerate(self._corners):
             arms, velocity = self._moved(block)
             place = arms + self._bodies.centre(block)

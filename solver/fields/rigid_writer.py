@@ -48,13 +48,10 @@ class RigidFieldWriter:
     ):
         """Prepare what does not change.
 
-        Args:
-            file: Gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`.
-            corners: Of the body in its own frame, m, (4, 2) or (8, 3), in VTK's order, which is
-                that of `Block.corners`.
-            index: Lists the pieces; None: one of its own, `file`.
-            part: Number of the body in the index.
-            writes: False on all ranks but one.
+        The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`.
+        Corners are those of the body in its own frame, m, (4, 2) or (8, 3), in VTK's order, which
+        is that of `Block.corners`. The index lists the pieces, by the number of the body; None: one
+        of its own.
         """
         self._folder, self._stem, self._part = file.parent, file.stem, part
         self._index = PvdIndex(file, writes=writes) if index is None else index
@@ -70,12 +67,9 @@ class RigidFieldWriter:
         )
 
     def write(self, time: float, displacement: Array, velocity: Array) -> None:
-        """Write the body at a time.
+        """Write the body at a time, s, by the motion of its corners relative to the ground, (n, d).
 
-        Args:
-            time: t, s.
-            displacement: Of the corners: place in the ground frame minus own frame, m, (n, d).
-            velocity: Of the corners relative to the ground, m/s, (n, d).
+        Displacements, m, are places in the ground frame minus those in the own frame.
         """
         if not self._writes:
             return

@@ -58,18 +58,13 @@ class FieldWriter:
         index: PvdIndex | None = None,
         part: int = 0,
     ):
-        """Open the files.
+        """Open the files, named after `file`: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
 
-        Args:
-            file: Gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
-                When the writer is closed this file lists them, too: the body alone.
-            displacement: u, m: place in the ground frame minus mesh position.
-            velocity: v, m/s, relative to the ground.
-            contact_pressure: p, Pa, >= 0: scalar function of the same degree.
-            material: For the stress.
-            thickness: t, m, where the stresses of the material are times the thickness.
-            index: Lists the pieces of all bodies as they are written; None: `file` does.
-            part: Number of the body in the index.
+        When the writer is closed this file lists them, too: the body alone. The displacement (m) is
+        place in the ground frame minus mesh position, the velocity (m/s) relative to the ground,
+        the contact pressure (Pa, >= 0) a scalar function of the same degree. The thickness (m) is
+        what stresses of the material are times. The index lists the pieces of all bodies as they
+        are written; None: `file` does.
         """
         mesh = displacement.function_space.mesh
         cellwise = fem.functionspace(mesh, ("DG", 0))

@@ -1,23 +1,22 @@
 """The columns of a history: one table, which all engines fill by name.
 
-A new column is one entry of `TABLE` and one line in each engine, where it is computed. Names of the
-columns, their places in a row and the tables of docs/output.md follow from the table.
+A new column is one entry of `TABLE`, and a line in `solver.history.block_columns` where it follows
+from a block's motion as a rigid body, else one in each engine. Names of the columns, their places
+in a row and the tables of docs/output.md follow from the table.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from solver.types import Array
-
-Value = TypeVar("Value")
 
 Part = Literal["run", "block", "platform", "energy"]
 """The parts of a row, which lie one after the other; that of the blocks once for each block."""
@@ -227,14 +226,10 @@ def columns(
     vertical: bool = False,
     second: bool = False,
 ) -> tuple[str, ...]:
-    """Names of all columns of the history of a scene, in their order.
+    """Names of all columns of the history of a scene, in their order, by the names of its blocks.
 
-    Args:
-        blocks: Names of the blocks.
-        dimension: 2 or 3.
-        platform: Whether what carries the blocks moves as a whole.
-        vertical: Whether the ground also moves up and down.
-        second: Whether the ground also moves along the second horizontal direction.
+    `platform`: whether what carries the blocks moves as a whole; `vertical`, `second`: whether the
+    ground also moves up and down, or along the second horizontal direction.
     """
     exists = {"": True, "platform": platform, "vertical": vertical, "second": second}
     there = [c for c in TABLE if c.dimension in (None, dimension) and exists[c.needs]]
@@ -250,12 +245,9 @@ def columns(
 def positions(part: Part, dimension: int) -> Any:
     """Places of the columns of a part of a row within that part, as a named tuple of integers.
 
-    The engines' rows have the columns of all motions of the ground: those that a scene does not
-    have are left out when a row enters the history. Compiled code takes the tuple as a constant.
-
-    Args:
-        part: Of the row; `positions("block", 2).angle_rad` is a place within the part of a block.
-        dimension: 2 or 3.
+    `positions("block", 2).angle_rad` is a place within the part of a block in the plane. The
+    engines' rows have the columns of all motions of the ground: those that a scene does not have
+    are left out when a row enters the history. Compiled code takes the tuple as a constant.
     """
     fields = [c.field for c in TABLE if c.part == part and c.dimension in (None, dimension)]
     return namedtuple(f"{part.title()}Columns", fields)(*range(len(fields)))
@@ -273,12 +265,9 @@ class RowLayout(NamedTuple):
 
 
 def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
-    """Where the parts of a row with all motions of the ground begin.
+    """Where the parts of a row with all motions of the ground begin, for a number of blocks.
 
-    Args:
-        blocks: Number of blocks.
-        dimension: 2 or 3.
-        platform: Whether what carries the blocks moves as a whole.
+    `platform`: whether what carries the blocks moves as a whole.
     """
     first, stride = len(positions("run", dimension)), len(positions("block", dimension))
     after = first + blocks * stride
@@ -286,28 +275,8 @@ def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
     return RowLayout(first, stride, after, after + moving)
 
 
-def ordered(names: Sequence[str], values: Mapping[str, Value]) -> list[Value]:
-    """The values of the columns in their order; those of no column are left out.
-
-    Args:
-        names: Of the columns.
-        values: By the name of the column.
-
-    Raises:
-        ValueError: Names the columns without a value.
-    """
-    missing = [name for name in names if name not in values]
-    if missing:
-        raise ValueError(f"no value for the columns {', '.join(missing)}")
-    return [values[name] for name in names]
-
-
 def check_filled(names: Sequence[str], rows: Array) -> None:
     """Make sure that an engine has filled all columns of the rows that it began as nan.
-
-    Args:
-        names: Of the columns.
-        rows: (rows, columns).
 
     Raises:
         ValueError: Names the columns that are nan in every row.

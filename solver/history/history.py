@@ -40,12 +40,7 @@ class History:
     """
 
     def __init__(self, columns: Sequence[str], file: Path | None = None):
-        """Start an empty history, and its file.
-
-        Args:
-            columns: Names of the columns, the unit at the end of each name.
-            file: CSV file to write, overwritten if it exists; None: memory only.
-        """
+        """Start an empty history and its CSV file, over an old one; None: in memory only."""
         self.columns = tuple(columns)
         self.file = file
         self._index = {name: i for i, name in enumerate(self.columns)}

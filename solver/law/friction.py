@@ -39,7 +39,17 @@ RATE, SLIPPED, BROKEN = 0, 1, 2
 where it stuck), whether it slipped then, and whether it ever broke loose (0 or 1)."""
 
 PAST = 3
-"""How much that is."""
+"""How much that is. The engines carry it along; what it means is known in this file only."""
+
+
+def new_pasts(*shape: int) -> Array:
+    """What points remember that have touched nothing yet, (*shape, PAST)."""
+    return np.zeros((*shape, PAST))
+
+
+def slipped_before(pasts: Array) -> Mask:
+    """The points that slipped in the last step, (m,), by their pasts (m, PAST)."""
+    return np.asarray(pasts[:, SLIPPED] > 0.0)
 
 
 class FrictionLaws(NamedTuple):
@@ -83,30 +93,25 @@ def held(laws: FrictionLaws, k: int, past: Array) -> tuple[float, float]:
 def followed(
     laws: FrictionLaws, k: int, past: Array, mu: float, speed: float, slips: bool
 ) -> tuple[float, bool]:
-    """Friction of a point within a step, of the motion that the coefficient `mu` led to.
+    """Coefficient of a point by the motion that `mu` led to; whether it keeps its cohesion.
 
-    With DC = 0 it only falls, from mu_s to mu_d: no choice between the two can then repeat itself.
-
-    Args:
-        laws: Of all surfaces.
-        k: The point's surface.
-        past: What the point remembers.
-        mu: Its coefficient so far.
-        speed: Slip in this step over its length, m/s.
-        slips: Whether it slips in this step.
-
-    Returns:
-        The coefficient; whether the point keeps its cohesion.
+    All engines bring the friction of their points up to the motion by this function. `past` is what
+    the point remembers; the speed, m/s, is its slip in this step over the step's length, 0 where it
+    sticks; `slips`: it has broken loose in this step. With DC = 0 the coefficient only falls, from
+    mu_s to mu_d: no choice between the two can then repeat itself.
     """
     lost = laws.cohesion_lost[k] and (slips or past[BROKEN] > 0.0)
     if laws.decay[k] > 0.0:
-        return coefficient(laws, k, speed if slips else 0.0, slips), not lost
+        return coefficient(laws, k, speed, slips), not lost
     return float(laws.dynamic[k]) if slips else mu, not lost
 
 
 @compiled
-def remember(past: Array, speed: float, slips: bool) -> None:
-    """Write what a closed point remembers of a step into its past; speed as in `followed`."""
+def remember(laws: FrictionLaws, k: int, past: Array, speed: float, slips: bool, dt: float) -> None:
+    """Write what a closed point of surface k remembers of a step into its past.
+
+    Speed (m/s) and slip are those of the whole step; dt (s) is infinite in equilibrium.
+    """
     past[RATE] = speed if slips else 0.0
     past[SLIPPED] = 1.0 if slips else 0.0
     if slips:
@@ -114,8 +119,8 @@ def remember(past: Array, speed: float, slips: bool) -> None:
 
 
 @compiled
-def remember_open(past: Array) -> None:
-    """Note that a point that is open, or touches elsewhere, has not slipped."""
+def remember_open(laws: FrictionLaws, k: int, past: Array, dt: float) -> None:
+    """Note that a point that is open, or with dt = 0 comes to touch elsewhere, has not slipped."""
     past[RATE] = past[SLIPPED] = 0.0
 
 
@@ -183,11 +188,8 @@ def points_at_bound(force: Array, bounds: Bounds) -> Mask:
 def points_that_slip(force: Array, way: Array, own: Array, bounds: Bounds) -> Mask:
     """The points that slip in a step: at the bound, and moved by more than round-off.
 
-    Args:
-        force: Point forces, (m, d), N.
-        way: How far each moved along its carrier from where it stuck, (m,), m.
-        own: Compliance of each, (m,), m/N.
-        bounds: Of friction; cohesion counts as far as the force has built it up.
+    By their forces, (m, d), N, how far each moved along its carrier from where it stuck, (m,), m,
+    and their own compliances, (m,), m/N; cohesion counts as far as the force has built it up.
     """
     found = points_at_bound(force, Bounds(bounds.mu, bounds.cohesion, TOUCHING_SLOPE))
     for i in range(len(force)):
@@ -206,12 +208,29 @@ def bounds_by_past(laws: FrictionLaws, past: Array, area: Array) -> Bounds:
 
 
 @compiled
-def pasts_after(past: Array, closed: Mask, slipped: Mask, speed: Array) -> Array:
-    """Pasts of m points after a step, (m, PAST), those before staying as they are."""
+def bounds_followed(
+    laws: FrictionLaws, past: Array, area: Array, mu: Array, speed: Array, slips: Mask
+) -> Bounds:
+    """Bounds of m points within a step, of coefficients so far, speeds and slips as in `followed`.
+
+    By their pasts and areas, as in `bounds_by_past`.
+    """
+    new, cohesion = np.empty(len(area)), np.empty(len(area))
+    for i in range(len(area)):
+        new[i], coheres = followed(laws, 0, past[i], mu[i], speed[i], slips[i])
+        cohesion[i] = laws.cohesion[0] * area[i] if coheres else 0.0
+    return Bounds(new, cohesion, np.inf)
+
+
+@compiled
+def pasts_after(
+    laws: FrictionLaws, past: Array, closed: Mask, slipped: Mask, speed: Array, dt: float
+) -> Array:
+    """Pasts of m points of one surface after a step, (m, PAST); `past` stays as it is."""
     after = past.copy()
     for i in range(len(after)):
         if closed[i]:
-            remember(after[i], speed[i], slipped[i])
+            remember(laws, 0, after[i], speed[i], slipped[i], dt)
         else:
-            remember_open(after[i])
+            remember_open(laws, 0, after[i], dt)
     return after

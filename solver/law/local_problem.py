@@ -104,11 +104,7 @@ class LocalProblem:
     """Solver of local problems of points with d rows each, as arrays (m, d)."""
 
     def __init__(self, dimension: int = 2):
-        """Let what is compiled be compiled, or read what was kept, before time counts.
-
-        Args:
-            dimension: 2 or 3.
-        """
+        """Let what is compiled be compiled, or read what was kept, before time counts."""
         self.counts = new_counts()
         ones = np.ones((1, dimension))
         self.solve(

@@ -20,15 +20,12 @@ SHORT = 1000.0
 
 @dataclass(slots=True)
 class _Choice:
-    """What this process does.
-
-    Attributes:
-        interprets: Whether compiled functions are interpreted now.
-        spent: Steps of one block that were interpreted so far.
-    """
+    """What this process does."""
 
     interprets: bool = False
+    """Whether compiled functions are interpreted now."""
     spent: float = 0.0
+    """Steps of one block that were interpreted so far."""
 
 
 CHOICE = _Choice()
@@ -43,8 +40,7 @@ def is_interpreted() -> bool:
 def chosen_for(block_steps: float) -> Iterator[None]:
     """Interpret while a run lasts, if it is short enough for that to be faster.
 
-    Args:
-        block_steps: Number of its steps times that of its blocks; infinite: never interpret.
+    By the number of its steps times that of its blocks; infinite: never interpret.
     """
     before = CHOICE.interprets
     CHOICE.interprets = CHOICE.spent + block_steps <= SHORT

@@ -63,14 +63,11 @@ def _slipping(d: int, impulse: Array, bounds: Bounds) -> Indices:
 def friction_share(tangential: float, lost: float, taken: float) -> float:
     """Friction's share of the kinetic energy that a correction takes, J.
 
-    Normal and tangential impulses of a body act on each other: the work in one direction may be
-    negative, though their sum is a loss. Friction returns no more than it took before: what the
-    tangential impulses give back beyond that, the normal ones took, and it is contact's.
-
-    Args:
-        tangential: Energy taken in the tangential directions, J.
-        lost: Energy taken in all, J.
-        taken: Energy that friction took in the step, before the correction, J.
+    The tangential impulses took `tangential`, all of them `lost`, and friction had `taken` in the
+    step before. Normal and tangential impulses of a body act on each other: the work in one
+    direction may be negative, though their sum is a loss. Friction returns no more than it took
+    before: what the tangential impulses give back beyond that, the normal ones took, and it is
+    contact's.
     """
     return min(max(tangential, -taken), max(lost, -taken))
 

@@ -25,18 +25,15 @@ PLAIN, FLOOR, FLOOR_EDGE = "#d9dee5", "#dddddd", "#999999"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Snapshot:
-    """The bodies at an instant.
-
-    Attributes:
-        time_s: The instant, s.
-        outlines: Corners of each cell (in space: of each face of the surface) as it stands in the
-            picture, m; those that hide others later.
-        von_mises: Stress of each, Pa.
-    """
+    """The bodies at an instant."""
 
     time_s: float
+    """The instant, s."""
     outlines: list[Array]
+    """Corners of each cell (in space: of each face of the surface) as it stands in the picture, m;
+    those that hide others later."""
     von_mises: Array
+    """Stress of each, Pa."""
 
     @property
     def low(self) -> Array:
@@ -143,12 +140,8 @@ def draw_deformed(
 ) -> None:
     """Draw the bodies at some times side by side, true to scale, coloured by von Mises stress.
 
-    Args:
-        figure: A matplotlib figure.
-        fields: The .pvd file.
-        times: Instants, s; the snapshots nearest to them are drawn.
-        dimension: Of the bodies, 2 or 3.
-        floor: Height of the floor, m; drawn in the plane only.
+    Of the .pvd file the snapshots nearest to the times (s) are drawn; the floor, at a height in m,
+    in the plane only.
     """
     from matplotlib.collections import PolyCollection
 

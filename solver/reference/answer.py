@@ -8,7 +8,6 @@ import numpy as np
 
 from solver.errors import SceneError, Statement
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.history.columns import ordered
 from solver.history.history import History, scene_columns
 from solver.reference.expected import expected_mode
 from solver.reference.rows import ONLY, rock, slide, slide_on_platform
@@ -63,7 +62,8 @@ def reference_history(
     answers = {ROCKING: rock, SLIDING: slide, ON_PLATFORM: slide_on_platform}
     known = answers[name](scene, ground)
     history = History(scene_columns(scene), file)
-    table = np.stack(ordered(history.columns, known), axis=1)
+    unknown = np.full_like(known["time_s"], np.nan)
+    table = np.stack([known.get(name, unknown) for name in history.columns], axis=1)
     for row in table[:: scene.output.history_every]:
         history.append(row)
     history.flush()
@@ -77,6 +77,9 @@ def _refuse(scene: Scene, ground: GroundMotion) -> None:
         raise SceneError("dimension", "3", f"2 {ONLY}")
     if len(scene.blocks) != 1:
         raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
+    if not scene.friction_of(block).has_reference:
+        got = scene.friction_of(block).words()
+        raise SceneError("contact.friction", got, f"static, dynamic, decay, cohesion {ONLY}")
     if scene.gravity == 0:
         raise SceneError("gravity", "0", f"gravity > 0 {ONLY}")
     if scene.carrier_moves and not scene.has_platform:

@@ -37,18 +37,15 @@ def has_expected_mode(scene: Scene) -> bool:
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
     firm_and_alone = len(scene.blocks) == 1 and scene.gravity > 0 and not scene.carrier_moves
-    return firm_and_alone and in_plane and not any(moves)
+    known = scene.friction_of(block).has_reference
+    return firm_and_alone and in_plane and known and not any(moves)
 
 
 def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
     """Mode in which the only block of a scene on firm ground begins to move.
 
-    Args:
-        scene: With one block.
-        ground: Its motion of the ground, as it was read; None: it is read here.
-
-    Returns:
-        "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release.
+    "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release. The
+    motion of the ground is read here where it is not given.
     """
     block, law = scene.blocks[0], resistance(scene)
     gravity, slender = -scene.gravity_vector[-1], block.height / block.width

@@ -26,21 +26,11 @@ class Resistance:
         return self.law.static == 0 and self.cohesion == 0
 
     def holds(self, normal: float, slipped: bool) -> float:
-        """Largest force on a block that sticks.
-
-        Args:
-            normal: Normal force, m/s^2.
-            slipped: Whether the block has slid before.
-        """
+        """Largest force on a block that sticks, m/s^2; `slipped`: it has slid before."""
         return self._cohesion(slipped) + self.law.static * normal
 
     def slides(self, normal: float, speed: float) -> float:
-        """Force on a block that slides.
-
-        Args:
-            normal: Normal force, m/s^2.
-            speed: |v| of the slip, m/s.
-        """
+        """Force on a block that slides at a speed |v|, m/s, by its normal force, m/s^2."""
         law = self.law
         jump = law.static - law.dynamic if law.decay > 0 else 0.0
         mu = law.dynamic + jump * math.exp(-law.decay * speed)

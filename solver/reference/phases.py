@@ -92,16 +92,10 @@ def event(function: Callable[..., float], *, falling: bool, terminal: bool) -> A
 
 
 def _first_step(span: float, step: float, velocity: float, pull: float) -> float:
-    """First step of the integrator, s.
+    """First step of the integrator, s, of a phase that takes no longer than the span.
 
     A flight that begins with velocity v and is pulled back by a lasts about 2 v / a: the first step
     must end well inside, as only sign changes between steps are noticed.
-
-    Args:
-        span: Longest time that the phase may take, s.
-        step: Largest step, s.
-        velocity: v, at the start.
-        pull: a, at the start.
     """
     first = min(step, span) / 64
     return min(first, abs(velocity / (8 * pull))) if velocity and pull else first

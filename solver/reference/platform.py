@@ -81,13 +81,10 @@ class Pair:
         return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
 
     def history(self, time: Array, states: Array, ground: Array, slides: Any) -> PlatformReference:
-        """The history, with accelerations and forces from the states.
+        """The history, with accelerations and forces from the states, (n, 4).
 
-        Args:
-            time: s, (n,).
-            states: (n, 4).
-            ground: a_g at these times, an incline counted in, m/s^2.
-            slides: Friction on the block where it slides, over its mass, m/s^2.
+        By a_g at these times, an incline counted in, and the friction on the block where it slides
+        over its mass, m/s^2.
         """
         slip, rate, drift, velocity = states.T
         force = np.where(rate != 0, -np.sign(rate) * slides, self.needed(drift, velocity))

@@ -38,14 +38,9 @@ class LinearOscillator:
     def after(
         self, drift: float, velocity: float, load: float, slope: float, tau: float
     ) -> tuple[float, float]:
-        """Drift (m) and velocity (m/s) after a time tau (s).
+        """Drift (m) and velocity (m/s) after a time tau (s), from those at its start.
 
-        Args:
-            drift: At the start, m.
-            velocity: At the start, m/s.
-            load: At the start, over the mass, m/s^2.
-            slope: Of the load, m/s^3.
-            tau: s.
+        The load at the start is over the mass, m/s^2, and so is its slope, m/s^3.
         """
         w2, d = self.w2, self.d
         steady = slope / w2

@@ -23,15 +23,6 @@ from solver.types import Array
 
 ONLY = "where a rigid-body reference is asked for"
 
-UNKNOWN = (
-    "newton_iterations",
-    "contact_points_closed",
-    "energy.contact_J",
-    "energy.numerical_J",
-    "energy.ledger_error_J",
-)
-"""Columns that a closed form does not have: they are nan."""
-
 
 def _acceleration(motion: BaseMotion | None) -> Acceleration:
     """The acceleration of the ground along one direction, m/s2, as a function of time."""
@@ -211,7 +202,6 @@ def _table(
     base = ground.along.accelerations(time) if ground.along else none
     gravity = -mass * (along * values["centre_x_m"] + down * values["centre_y_m"])
     return {
-        **{column: none + math.nan for column in UNKNOWN},
         "time_s": time,
         "step_s": none + scene.time.step,
         "base.acceleration_m_s2": base,

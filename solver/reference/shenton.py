@@ -11,24 +11,16 @@ import math
 def rocking_friction(acceleration: float, slenderness_ratio: float) -> float:
     """Friction that pure rocking needs: mu_R(A) = [A (4 + r^2) + 3 r] / [1 + 4 r^2 + 3 r A].
 
-    Args:
-        acceleration: A = |a_g|/g >= 1/r.
-        slenderness_ratio: r = H/B.
+    A = |a_g|/g >= 1/r, r = H/B.
     """
     a, r = acceleration, slenderness_ratio
     return (a * (4 + r**2) + 3 * r) / (1 + 4 * r**2 + 3 * r * a)
 
 
 def initial_mode(acceleration: float, friction: float, slenderness_ratio: float) -> str:
-    """Mode in which a block at rest answers to a sudden acceleration of its base.
+    """Mode in which a block at rest answers to a sudden acceleration of its base, A = |a_g|/g.
 
-    Args:
-        acceleration: A = |a_g|/g.
-        friction: mu.
-        slenderness_ratio: r = H/B.
-
-    Returns:
-        "rest", "slide", "rock" or "slide-rock".
+    "rest", "slide", "rock" or "slide-rock", by mu and r = H/B.
     """
     uplift = 1 / slenderness_ratio
     if acceleration <= min(friction, uplift):
@@ -43,10 +35,6 @@ def release_friction(angle: float, slenderness: float) -> float:
 
     With phi = alpha - |theta| the lean of the half diagonal, theta'' = -p^2 sin(phi) (Housner 1963)
     moves the centre; force over normal force is (3/4) sin(phi) cos(phi) / (1 - (3/4) sin^2(phi)).
-
-    Args:
-        angle: Tilt theta, rad.
-        slenderness: alpha, rad.
     """
     lean = slenderness - abs(angle)
     return abs(0.75 * math.sin(lean) * math.cos(lean) / (1 - 0.75 * math.sin(lean) ** 2))

@@ -25,13 +25,9 @@ FEWEST_ROWS = 4
 def rocking_acceleration(angle: Array, shape: Block, along: Array, down: Array) -> Array:
     """Angular acceleration of a rigid block that rocks about a corner, 1/s2 (Housner 1963).
 
-    -3/(4 R) (sgn(theta) g sin(alpha - |theta|) + a cos(alpha - |theta|)).
-
-    Args:
-        angle: Rocking angle theta, rad.
-        shape: The block.
-        along: Acceleration a of the base against gravity's part along it, m/s2.
-        down: Gravity g and the base's acceleration upwards, m/s2.
+    -3/(4 R) (sgn(theta) g sin(alpha - |theta|) + a cos(alpha - |theta|)), where a is the
+    acceleration of the base against gravity's part along it and g holds the base's acceleration
+    upwards, m/s2.
     """
     from_balance = shape.slenderness - np.abs(angle)
     torque = np.sign(angle) * down * np.sin(from_balance) + along * np.cos(from_balance)
@@ -41,11 +37,8 @@ def rocking_acceleration(angle: Array, shape: Block, along: Array, down: Array) 
 def angular_velocity(time: Array, angle: Array, acceleration: Array, at: float) -> float | None:
     """Angular velocity at one end of these rows, 1/s; None where they are too few.
 
-    Args:
-        time: t, s.
-        angle: Rocking angle, rad.
-        acceleration: Angular acceleration of a rigid block, 1/s2.
-        at: Time of an impact, at the beginning or at the end of the rows, s.
+    By rocking angles (rad) and angular accelerations of a rigid block (1/s2) at times, and the time
+    of an impact at the beginning or at the end of them, s.
     """
     if len(time) < FEWEST_ROWS:
         return None

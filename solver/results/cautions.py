@@ -22,11 +22,7 @@ SUGGESTED_RATIO = 0.02
 
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
-    """The losses of impacts, J: all but friction.
-
-    Args:
-        loss: Energies dissipated, J, such as `damping_J`.
-    """
+    """The losses of impacts among those of a run, such as `damping_J`: all but friction, J."""
     return {name: value for name, value in loss.items() if name != "friction_J"}
 
 
@@ -58,13 +54,7 @@ def suggested_damping(block: BlockSpec) -> float:
 
 
 def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
-    """Cautions about a run of meshed blocks.
-
-    Args:
-        scene: What was run.
-        loss: Energies dissipated, J.
-        scale: Scale of the energy balance, J.
-    """
+    """Cautions about a run of meshed blocks, by its losses and the scale of its balance, J."""
     share = unresolved_share(loss)
     lost = sum(impact_losses(loss).values())
     if scene.is_rigid or share <= UNRESOLVED or not lost > NOTABLE * scale:
@@ -76,12 +66,7 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
 
 
 def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Cautions that no run is needed for.
-
-    Args:
-        scene: What is to be run.
-        ground: Its motion of the ground.
-    """
+    """Cautions that no run is needed for."""
     found = []
     stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
     if math.isfinite(stop) and stop > scene.time.end * (1 + 1e-9):

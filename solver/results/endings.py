@@ -22,15 +22,12 @@ from solver.types import Array, Mask
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """Why a run ends early.
-
-    Attributes:
-        row: Number of its last row among those that were looked at.
-        reason: In words.
-    """
+    """Why a run ends early."""
 
     row: int
+    """Number of its last row among those that were looked at."""
     reason: str
+    """In words."""
 
 
 class Watch:
@@ -39,9 +36,8 @@ class Watch:
     def __init__(self, scene: Scene):
         """Watch a scene from its start.
 
-        Args:
-            scene: What is run. Where all blocks are rigid, what falls off its carrier lands on the
-                floor; with meshed bodies a block is carried by one body alone, and falls on.
+        Where all blocks are rigid, what falls off its carrier lands on the floor; with meshed
+        bodies a block is carried by one body alone, and falls on.
         """
         self._scene, self._names = scene, scene_columns(scene)
         self._before: Array | None = None

@@ -14,14 +14,10 @@ from solver.types import Array
 def scale(work: Array, *, above_rest: float, weight_height: float) -> float:
     """The energy (J) that gains and errors are compared with.
 
-    (Energy at the start above rest) + integral of |power of the ground| + 1e-3 m g H. The integral
-    is the total variation of the work over the rows of the history.
-
-    Args:
-        work: Work of the ground since the start, J.
-        above_rest: Kinetic energy at the start, and gravity energy of the blocks above that of
-            standing upright at their places, J; less than nothing counts as nothing.
-        weight_height: Sum of m g H over the blocks, J.
+    (Energy at the start above rest) + integral of |power of the ground| + 1e-3 sum of m g H. The
+    integral is the total variation of the ground's work over the rows of the history. Above rest is
+    the kinetic energy at the start and the gravity energy above that of standing upright at their
+    places; less than nothing counts as nothing.
     """
     return max(0.0, above_rest) + float(np.sum(np.abs(np.diff(work)))) + 1e-3 * weight_height
 

@@ -33,31 +33,28 @@ class Columns(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockMotion:
-    """Motion of one block over a run.
-
-    Attributes:
-        time: t, s.
-        angle: Lean against what carries the block, in the plane of the largest one, rad, with its
-            sign (towards +x, or +y where that plane has no x), unwrapped.
-        lean: Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D.
-        slip: Along what carries the block, m, (rows, 1) or, in 3-D, (rows, 2).
-        friction: Force from what carries the block, N, (rows, 1 or 2).
-        lift: Gap of the bottom corner that is highest, m.
-        shape: The block as it stands in that plane.
-        fell: Whether it ends below what carried it.
-        base: Acceleration of the ground, or of the platform, in that plane, m/s2: along it, and
-            upwards, (rows, 2); None where neither moves.
-    """
+    """Motion of one block over a run."""
 
     time: Array
+    """t, s."""
     angle: Array
+    """Lean against what carries the block, in the plane of the largest one, rad, with its sign
+    (towards +x, or +y where that plane has no x), unwrapped."""
     lean: Array
+    """Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D."""
     slip: Array
+    """Along what carries the block, m, (rows, 1) or, in 3-D, (rows, 2)."""
     friction: Array
+    """Force from what carries the block, N, (rows, 1 or 2)."""
     lift: Array
+    """Gap of the bottom corner that is highest, m."""
     shape: Block
+    """The block as it stands in that plane."""
     fell: bool
+    """Whether it ends below what carried it."""
     base: Array | None
+    """Acceleration of the ground, or of the platform, in that plane, m/s2: along it, and upwards,
+    (rows, 2); None where neither moves."""
 
 
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:

@@ -36,45 +36,33 @@ SMALLEST_SLIP = 1e-2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Swing:
-    """A stay of the angle on one side of zero.
-
-    Attributes:
-        first: Row at which it exceeds the smallest swing.
-        last: Last row of it.
-        peak_s: Time of the largest angle, s.
-        peak_rad: Largest angle, with its sign, rad.
-        turned: Whether the peak is a turning point, not the last row of the history.
-    """
+    """A stay of the angle on one side of zero."""
 
     first: int
+    """Row at which it exceeds the smallest swing."""
     last: int
+    """Last row of it."""
     peak_s: float
+    """Time of the largest angle, s."""
     peak_rad: float
+    """Largest angle, with its sign, rad."""
     turned: bool
+    """Whether the peak is a turning point, not the last row of the history."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impact:
-    """The end of a swing.
-
-    Attributes:
-        time_s: Time of the impact, s.
-        restitution: Ratio of angular velocities after and before of the rigid block that has the
-            same peaks; None where the peak after it is not in the history.
-    """
+    """The end of a swing."""
 
     time_s: float
+    """Time of the impact, s."""
     restitution: float | None
+    """Ratio of angular velocities after and before of the rigid block that has the same peaks; None
+    where the peak after it is not in the history."""
 
 
 def swings(time: Array, angle: Array, slenderness: float) -> list[Swing]:
-    """The swings of a block, in their order.
-
-    Args:
-        time: t, s.
-        angle: Rocking angle theta, rad.
-        slenderness: alpha, rad.
-    """
+    """The swings of a block, in their order, by its rocking angles theta and slenderness, rad."""
     large = SMALLEST_SWING * slenderness
     found: list[Swing] = []
     first: int | None = None
@@ -126,15 +114,10 @@ def rocking_energy(angle: float, shape: Block, gravity: float) -> float:
 def impacts(
     time: Array, angle: Array, shape: Block, gravity: float, acceleration: Array | None = None
 ) -> list[Impact]:
-    """The impacts of a block: the ends of its swings.
+    """The impacts of a block: the ends of its swings, by its rocking angles theta, rad.
 
-    Args:
-        time: t, s.
-        angle: Rocking angle theta, rad.
-        shape: The block.
-        gravity: g, m/s2.
-        acceleration: Angular acceleration of a rigid block at these angles on a base that moves,
-            1/s2; None for a base at rest.
+    On a base that moves `acceleration` has the angular acceleration of a rigid block at these
+    angles, 1/s2; None: the base is at rest.
     """
     found = swings(time, angle, shape.slenderness)
     result = []
@@ -259,13 +242,9 @@ def mode(
 ) -> str:
     """Mode of a block: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
 
-    Args:
-        angle: Rocking angle against what carries the block, rad.
-        slip: Slip along what carries the block, m; its magnitude where that is a plane.
-        lift: Gap of the bottom corner that is higher, m.
-        shape: The block.
-        lean: Angle from upright, rad; None: the same as `angle`.
-        fell: Whether the block ends below what carried it.
+    The angle is that against what carries the block, the lean that from upright, rad; None: the
+    same. Slip is along what carries it, its magnitude where that is a plane; the lift is the gap of
+    the bottom corner that is higher, m. `fell`: the block ends below what carried it.
     """
     if fell:
         return "fell"

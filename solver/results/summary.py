@@ -35,16 +35,11 @@ def summarise(
     reason: str = "",
     model: str = "",
 ) -> dict[str, Any]:
-    """The content of summary.json.
+    """The content of summary.json: what was run, what came of it, how and with which programs.
 
-    Args:
-        scene: What was run.
-        history: What came of it.
-        status: "completed", "not converged" or "interrupted".
-        cost: Seconds, steps, iterations, unknowns and ranks, by name.
-        versions: Versions of the programs that were used, by name.
-        reason: Why the run stopped early, in words.
-        model: What the history comes from, as pictures name it; empty: what the scene says.
+    The status is "completed", "not converged" or "interrupted", the cost seconds, steps,
+    iterations, unknowns and ranks by name. The model is what the history comes from, as pictures
+    name it; empty: what the scene says.
     """
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
     platform = _platform(history) if len(history) else {}

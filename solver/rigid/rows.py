@@ -14,10 +14,8 @@ ENERGY = positions("energy", 3)
 def write_energies(stored: tuple[float, float, float], exchanged: Array, row: Array) -> None:
     """The columns of the energies; the total at the start is still in the error of the ledger.
 
-    Args:
-        stored: Kinetic, gravity and spring energy, J.
-        exchanged: Taken in; lost in friction, damping, contact, time stepping, J, (5,).
-        row: The part of the energies.
+    Of kinetic, gravity and spring energy, and what was taken in, lost in friction, damping, contact
+    and time stepping, J, (5,).
     """
     total = stored[0] + stored[1] + stored[2]
     row[ENERGY.kinetic_J], row[ENERGY.strain_J], row[ENERGY.gravity_J] = stored[0], 0.0, stored[1]

@@ -71,12 +71,7 @@ def platform_of(scene: Scene) -> RigidPlatform | None:
 
 
 def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
-    """The blocks of a scene, in the order of the file, each where it starts.
-
-    Args:
-        scene: The scene.
-        drift: Of the platform, m.
-    """
+    """The blocks in the order of the scene, each where it starts; `drift` of the platform, m."""
     placed = poses(scene, drift=drift)
     return [
         RigidBlock(

@@ -59,14 +59,9 @@ class RigidSystem(ABC):
         platform: RigidPlatform | None = None,
         velocity_solve: bool = True,
     ):
-        """Start at t = 0.
+        """Start at t = 0; without `gravity`, in m/s2, it is 9.81 downwards.
 
-        Args:
-            blocks: In any order.
-            scheme: Time stepping.
-            gravity: m/s2; None: 9.81 downwards.
-            platform: What carries the blocks, if it moves.
-            velocity_solve: Whether contact is also solved at velocity level after each step.
+        `velocity_solve`: whether contact is also solved at velocity level after each step.
         """
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
@@ -84,11 +79,7 @@ class RigidSystem(ABC):
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
-        """The system of a scene whose blocks are all rigid.
-
-        Args:
-            scene: Its foundation is rigid or an oscillator.
-        """
+        """The system of a scene of rigid blocks on rigid ground or an oscillator."""
         platform = platform_of(scene)
         return cls(
             blocks_of(scene, (0.0, 0.0) if platform is None else platform.drift),
@@ -120,14 +111,9 @@ class RigidSystem(ABC):
     ) -> tuple[int, int]:
         """Fill rows but for their times; numbers of steps that succeeded, and of rejected ones.
 
-        The energy at the start is still in the error of the ledger.
-
-        Args:
-            dt: Step, s.
-            smallest: No step is divided further, s.
-            ground: (rows + 1, d) accelerations of the ground at the ends of the steps, m/s2.
-            shift: (rows, d) what its mean over each step has beyond that of its ends, m/s2.
-            rows: Written.
+        The energy at the start is still in the error of the ledger. No step is divided below the
+        smallest. `ground`, (rows + 1, d), has its accelerations at the ends of the steps, `shift`,
+        (rows, d), what its mean over each step has beyond that of its ends, m/s2.
         """
 
     @abstractmethod
@@ -153,16 +139,11 @@ class RigidSystem(ABC):
         smallest: float = 0.0,
         mean: Array | None = None,
     ) -> Advance:
-        """Run `count` steps.
+        """Run `count` steps; one that fails is divided down to the smallest, by default dt / 1024.
 
-        Args:
-            count: Number of steps.
-            dt: Step, s.
-            ground: (count + 1, d) accelerations of the ground at the ends of the steps, m/s2,
-                linear in between; None: it stands.
-            smallest: To which part a step that fails is divided, s; 0: dt / 1024.
-            mean: (count, d) mean accelerations of the ground over the steps, m/s2, where they are
-                not those of its ends.
+        `ground`, (count + 1, d), has its accelerations at the ends of the steps, linear in between,
+        m/s2; None: it stands. `mean`, (count, d), has those over the steps, where they are not
+        those of the ends.
         """
         motion, shift = _ground_of_steps(count, self.dimension, ground, mean)
         filled: Array = np.full((count, len(self.columns)), np.nan)
@@ -185,11 +166,9 @@ class RigidSystem(ABC):
             setattr(self, name, value)
 
     def row(self, dt: float, ground: Sequence[float] | None = None) -> Array:
-        """The row of this moment, before a step; its forces are those of the instant that follows.
+        """The row of this moment, before a step dt (s); its forces are those of the next instant.
 
-        Args:
-            dt: The step that follows, s.
-            ground: Acceleration of the ground, m/s2; None: it stands.
+        The ground has an acceleration, m/s2; None: it stands.
         """
         rows, d, short = np.full((2, len(self.columns)), np.nan), self.dimension, TRIAL * dt
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))

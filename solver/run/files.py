@@ -80,13 +80,7 @@ class RunFiles:
             self._also(line)
 
     def start(self, history: History, fields: Callable[[Path], Fields], description: str) -> None:
-        """Say what is being run, and write the fields of t = 0.
-
-        Args:
-            history: Of the run.
-            fields: Opens the fields in a folder; not called where none are asked for.
-            description: Of the run, for the log.
-        """
+        """Say what is being run; open and write the fields of t = 0 where they are asked for."""
         self._history = history
         self.log(description)
         if self._folder is not None and self._scene.output.fields == "vtk":

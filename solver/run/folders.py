@@ -39,10 +39,7 @@ def claim_folder(folder: Path, scene: Path, force: bool) -> None:
 def make_folder(folder: Path, *, force: bool, allowed: str = "an empty folder, or --force") -> bool:
     """Make a folder where there is none; returns whether one with something in it is taken.
 
-    Args:
-        folder: To be made.
-        force: Take one with something in it, which else is refused.
-        allowed: What the refusal says is allowed.
+    With `force`; else it is refused, with these words on what is allowed.
     """
     with unusable_is_refused(folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -41,15 +41,7 @@ class MeshedRun:
         petsc_options: Sequence[str] = (),
         comm: MPI.Intracomm = MPI.COMM_WORLD,
     ):
-        """Mesh, set up, and find the start.
-
-        Args:
-            scene: What to run.
-            log: Is told what happens.
-            ground: Motion of the ground, as it was read; None: it is read here.
-            petsc_options: Options for SNES.
-            comm: Communicator.
-        """
+        """Mesh, set up, and find the start; read the motion of the ground where it is not given."""
         self._scene, self._log = scene, log
         if NUMBA is not None and not is_kept(MACHINE_CODE):
             log("compiling the local problem of contact: some seconds, kept for later runs")

@@ -18,13 +18,9 @@ class ProgressDisplay:
     """Bar or lines on the standard error output, shared by runs and studies."""
 
     def __init__(self, *, quiet: bool, rank: int, done: float = 0.0, **bar: Any):
-        """Start.
+        """Start, with the share that had been done before; shows nothing but on rank 0.
 
-        Args:
-            quiet: Show nothing.
-            rank: Rank of this process: all but 0 show nothing.
-            done: Share of the whole that had been done before.
-            bar: Arguments for tqdm: total, initial, bar_format.
+        `bar` are arguments for tqdm: total, initial, bar_format.
         """
         self._silent = quiet or rank != 0
         self._began = self._shown_at = clock.monotonic()
@@ -57,26 +53,14 @@ class Progress(ProgressDisplay):
     """Time, step size and iterations of a run, and the time that is left."""
 
     def __init__(self, end: float, *, quiet: bool = False, rank: int = 0):
-        """Start at time 0.
-
-        Args:
-            end: Time at which the run ends, s.
-            quiet: Show nothing.
-            rank: Rank of this process: all but 0 show nothing.
-        """
+        """Start at time 0 of a run up to a time `end`, s; shows nothing but on rank 0."""
         layout = "{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
         super().__init__(quiet=quiet, rank=rank, total=100.0, bar_format=layout)
         self._end = end
         self._last = (0.0, 0.0, 0)
 
     def update(self, time: float, step: float, iterations: int) -> None:
-        """Tell of a finished step.
-
-        Args:
-            time: Time at the end of the step, s.
-            step: Step size, s.
-            iterations: Newton iterations of the step.
-        """
+        """Tell of a finished step: the time at its end, its length (s), its Newton iterations."""
         if self._silent:
             return
         self._last = (time, step, iterations)

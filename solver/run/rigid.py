@@ -45,14 +45,9 @@ class RigidRun:
         writes: bool = True,
         ranks: int = 1,
     ):
-        """Set up at t = 0.
+        """Set up at t = 0; the motion of the ground is read here where it is not given.
 
-        Args:
-            scene: What to run.
-            log: Is told what happens.
-            ground: Motion of the ground, as it was read; None: it is read here.
-            writes: False on all ranks but one: all compute the same.
-            ranks: Number of ranks.
+        All ranks compute the same; `writes` is False on all but one.
         """
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
         self._motion, self._ground = ground or read_ground(scene), None

@@ -41,38 +41,32 @@ class ProgressReport(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a run gives.
-
-    Attributes:
-        status: "completed", "not converged" or "interrupted".
-        history: One row a step; `history["block.angle_rad"]` is a numpy array.
-        summary: The content of summary.json.
-    """
+    """What a run gives."""
 
     status: str
+    """"completed", "not converged" or "interrupted"."""
     history: History
+    """One row a step; `history["block.angle_rad"]` is a numpy array."""
     summary: dict[str, Any]
+    """The content of summary.json."""
 
 
 @dataclass(slots=True)
 class RunContext:
-    """What an engine is given: where its rows go, and who watches.
-
-    Attributes:
-        scene: What is run.
-        history: Takes the rows.
-        files: The folder of the run, if there is one.
-        interruption: Whether someone wants the run to stop.
-        watch: Looks for blocks that overturn or fall, where that ends the run.
-        progress: A display.
-    """
+    """What an engine is given: where its rows go, and who watches."""
 
     scene: Scene
+    """What is run."""
     history: History
+    """Takes the rows."""
     files: RunFiles
+    """The folder of the run, if there is one."""
     interruption: Interruption
+    """Whether someone wants the run to stop."""
     watch: Watch
+    """Looks for blocks that overturn or fall, where that ends the run."""
     progress: ProgressReport | None
+    """A display."""
 
     def show(self, now: float, step: float, iterations: int) -> None:
         """Tell the display of a finished step."""
@@ -183,10 +177,8 @@ def simulate(
 def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
-    Args:
-        engine: Set up.
-        desk: Its history is empty yet.
-        began: When the run did, by the performance counter, s.
+    The engine is set up, the history empty, and the run `began` at a time of the performance
+    counter, s.
     """
     scene, history, files = desk.scene, desk.history, desk.files
     first = engine.first_row()

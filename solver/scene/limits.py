@@ -45,10 +45,8 @@ energy."""
 def refuse_beyond(scene: Scene, shaking: float) -> None:
     """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
 
-    Args:
-        scene: What is judged.
-        shaking: Peak accelerations of the ground in all directions, added up, m/s2. When a scene is
-            made, of the motions whose keys tell it; again when the others have been read.
+    The shaking is the peaks of the ground's accelerations in all directions, added up, m/s2. When a
+    scene is made, of the motions whose keys tell it; again when the others have been read.
 
     Raises:
         SceneError: Names the key, what it was given, and what is allowed.
@@ -78,10 +76,7 @@ def refuse_beyond(scene: Scene, shaking: float) -> None:
 def _pressure(scene: Scene, block: BlockSpec, acceleration: float) -> float:
     """Weight and inertia of a block and of all that it carries, over its bottom, Pa.
 
-    Args:
-        scene: What the block is part of.
-        block: Which one.
-        acceleration: Gravity and the peaks of the ground's acceleration, added up, m/s2.
+    `acceleration`: gravity and the peaks of the ground's acceleration, added up, m/s2.
     """
     carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
     return carried * acceleration / _bottom(block)

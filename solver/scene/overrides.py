@@ -31,13 +31,7 @@ def _toml_value(text: str) -> Any:
 
 
 def override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
-    """Set one value, `path=value`, in the tables of a scene.
-
-    Args:
-        tables: The scene, changed in place.
-        text: Path and value; a block is addressed by its name.
-        known: Keys of a scene.
-    """
+    """Set one value, `path=value`, in the tables of a scene; a block is addressed by its name."""
     path, equals, value = text.partition("=")
     *parents, key = [part.strip() for part in path.split(".")]
     if not equals or not key or not all(parents):

@@ -16,10 +16,7 @@ Drift = tuple[float, float]
 def poses(scene: Scene, *, upright: bool = False, drift: Drift = (0.0, 0.0)) -> dict[str, Pose]:
     """For each block, by its name, the rigid motion from its own frame to where it stands.
 
-    Args:
-        scene: The scene.
-        upright: As if nothing were tilted.
-        drift: Of the platform along x and y, m: where it is.
+    `upright`: as if nothing were tilted; `drift` is where the platform is along x and y, m.
     """
     placed: dict[str, Pose] = {}
     for spec in scene.order:

@@ -62,12 +62,7 @@ def parse_scene(
 
 
 def set_values(tables: dict[str, Any], overrides: Sequence[str]) -> None:
-    """Set values in the tables of a scene, which are changed in place.
-
-    Args:
-        tables: Plain tables as `tomllib` makes them.
-        overrides: As for `load_scene`.
-    """
+    """Set values, as for `load_scene`, in the tables of a scene, which are changed in place."""
     known = [key_of(item) for item in fields(Scene)]
     for text in overrides:
         override(tables, text, known=known)

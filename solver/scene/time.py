@@ -86,13 +86,11 @@ class TimeSpec(Checked):
     def in_scene(
         self, *, is_rigid: bool, frequency: float, period: float, stiffest: float
     ) -> TimeSpec:
-        """The same with nothing left open.
+        """Time stepping in a scene with or without a mesh, nothing left open.
 
-        Args:
-            is_rigid: Whether nothing in the scene is meshed.
-            frequency: p of the block that rocks fastest, 1/s; 0 without gravity.
-            period: The shortest of the ground's motion, s.
-            stiffest: Longest step that the stiffest meshed body allows, s.
+        The frequency is p of the block that rocks fastest, 1/s, 0 without gravity; the period the
+        shortest of the ground's motion, s; `stiffest` the longest step that the stiffest meshed
+        body allows, s.
         """
         if not is_open(self.step):
             if self.largest is not None and self.step <= stiffest < self.largest:

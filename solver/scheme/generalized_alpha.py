@@ -32,14 +32,12 @@ class GeneralizedAlpha:
 
     With beta = gamma_n/2 the spectral radius at infinite frequency is 1 for every `rho_inf`: it
     sets the damping of the middle frequencies only.
-
-    Attributes:
-        rho_inf: Spectral radius that the weights come from.
-        damped_time: How long steps are taken with rho_inf = 0 after a change of contact, s.
     """
 
     rho_inf: float
+    """Spectral radius that the weights come from."""
     damped_time: float = 0.0
+    """How long steps are taken with rho_inf = 0 after a change of contact, s."""
 
     @property
     def damped(self) -> GeneralizedAlpha:
@@ -83,13 +81,10 @@ class GeneralizedAlpha:
         stiffness_damping: float = 0.0,
         spring_damping: float = 0.0,
     ) -> TangentWeights:
-        """The weights of mass, stiffness and interface in the tangent of a step of length `dt`.
+        """The weights of mass, stiffness and interface in the tangent of a step of length `dt`, s.
 
-        Args:
-            dt: Step, s.
-            mass_damping: Rayleigh's lambda_R, 1/s.
-            stiffness_damping: Rayleigh's beta_R, s.
-            spring_damping: Dashpot over spring of what stands on springs, s.
+        With Rayleigh's lambda_R (1/s) and beta_R (s), and dashpot over spring (s) of what stands on
+        springs.
         """
         rate = self.contact_weight / dt
         return TangentWeights(

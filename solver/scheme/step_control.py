@@ -18,13 +18,10 @@ class Ladder:
     """Steps that have to succeed before a rung is climbed, at most."""
 
     def __init__(self, step: float, end: float, smallest: float, largest: float | None = None):
-        """Start at time 0 with a step of `step`.
+        """Start at time 0 with a step dt, s; all steps are dt times a power of two.
 
-        Args:
-            step: dt, s; all steps are dt times a power of two.
-            end: Time at which the run ends, s; no step goes beyond it.
-            smallest: No step is shorter than this, s.
-            largest: No step is longer than this, s; None for `step`.
+        No step goes beyond the end, is shorter than the smallest, or longer than the largest, by
+        default dt.
         """
         self._level = 0 if largest is None else max(0, math.floor(math.log2(largest / step) + 1e-9))
         self.depth = self._level + max(0, math.floor(math.log2(step / smallest) + 1e-9))
@@ -117,11 +114,9 @@ class Tolerance:
     def used(self, *, rigid: float, vibration: float, reversal: float, changed: bool) -> float:
         """The share of what is allowed that a step used; above 1 it is refused.
 
-        Args:
-            rigid: Error of the motion as a whole, over half the diagonal.
-            vibration: Root of the mean square error of the points of a body, over the same length.
-            reversal: Error of a slip that turned round within the step, over that length.
-            changed: Whether contact changed in the step.
+        `rigid` is the error of the motion as a whole, `vibration` the root of the mean square error
+        of the points of a body, `reversal` the error of a slip that turned round within the step,
+        all over half the diagonal; `changed`: contact changed in the step.
         """
         bound = self.CHANGE * (1.0 if changed else self.CALM)
         shares = rigid / bound, vibration / self.VIBRATION, reversal / self.CHANGE

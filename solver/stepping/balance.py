@@ -21,29 +21,26 @@ RESIDUAL_TOLERANCE = 1e-9
 
 
 class Balance(NamedTuple):
-    """What is solved for u: internal forces + mass M (u - start - way) + constant = contact.
-
-    Attributes:
-        contact: Memory of each interface that the step starts from, in the frame of the step.
-        weights: Weights of the tangent of each body.
-        constant: Loads, inertia of the old state (owned unknowns), N.
-        load: The loads alone; a residual is small or large in relation to them.
-        start: u_n, m.
-        way: dt v_n, m; None in equilibrium, where the mass term only steadies the tangent.
-        rotations: Rotations of all bodies at t_n, (d, d) each; None in equilibrium.
-        step: dt, s, for the speed of slip; infinite in equilibrium.
-        glued: Whether closed points hold any friction.
-    """
+    """What is solved for u: internal forces + mass M (u - start - way) + constant = contact."""
 
     contact: Sequence[Memory]
+    """Memory of each interface that the step starts from, in the frame of the step."""
     weights: Sequence[TangentWeights]
+    """Weights of the tangent of each body."""
     constant: Array
+    """Loads, inertia of the old state (owned unknowns), N."""
     load: Array
+    """The loads alone; a residual is small or large in relation to them."""
     start: Array
+    """u_n, m."""
     way: Array | None
+    """dt v_n, m; None in equilibrium, where the mass term only steadies the tangent."""
     rotations: Sequence[Array | None]
+    """Rotations of all bodies at t_n, (d, d) each; None in equilibrium."""
     step: float = np.inf
+    """dt, s, for the speed of slip; infinite in equilibrium."""
     glued: bool = False
+    """Whether closed points hold any friction."""
 
     @property
     def static(self) -> bool:
@@ -58,12 +55,8 @@ class Balance(NamedTuple):
     def tolerance(self, system: System, guess: Array) -> float:
         """Residual that counts as zero, N: a part of the forces, or round-off of the stresses.
 
-        Displacements at both ends of the step make the round-off: a body that comes down without
-        loads may touch just where its displacement is zero.
-
-        Args:
-            system: All bodies.
-            guess: Displacement at which the iteration begins, m.
+        Displacements at both ends of the step, the guess (m) among them, make the round-off: a body
+        that comes down without loads may touch just where its displacement is zero.
         """
         reached = np.maximum(np.abs(guess), np.abs(self.start))
         round_off = sum(
@@ -75,12 +68,7 @@ class Balance(NamedTuple):
         return max(RESIDUAL_TOLERANCE * (load or inertia), least)
 
     def smooth_residual(self, system: System, u: Array) -> Array:
-        """Out-of-balance force at u without that of contact, N.
-
-        Args:
-            system: All bodies.
-            u: Displacement of the owned unknowns, m.
-        """
+        """Out-of-balance force at the displacement u (m) without that of contact, N."""
         residual = self.constant.copy()
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
         travel = None if self.way is None else u - self.start - self.way
@@ -111,16 +99,13 @@ def _add_spring(
 
 
 class StepSolution(NamedTuple):
-    """What balances, and how the iteration came to it.
-
-    Attributes:
-        u: Displacement of the owned unknowns, m.
-        contacts: Interfaces and point forces; empty where the iteration did not converge.
-        residual: What is left of the out-of-balance force, N.
-        outcome: How the iteration ended.
-    """
+    """What balances, and how the iteration came to it."""
 
     u: Array
+    """Displacement of the owned unknowns, m."""
     contacts: Sequence[Contact]
+    """Interfaces and point forces; empty where the iteration did not converge."""
     residual: Array
+    """What is left of the out-of-balance force, N."""
     outcome: NewtonOutcome
+    """How the iteration ended."""

@@ -20,34 +20,28 @@ from solver.types import Array, Indices
 
 @dataclass(frozen=True, slots=True)
 class InterfaceDofs:
-    """Points of a body where forces act and motions are read.
-
-    Attributes:
-        layer: The nodes that the rows refer to.
-        force_rows: (points d, layer unknowns): its transpose turns point forces into nodal ones.
-        read_rows: Rows of the same shape that read the response.
-        count: Number of points.
-    """
+    """Points of a body where forces act and motions are read."""
 
     layer: Layer
+    """The nodes that the rows refer to."""
     force_rows: Any
+    """(points d, layer unknowns): its transpose turns point forces into nodal ones."""
     read_rows: Any
+    """Rows of the same shape that read the response."""
     count: int
+    """Number of points."""
 
 
 @dataclass(frozen=True, slots=True)
 class PortCompliance:
-    """What unit forces at some ports of a body move.
-
-    Attributes:
-        ports: Their numbers.
-        matrix: Compliance among them, (m d, m d), m/N.
-        responses: Displacements of the owned unknowns, (owned, m d), m/N.
-    """
+    """What unit forces at some ports of a body move."""
 
     ports: Indices
+    """Their numbers."""
     matrix: Array
+    """Compliance among them, (m d, m d), m/N."""
     responses: Array
+    """Displacements of the owned unknowns, (owned, m d), m/N."""
 
 
 class Compliance:
@@ -58,12 +52,9 @@ class Compliance:
     """
 
     def __init__(self, body: ElasticBody, factor: Factorization, ports: Sequence[InterfaceDofs]):
-        """Start without any column.
+        """Start without any column; the factor is that of a tangent or mass.
 
-        Args:
-            body: The body that the factorization belongs to.
-            factor: Factorized tangent or mass.
-            ports: Groups of points; they are numbered on from group to group.
+        Ports are groups of points, which are numbered on from group to group.
         """
         self.body, self.factor, self.ports = body, factor, tuple(ports)
         self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])

@@ -67,16 +67,10 @@ def add_contact_forces(
     contact_weight: float,
     sign: float,
 ) -> None:
-    """Add the forces of one interface on both its bodies to a vector of owned unknowns.
+    """Add the forces of one interface on both its bodies to a vector of owned unknowns, in place.
 
-    Args:
-        system: All bodies.
-        link: The interface and its bodies.
-        increment: Where it is at both ends of the step, and its point forces.
-        target: Forces of all owned unknowns, changed in place.
-        traction_weight: 1 - alpha_f for the theta term of Nitsche's method, 0 to leave it out.
-        contact_weight: w_c.
-        sign: 1, or -1 to subtract.
+    The traction weight is 1 - alpha_f for the theta term of Nitsche's method, 0 to leave it out,
+    the contact weight w_c, the sign 1, or -1 to subtract.
     """
     interface, before, after = link.interface, increment.before, increment
     vectors, reaction = interface.point_forces(

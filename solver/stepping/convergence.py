@@ -23,19 +23,16 @@ class IterationVerdict(IntEnum):
 
 
 class IterationRecord(NamedTuple):
-    """An iteration so far.
-
-    Attributes:
-        residuals: Euclidean norm of the residual at every iterate, the first guess included, N.
-        correction: Norm of the last correction, m.
-        unknowns: Norm of the unknowns, m.
-        forces: Largest norm of the contact forces so far, N.
-    """
+    """An iteration so far."""
 
     residuals: Sequence[float]
+    """Euclidean norm of the residual at every iterate, the first guess included, N."""
     correction: float
+    """Norm of the last correction, m."""
     unknowns: float
+    """Norm of the unknowns, m."""
     forces: float
+    """Largest norm of the contact forces so far, N."""
 
 
 class IterationTolerances(NamedTuple):
@@ -48,40 +45,36 @@ class IterationTolerances(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Convergence:
-    """The rules by which an iteration ends.
-
-    Attributes:
-        round_off: A residual below this many absolute tolerances that no longer falls is round-off
-            and is accepted; found with the blocks of the verification tests, where the round-off of
-            stiff stresses exceeds its estimate by less than that.
-        stagnation: A residual no longer falls where it stays above this part of the one before;
-            found with a rigid block on a light stiff one, whose residual fell slowly, but fell, and
-            was taken for round-off.
-        expected: After several corrections the last one has to be expected to leave no more than
-            this part of the absolute tolerance, by the rate at which the one before it shrank the
-            residual; found by comparing histories on one and on several ranks, which differ by no
-            more than round-off only if what is left hardly depends on the path of the iteration.
-        patience: Iterations that are allowed before progress is asked for; found with soft strips
-            whose volume hardly changes (nu close to 0.5), which converge slowly, but surely, where
-            they are strained or turn fast.
-        window: Iterations within which the residual has to halve once patience is over; found with
-            the same strips, beside which iterations that went to and fro never converged, and a
-            shorter step did.
-        most: Iterations at most, the limit that SNES itself is given; found with the same strips.
-        growth: A residual that has grown to this many times the first residual, the contact forces
-            and the tolerance does not fall again; found with a diverging iteration whose squares of
-            forces became infinite, while those that did converge grew by 140 times at most. Contact
-            forces are a scale of their own because a body without stress and loads has nothing but
-            round-off in its first residual when it first touches.
-    """
+    """The rules by which an iteration ends."""
 
     round_off: float = 50.0
+    """A residual below this many absolute tolerances that no longer falls is round-off and is
+    accepted; found with the blocks of the verification tests, where the round-off of stiff stresses
+    exceeds its estimate by less than that."""
     stagnation: float = 0.9
+    """A residual no longer falls where it stays above this part of the one before; found with a
+    rigid block on a light stiff one, whose residual fell slowly, but fell, and was taken for
+    round-off."""
     expected: float = 0.1
+    """After several corrections the last one has to be expected to leave no more than this part of
+    the absolute tolerance, by the rate at which the one before it shrank the residual; found by
+    comparing histories on one and on several ranks, which differ by no more than round-off only if
+    what is left hardly depends on the path of the iteration."""
     patience: int = 30
+    """Iterations that are allowed before progress is asked for; found with soft strips whose volume
+    hardly changes (nu close to 0.5), which converge slowly, but surely, where they are strained or
+    turn fast."""
     window: int = 15
+    """Iterations within which the residual has to halve once patience is over; found with the same
+    strips, beside which iterations that went to and fro never converged, and a shorter step did."""
     most: int = 300
+    """Iterations at most, the limit that SNES itself is given; found with the same strips."""
     growth: float = 1e8
+    """A residual that has grown to this many times the first residual, the contact forces and the
+    tolerance does not fall again; found with a diverging iteration whose squares of forces became
+    infinite, while those that did converge grew by 140 times at most. Contact forces are a scale of
+    their own because a body without stress and loads has nothing but round-off in its first
+    residual when it first touches."""
 
     def judge(self, record: IterationRecord, tolerances: IterationTolerances) -> IterationVerdict:
         """The verdict after an iteration."""

@@ -84,13 +84,9 @@ class LastDelassus:
         configurations: Sequence[Any],
         make: Callable[[], Delassus],
     ) -> Delassus:
-        """The operator for a key and configurations of the bodies.
+        """The operator for a key and configurations, made where the last one does not fit.
 
-        Args:
-            key: What it depends on.
-            responses: Responses of all bodies, which tell when configurations are the same.
-            configurations: Configurations of all bodies.
-            make: Makes the operator, where the last one does not fit.
+        Their responses tell when configurations are the same.
         """
         kept = self._kept
         fits = (
@@ -125,10 +121,7 @@ class Softening:
     def of(cls, system: System, links: Sequence[Link], softness: Array) -> Softening | None:
         """The softening of all points, with no least value; None where no point needs any.
 
-        Args:
-            system: All bodies.
-            links: All interfaces.
-            softness: The points' own softness, (points,), m/N.
+        The points' own softness is in m/N.
         """
         relative = np.concatenate(
             [
@@ -145,10 +138,7 @@ class Softening:
     def in_step(self, system: System, points: PointTable, load: Array) -> Softening:
         """The softening in a step: round-off of places is to mean little force; collective.
 
-        Args:
-            system: All bodies.
-            points: All contact points.
-            load: Loads on the owned unknowns, N.
+        Loads are those on the owned unknowns, N.
         """
         least = np.zeros_like(self.least)
         for link, own in zip(points.links, points.own, strict=True):

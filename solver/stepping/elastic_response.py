@@ -62,14 +62,10 @@ class ElasticResponse:
         sides: Sequence[BodyRole],
         inertia: float = np.inf,
     ):
-        """Set up.
+        """Take a body, the compliance of its ports, and its parts in interfaces, port by port.
 
-        Args:
-            body: The body.
-            compliance: Compliance of its ports.
-            sides: Its parts in interfaces, port by port.
-            inertia: w m, the factor of M in the tangent times the mass; infinite where the body is
-                held or does not turn.
+        The inertia is w m, the factor of M in the tangent times the mass; infinite where the body
+        is held or does not turn.
         """
         self.body, self.compliance, self.sides, self._inertia = body, compliance, sides, inertia
         self._simple = len(sides) == 1 and not sides[0].carries

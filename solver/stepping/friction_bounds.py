@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.contact.memory import Memory
-from solver.law.friction import BROKEN, RATE, SLIPPED, Bounds, points_at_bound
+from solver.law.friction import Bounds, points_at_bound
 from solver.law.local_problem import image
 from solver.stepping.point_table import PointTable, joined
 from solver.types import Array, Indices
@@ -28,23 +28,22 @@ class FrictionBounds:
     """
 
     def __init__(self, points: PointTable, memories: Sequence[Memory], *, step: float, glued: bool):
-        """Start from what contact remembers.
+        """Start from what contact remembers at t_n.
 
-        Args:
-            points: All contact points.
-            memories: Memory of each interface at t_n.
-            step: dt, s, for the speed of slip; infinite in equilibrium.
-            glued: Whether closed points hold any friction.
+        The step, s, is infinite in equilibrium; `glued`: closed points hold any friction.
         """
         self._points = points
         self._step, self._glued = step, glued
-        # The coefficients follow the speed that is told, not that of the last step.
-        self._pasts = [memory.past.copy() for memory in memories]
+        self._pasts = [memory.past for memory in memories]
+        self._slips = [memory.slipped for memory in memories]
         laws = [link.interface.law for link in points.links]
         self.steady = all(law.constant for law in laws)
         self._decays = any(law.decays for law in laws)
         self._speed: Array = np.zeros(points.count)
-        self.bounds = self._at_speed(None)
+        pairs = zip(points.links, self._pasts, strict=True)
+        self.bounds = [link.interface.bounds(past) for link, past in pairs]
+        # The coefficients follow the speed that is told, not that of the last step.
+        self.bounds = self._at_speed(self._speed)
 
     def at(self, near: Indices) -> Bounds:
         """Bounds of some points."""
@@ -60,11 +59,8 @@ class FrictionBounds:
     def follows(self, near: Indices, W: Array, q: Array, force: Array) -> bool:
         """Take the bounds that go with the slip q + W f; whether they are others than before.
 
-        Args:
-            near: Numbers of the points of a local problem.
-            W: Its compliance, (m, d, m, d), m/N.
-            q: Its free values, (m, d), m.
-            force: Its solution with the bounds so far, (m, d), N.
+        W is the compliance of the near points, (m, d, m, d), m/N, q their free values, (m, d), m,
+        and f the solution with the bounds so far, (m, d), N.
         """
         if not self._decays:
             return False
@@ -81,38 +77,32 @@ class FrictionBounds:
         return False
 
     def break_loose(self, force: Array) -> bool:
-        """Let points that reached their static friction slip from now on: mu_s to mu_d only.
+        """Let points that reached their static friction slip from now on; whether there are any.
 
-        Args:
-            force: Point forces of all points, (points, d), N.
-
-        Returns:
-            Whether there are any: the forces are those of the wrong friction then.
+        They go from mu_s to mu_d only. By forces of all points, (points, d), N, which are then
+        those of the wrong friction.
         """
         any_loose = False
         for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):
             if link.interface.law.jumps and not self._glued:
-                past = self._pasts[k]
-                loose = points_at_bound(force[own], self.bounds[k]) & (past[:, SLIPPED] == 0.0)
-                if loose.any():
-                    past[loose, SLIPPED] = past[loose, BROKEN] = 1.0
-                    any_loose = True
+                loose = points_at_bound(force[own], self.bounds[k]) & ~self._slips[k]
+                self._slips[k] |= loose
+                any_loose |= bool(loose.any())
         if any_loose:
-            self.bounds = self._at_speed(None)
+            self.bounds = self._at_speed(np.zeros_like(self._speed))
         return any_loose
 
     def _speed_of(self, slip: Array) -> Array:
         """Speed (m/s) of slips in a step, (m, d-1)."""
         return np.sqrt(np.sum(slip**2, axis=1)) / self._step
 
-    def _at_speed(self, speed: Array | None) -> list[Bounds]:
-        """Bounds of each interface, by the speed of slip of all points (m/s); None counts as 0."""
+    def _at_speed(self, speed: Array) -> list[Bounds]:
+        """Bounds of each interface, by the speed of slip of all points, m/s."""
         points = self._points
         if self._glued:
             return [Bounds.uniform(GLUE, link.interface.count) for link in points.links]
-        for past, own in zip(self._pasts, points.own, strict=True):
-            past[:, RATE] = 0.0 if speed is None else speed[own]
+        parts = zip(points.links, points.own, self._pasts, self._slips, self.bounds, strict=True)
         return [
-            link.interface.bounds(past)
-            for link, past in zip(points.links, self._pasts, strict=True)
+            link.interface.bounds_followed(past, before.mu, speed[own], slips)
+            for link, own, past, slips, before in parts
         ]

@@ -96,12 +96,8 @@ class VelocityImpulses:
     ) -> VelocityCorrection | None:
         """The correction after a step, or None where no solution was found.
 
-        Args:
-            u: Displacement of all owned unknowns at t_{n+1}, m.
-            v: Velocity before the correction, m/s.
-            contacts: Interfaces at t_{n+1}.
-            dt: Step, s.
-            taken: Energy that friction took in the step, J.
+        By displacements (m) at t_{n+1} and velocities (m/s) before it; friction took `taken` in the
+        step, J.
         """
         force = joined([contact.force for contact in contacts])
         closed = (force[:, 0] > 0).nonzero()[0]

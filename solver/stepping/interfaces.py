@@ -50,11 +50,7 @@ class Interfaces:
         return tuple(self._links[key] for key in enumerate(faces))
 
     def facing(self, rotations: Sequence[Array]) -> Faces:
-        """Faces that are turned towards their carriers.
-
-        Args:
-            rotations: Of the body of each contact's points, (d, d).
-        """
+        """Faces that are turned towards their carriers by the rotations of all contacts' bodies."""
         return tuple(
             contact.facing(rotation)
             for contact, rotation in zip(self._contacts, rotations, strict=True)
@@ -94,15 +90,10 @@ class Interfaces:
         return sum(link.interface.energy(memory) for link, memory in pairs)
 
     def start(self, state: State, faces: Faces, dt: float) -> StepStart:
-        """What a step of length `dt` (s) starts from.
+        """What a step of length `dt` (s) starts from; the state is left as it is.
 
-        Faces that have joined since take part from now on, frames are those of the middle of the
+        Faces that have joined by now take part from now on, frames are those of the middle of the
         step, and points of corners are chosen anew.
-
-        Args:
-            state: Left as it is.
-            faces: Those that have joined by now.
-            dt: Step, s.
         """
         contacts, exchanged = state.contacts, 0.0
         if faces != state.faces:

@@ -28,21 +28,18 @@ class Energies:
 
 @dataclass(slots=True)
 class StepSums:
-    """What a step adds up over all bodies.
-
-    Attributes:
-        energies: Energies at t_{n+1}, J.
-        moved: Sum of m du along each direction, (d,), kg m.
-        increment: du.dr with r = p + F but for the theta term of contact, J.
-        damping: du.C du/dt, J.
-        residual: Work of what the iteration left out of balance, J.
-    """
+    """What a step adds up over all bodies."""
 
     energies: Energies
+    """Energies at t_{n+1}, J."""
     moved: Array
+    """Sum of m du along each direction, (d,), kg m."""
     increment: float = 0.0
+    """du.dr with r = p + F but for the theta term of contact, J."""
     damping: float = 0.0
+    """du.C du/dt, J."""
     residual: float = 0.0
+    """Work of what the iteration left out of balance, J."""
 
     def over_ranks(self, comm: MPI.Intracomm) -> StepSums:
         """The sums over all ranks, in one message."""
@@ -58,13 +55,7 @@ class StepSums:
 
 
 def energies(system: System, u: Array, v: Array) -> Energies:
-    """Energies at the displacement u; collective.
-
-    Args:
-        system: All bodies.
-        u: Displacement of the owned unknowns, m.
-        v: Velocity, m/s.
-    """
+    """Energies at displacements (m) and velocities (m/s) of the owned unknowns; collective."""
     total = _own_energies(system, u, v)
     sums = global_sum(system.comm, np.array(astuple(total)))
     return Energies(*(float(value) for value in sums))
@@ -84,23 +75,20 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
 
 
 class StepEnds(NamedTuple):
-    """Both ends of a step, before velocities are corrected; p in the frame of its middle.
-
-    Attributes:
-        dt: Step, s.
-        u: u_{n+1}, m.
-        v: v_{n+1}, m/s.
-        du: u_{n+1} - u_n, m.
-        dp: p_{n+1} - p_n, N.
-        residual: What the iteration left out of balance, N.
-    """
+    """Both ends of a step, before velocities are corrected; p in the frame of its middle."""
 
     dt: float
+    """Step, s."""
     u: Array
+    """u_{n+1}, m."""
     v: Array
+    """v_{n+1}, m/s."""
     du: Array
+    """u_{n+1} - u_n, m."""
     dp: Array
+    """p_{n+1} - p_n, N."""
     residual: Array
+    """What the iteration left out of balance, N."""
 
 
 def step_sums(system: System, ends: StepEnds) -> StepSums:
@@ -135,12 +123,8 @@ def numerical_loss(
 ) -> float:
     """What the averaging of forces takes, skew du.dr, less the work of the residual, J.
 
-    Args:
-        sums: What the step adds up.
-        links: All interfaces.
-        old: Memory of each of them at t_n.
-        new: At t_{n+1}.
-        skew: 1/2 - alpha_f of the scheme of the step.
+    By what the step adds up, and all interfaces' memories at its ends; skew is 1/2 - alpha_f of the
+    scheme of the step.
     """
     increment = sums.increment
     for link, first, last in zip(links, old, new, strict=True):

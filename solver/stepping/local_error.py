@@ -17,40 +17,34 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True)
 class StepError:
-    """Error of a step, over a length of the scene.
-
-    Attributes:
-        rigid: Of the motion of a body as a whole, the largest.
-        vibration: Of the points of a meshed body, root of the mean square, the largest.
-        reversal: Of bodies whose slip turned round within the step.
-    """
+    """Error of a step, over a length of the scene."""
 
     rigid: float
+    """Of the motion of a body as a whole, the largest."""
     vibration: float
+    """Of the points of a meshed body, root of the mean square, the largest."""
     reversal: float
+    """Of bodies whose slip turned round within the step."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Past:
-    """What earlier steps leave for the estimate.
-
-    Attributes:
-        u: Displacement at t_n, m.
-        rigid: Velocities of the bodies as a whole at t_n, m/s.
-        rigid_change: Their mean accelerations in the last step, m/s2; None before the first.
-        mean: Mean velocities of all points in the last step, m/s; None likewise.
-        change: Accelerations between the last two steps, m/s2; None before the second.
-        dt: Length of the last step, s.
-        dt_before: Of the one before it, s.
-    """
+    """What earlier steps leave for the estimate."""
 
     u: Array
+    """Displacement at t_n, m."""
     rigid: Array
+    """Velocities of the bodies as a whole at t_n, m/s."""
     rigid_change: Array | None = None
+    """Their mean accelerations in the last step, m/s2; None before the first."""
     mean: Array | None = None
+    """Mean velocities of all points in the last step, m/s; None likewise."""
     change: Array | None = None
+    """Accelerations between the last two steps, m/s2; None before the second."""
     dt: float = 0.0
+    """Length of the last step, s."""
     dt_before: float = 0.0
+    """Of the one before it, s."""
 
 
 class LocalError:
@@ -68,13 +62,7 @@ class LocalError:
     """
 
     def __init__(self, system: System, state: State, size: float):
-        """Start at a state.
-
-        Args:
-            system: The bodies.
-            state: Where the run starts.
-            size: Length R to which errors are referred, m.
-        """
+        """Start at a state; errors are referred to a length R, m."""
         self._system, self._size = system, size
         self._past = _Past(u=state.u, rigid=self._rigid_velocity(state))
         self._tried = self._past

@@ -15,33 +15,27 @@ from solver.stepping.system import System
 
 @dataclass(frozen=True, slots=True)
 class ContactModel:
-    """What all steps share while no face joins.
-
-    Attributes:
-        system: All bodies.
-        points: All contact points.
-        local: Solver of local problems.
-        softening: Of rigid points; None where there are none.
-        turns: Whether a carrier turns with its body.
-    """
+    """What all steps share while no face joins."""
 
     system: System
+    """All bodies."""
     points: PointTable
+    """All contact points."""
     local: LocalProblem
+    """Solver of local problems."""
     softening: Softening | None
+    """Of rigid points; None where there are none."""
     turns: bool
+    """Whether a carrier turns with its body."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tangents:
-    """What bodies offer for one set of tangents.
-
-    Attributes:
-        weights: Weights of the tangent of each body.
-        responses: Responses of all bodies.
-        stiffness: How often the stiffness of bodies was made anew before.
-    """
+    """What bodies offer for one set of tangents."""
 
     weights: tuple[TangentWeights, ...]
+    """Weights of the tangent of each body."""
     responses: Sequence[AnyResponse]
+    """Responses of all bodies."""
     stiffness: int
+    """How often the stiffness of bodies was made anew before."""

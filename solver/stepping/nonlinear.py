@@ -43,19 +43,16 @@ REASONS = {
 
 
 class NewtonOutcome(NamedTuple):
-    """How a nonlinear solve ended.
-
-    Attributes:
-        converged: Whether it found a solution.
-        iterations: Corrections that it took.
-        residual: Euclidean norm of the last residual, N.
-        reason: Why it ended, in words.
-    """
+    """How a nonlinear solve ended."""
 
     converged: bool
+    """Whether it found a solution."""
     iterations: int
+    """Corrections that it took."""
     residual: float
+    """Euclidean norm of the last residual, N."""
     reason: str
+    """Why it ended, in words."""
 
 
 class NonlinearProblem(Protocol):
@@ -112,14 +109,11 @@ class NonlinearSolver:
         *,
         convergence: Convergence | None = None,
     ):
-        """Set SNES up.
+        """Set SNES up for the owned unknowns of this rank.
 
-        Args:
-            comm: Communicator.
-            size: Owned unknowns of this rank.
-            failure: What a problem raises where it has no correction.
-            options: PETSc options, as on a command line; they override what is set here.
-            convergence: When an iteration ends; None for the rules of this program.
+        A problem raises `failure` where it has no correction. PETSc's options are as on a command
+        line and override what is set here; without `convergence` the rules of this program end an
+        iteration.
         """
         self._convergence = convergence or Convergence()
         self._problem: NonlinearProblem | None = None
@@ -199,15 +193,9 @@ class NonlinearSolver:
     def solve(
         self, problem: NonlinearProblem, unknowns: Array, tolerance: float
     ) -> tuple[Array, NewtonOutcome]:
-        """Solve a problem from a guess.
+        """Solve a problem from a guess; where SNES stopped, and how it ended.
 
-        Args:
-            problem: Residual and correction.
-            unknowns: Guess of the owned unknowns, m.
-            tolerance: Euclidean norm of the residual that counts as zero, N.
-
-        Returns:
-            The unknowns where SNES stopped, and how it ended.
+        The tolerance is the Euclidean norm of the residual that counts as zero, N.
         """
         self._problem = problem
         self._correction.begin(problem)

@@ -99,8 +99,7 @@ class EdgeWatch:
     def settled(self, beyond: Mask | None) -> Mask | None:
         """The points to be taken as beyond an edge in this correction; None for no point.
 
-        Args:
-            beyond: Those that are beyond one at the present iterate; None for no point.
+        `beyond` are those that are at the present iterate.
         """
         if beyond is None and self._last is None:
             return None

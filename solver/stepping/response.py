@@ -92,12 +92,7 @@ class Response(Protocol[Configuration, Coupling]):
     """What a body offers to the contact problem."""
 
     def at(self, u: Array, start: Array | None) -> Configuration:
-        """The configuration at a displacement.
-
-        Args:
-            u: Owned unknowns.
-            start: Rotation of the body at the start of the step, (d, d); None in equilibrium.
-        """
+        """The configuration at u, in a step at whose start the body had the rotation `start`."""
 
     def of_mass(self, u: Array) -> Configuration:
         """The configuration in which the mass alone answers; u: owned unknowns."""

@@ -73,15 +73,10 @@ class StepProblem:
         *,
         number: int,
     ):
-        """Start from what contact remembers.
+        """Start from what contact remembers and a guess of the displacement of all owned unknowns.
 
-        Args:
-            model: Bodies and contact points.
-            tangents: What the bodies offer.
-            kept: The Delassus operator of earlier corrections.
-            balance: What is to be solved.
-            guess: Predicted displacement of all owned unknowns.
-            number: Number of the solve.
+        `tangents` is what the bodies offer, `kept` the Delassus operator of earlier corrections,
+        the number that of the solve.
         """
         self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
         self._points, self._system = model.points, model.system

@@ -28,17 +28,14 @@ Body = ElasticBody | DenseBody
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """An interface between two bodies of a system.
-
-    Attributes:
-        interface: Kinematics and law.
-        body: Number of the body whose points these are; None for what is fixed to the ground.
-        carrier: Number of the body that carries them; None likewise.
-    """
+    """An interface between two bodies of a system."""
 
     interface: Interface
+    """Kinematics and law."""
     body: int | None
+    """Number of the body whose points these are; None for what is fixed to the ground."""
     carrier: int | None
+    """Number of the body that carries them; None likewise."""
 
 
 class System:
@@ -112,14 +109,10 @@ def response_of(
     factor: Factorization | Array,
     weights: TangentWeights | None = None,
 ) -> AnyResponse:
-    """What a body offers to the contact problem.
+    """What a body offers to the contact problem, by its number.
 
-    Args:
-        system: All bodies.
-        body: Its number.
-        links: All interfaces.
-        factor: Factorized tangent or mass of a meshed body; the diagonal of a rigid one's.
-        weights: Of the tangent, whose points are read with their tractions; None for the mass.
+    The factor is the factorized tangent or mass of a meshed body, the diagonal of a rigid one's.
+    Weights are those of the tangent, whose points are read with their tractions; None for the mass.
     """
     member, sides = system.bodies[body], sides_of(body, links)
     tractions = weights is not None
@@ -136,13 +129,7 @@ def response_of(
 
 
 def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
-    """Rows between the points and the nodes of a meshed body.
-
-    Args:
-        points: The body's own points in an interface.
-        interface: The interface.
-        tractions: Whether points are read with their tractions.
-    """
+    """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
         d = points.dimension
         rows = (points.chosen[:, None] * d + np.arange(d)).ravel()

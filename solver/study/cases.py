@@ -32,15 +32,8 @@ def finished_cases(
 ) -> Generator[tuple[Case, Value | Exception], None, None]:
     """Cases as they finish, not in their order, while a tally is shown; as `side_by_side`.
 
-    Args:
-        function: Runs a case; a function of a module, since other processes import it.
-        cases: The cases that are left to do.
-        done: How many others had been done before.
-        processes: Number of processes; None: one for each processor.
-        quiet: Show no tally.
-
-    Yields:
-        A case, and what the function returned for it or the exception that it raised.
+    The function is one of a module, since other processes import it; `done` is how many other cases
+    had been done before. With each case comes what it returned or the exception that it raised.
     """
     from mpi4py import MPI
 

@@ -9,11 +9,7 @@ from solver.errors import Statement
 
 
 def run_from_repository(study: str, options: argparse.Namespace) -> int:
-    """Run `benchmarks.STUDY.run`; returns the exit code of the command.
-
-    Args:
-        study: The folder in `benchmarks/`.
-        options: Of the command.
+    """Run `benchmarks.STUDY.run` with the options of the command; returns its exit code.
 
     Raises:
         SceneError: Only the installed package is there, without `benchmarks/`.

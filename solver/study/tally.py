@@ -11,14 +11,7 @@ class Tally(ProgressDisplay):
     """Finished cases of a study, and the time that is left; shown on rank 0 only."""
 
     def __init__(self, total: int, *, done: int = 0, quiet: bool = False, rank: int = 0):
-        """Start.
-
-        Args:
-            total: Number of cases.
-            done: How many of them had been done before.
-            quiet: Show nothing.
-            rank: Rank of this process: all but 0 show nothing.
-        """
+        """Start, where `done` of all cases had been done before; shows nothing but on rank 0."""
         layout = "{percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} {elapsed}<{remaining}{postfix}"
         share = done / max(total, 1)
         super().__init__(

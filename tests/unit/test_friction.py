@@ -9,6 +9,7 @@ from solver.law.friction import (
     FrictionLaws,
     at_bound,
     bounds_by_past,
+    bounds_followed,
     coefficient,
     followed,
     held,
@@ -95,7 +96,7 @@ def test_within_a_step_a_jump_only_falls_and_a_decay_follows_the_speed():
     assert followed(jump, 0, past, 0.2, 0.0, False) == (0.2, True)
     mu, _ = followed(decay, 0, past, 0.2, np.log(2) / 3, True)
     assert mu == pytest.approx(0.4)
-    assert followed(decay, 0, past, 0.2, 1.0, False)[0] == 0.6
+    assert followed(decay, 0, past, 0.2, 0.0, False)[0] == 0.6
 
 
 def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips():
@@ -106,10 +107,27 @@ def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips():
         assert followed(law, 0, past, 0.6, 1.0, True) == (0.6, False)
 
 
+def test_bounds_within_a_step_are_those_of_each_point():
+    """Points of one surface, whose cohesion acts on their areas."""
+    area, speed, slips = np.array([0.1, 0.2, 0.3]), np.array([0.0, 0.4, 0.4]), mask(0, 0, 1)
+    past, so_far = pasts((0.0, 0, 0), (0.0, 0, 1), (0.2, 1, 1)), np.array([0.6, 0.5, 0.2])
+    for decay, lost in ((0.0, False), (0.0, True), (3.0, True)):
+        spec = FrictionSpec(static=0.6, dynamic=0.2, decay=decay, cohesion=1e4, cohesion_lost=lost)
+        laws = FrictionLaws.of([spec])
+        bounds = bounds_followed(laws, past, area, so_far, speed, slips)
+        for i in range(3):
+            mu, coheres = followed(laws, 0, past[i], so_far[i], speed[i], slips[i])
+            assert bounds.mu[i] == mu
+            assert bounds.cohesion[i] == (1e4 * area[i] if coheres else 0.0)
+    assert bounds.cohesion.tolist() == [1e3, 0.0, 0.0]
+    assert bounds.mu == pytest.approx([0.6, *[0.2 + 0.4 * np.exp(-1.2)] * 2])
+
+
 def test_a_point_remembers_that_it_slipped_while_it_is_closed_and_for_ever_that_it_broke_loose():
     closed, slipped = mask(1, 1, 0), mask(1, 0, 0)
     before = pasts((0.0, 0, 0), (0.3, 1, 1), (0.3, 1, 1))
-    after = pasts_after(before, closed, slipped, np.array([0.2, 0.1, 0.1]))
+    law = FrictionLaws.of([FrictionSpec(static=0.6)])
+    after = pasts_after(law, before, closed, slipped, np.array([0.2, 0.1, 0.1]), 1e-3)
     assert after.tolist() == [[0.2, 1.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
     assert before[2].tolist() == [0.3, 1.0, 1.0]
 

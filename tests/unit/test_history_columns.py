@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rockslip import Scene, parse_scene
-from solver.history.columns import TABLE, check_filled, columns, ordered, positions, row_layout
+from solver.history.block_columns import lean_in_space
+from solver.history.columns import TABLE, check_filled, columns, positions, row_layout
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
 
@@ -52,12 +53,6 @@ def test_every_name_ends_with_its_unit() -> None:
         assert column.meaning.endswith(".")
 
 
-def test_values_are_brought_into_the_order_of_the_columns() -> None:
-    assert ordered(["b", "a"], {"a": 1.0, "b": 2.0, "c": 3.0}) == [2.0, 1.0]
-    with pytest.raises(ValueError, match="no value for the columns b, d"):
-        ordered(["a", "b", "d"], {"a": 1.0})
-
-
 def test_columns_that_are_nan_throughout_are_named() -> None:
     """A number that is none in some row is a result; no rows are no columns left out."""
     rows = np.array([[0.0, np.nan, np.nan], [1.0, np.nan, 2.0]])
@@ -70,7 +65,7 @@ def test_columns_that_are_nan_throughout_are_named() -> None:
     ("dimension", "system", "engine"),
     [(2, PlaneSystem, "plane.system.advance"), (3, SpaceSystem, "space.system.run")],
 )
-def test_an_engine_that_leaves_a_column_out_is_noticed(
+def test_a_rigid_engine_that_leaves_a_column_out_is_noticed(
     dimension: int, system: Any, engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By its name, in the first rows already."""
@@ -85,3 +80,32 @@ def test_an_engine_that_leaves_a_column_out_is_noticed(
     monkeypatch.setattr(f"solver.rigid.{engine}", forgets)
     with pytest.raises(ValueError, match=r"no value for the columns b\.slip_m$"):
         given.advance(3, 1e-3)
+
+
+def test_so_is_a_meshed_engine_that_does() -> None:
+    from solver.build.assembly import build, initial_state
+    from solver.history.history import scene_columns
+    from solver.run.observer import Observer
+    from solver.stepping.state import Exchange
+
+    tables = scene(2).to_dict()
+    tables["block"][0] |= {"model": "elastic", "young": 1e9, "poisson": 0.2, "cells": [2, 1]}
+    given = parse_scene(tables)
+    assembly = build(given)
+    state, _ = initial_state(given, assembly)
+    observer = Observer(assembly, state, scene_columns(given))
+    forgetful: Any = observer._blocks[1]
+    forgetful._write_motion = lambda state, row: None
+    names = r"b\.angle_rad, b\.angular_velocity_rad_s, b\.centre_x_m, b\.centre_y_m"
+    with pytest.raises(ValueError, match=f"no value for the columns {names}$"):
+        observer.row(state, Exchange(), 1e-3)
+
+
+def test_a_lean_is_carried_on_beyond_half_a_turn() -> None:
+    angles = np.linspace(0.0, 9.0, 30)
+    leans = [0.0]
+    for angle in angles[1:]:
+        turn = np.eye(3)
+        turn[::2, ::2] = [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+        leans.append(lean_in_space(turn, leans[-1]))
+    assert leans == pytest.approx(angles)

@@ -13,7 +13,9 @@ from geometry.arrangement import initial_position
 from rockslip import History, Scene, parse_scene
 from solver.errors import SceneError
 from solver.reference import answer
+from solver.reference.expected import has_expected_mode
 from solver.reference.shenton import release_friction, rocking_friction
+from solver.scene import FrictionSpec
 
 BLOCK = {
     "width": 0.25,
@@ -109,6 +111,31 @@ def test_incline_slides_as_galileo_says() -> None:
     )
     change = history["energy.total_J"] - history["energy.total_J"][0]
     np.testing.assert_allclose(change, -history["energy.friction_J"], atol=1e-6)
+
+
+def test_only_what_closed_forms_do_not_have_is_unknown() -> None:
+    push = {"kind": "sine", "amplitude_g": 0.4, "period": 1.0}
+    platform = {"kind": "oscillator", "mass_ratio": 1.0, "period": 0.5}
+    rocks = scene(block={"tilt_deg": 3.0}, end=0.1)
+    slides = scene(motion=push, friction=0.1, end=0.1)
+    for asked in (rocks, slides, scene(motion=push, friction=0.1, end=0.1, foundation=platform)):
+        history = answer.reference_history(asked)
+        assert [name for name in history.columns if np.isnan(history[name]).any()] == [
+            "newton_iterations",
+            "contact_points_closed",
+            "energy.contact_J",
+            "energy.numerical_J",
+            "energy.ledger_error_J",
+        ]
+
+
+def test_a_law_that_no_closed_form_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = scene(block={"tilt_deg": 3.0})
+    assert has_expected_mode(asked)
+    monkeypatch.setattr(FrictionSpec, "has_reference", False)
+    assert not has_expected_mode(asked)
+    with pytest.raises(SceneError, match=r"contact\.friction: got 0\.7, allowed static, dynamic"):
+        answer.reference_history(asked)
 
 
 def test_which_answer() -> None:

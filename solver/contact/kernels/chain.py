@@ -43,11 +43,9 @@ def _blended(before: float, own: float, after: float, where: float) -> float:
 def feet_on_chain(along: Array, chain: Array, reference: Array, margin: float) -> ChainFeet:
     """Feet of points on straight facets, in closed form.
 
-    Args:
-        along: Tangential positions of the points, (m,), m.
-        chain: Nodes in the frame, one after another, (n, 2), m.
-        reference: Their tangential positions in the undeformed chain, (n,), m.
-        margin: Part of a facet.
+    `along` are tangential positions of the points, (m,), `chain` the nodes in the frame, one after
+    another, (n, 2), `reference` their tangential positions in the undeformed chain, (n,), m; the
+    margin is a part of a facet.
     """
     m, last = len(along), len(chain) - 2
     slopes, stretches = np.empty(last + 1), np.empty(last + 1)

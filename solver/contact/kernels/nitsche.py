@@ -123,13 +123,9 @@ def traction_pull(
 ) -> Array:
     """Vectors that the gradient of the traction is multiplied by, (p, d).
 
-    Args:
-        scale: theta/gamma_h, (p,).
-        weight: w, (p,), m or m2.
-        pressure: w_c f as vectors in space, (p, d), N.
-        old: Traction at t_n, (p, d), Pa.
-        new: At t_{n+1}.
-        new_weight: 1 - alpha_f, or 0 to leave the theta term out.
+    Tractions are those at both ends of a step, Pa. The scale is theta/gamma_h, the weight w, m or
+    m2, the pressure w_c f as vectors in space, N; the new weight is 1 - alpha_f, or 0 to leave the
+    theta term out.
     """
     pull = np.empty_like(pressure)
     old_weight = 1.0 - new_weight if new_weight != 0.0 else 0.0

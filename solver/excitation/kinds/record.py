@@ -39,10 +39,6 @@ def signal(spec: RecordSpec, end: float, where: str) -> SampledMotion:
 def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
     """The samples of a recorded accelerogram, the first one that is used at `spec.start`.
 
-    Args:
-        spec: The file, and what is to be done with it.
-        where: Path of the table in the scene, for errors.
-
     Raises:
         SceneError: The file cannot be read, or is not what the scene says; names file and line.
     """

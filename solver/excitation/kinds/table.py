@@ -20,11 +20,6 @@ def signal(spec: TableSpec, end: float, where: str) -> SampledMotion:
     The columns are separated by commas, semicolons or blanks; lines before the first row that do
     not begin with a number are a header; blank lines and lines that begin with # are skipped.
 
-    Args:
-        spec: The file, its units, and a factor.
-        end: Of the run, s; of no meaning here.
-        where: Path of the table in the scene, for errors.
-
     Raises:
         SceneError: The file cannot be read, or is no such table; names file and line.
     """

@@ -60,10 +60,8 @@ PERIODS: tuple[float, ...] = tuple(row[0] for row in _ROWS)
 def median_spectrum(magnitude: float, distance_km: float, vs30: float) -> Array:
     """Median PGA and pseudo-spectral accelerations at `PERIODS`, m/s^2 (Eqs. 1 to 8).
 
-    Args:
-        magnitude: Moment magnitude M.
-        distance_km: R_JB, from the site to the surface projection of the rupture, km.
-        vs30: Mean velocity of shear waves in the upper 30 m, m/s.
+    By moment magnitude, R_JB from the site to the surface projection of the rupture in km, and the
+    mean velocity of shear waves in the upper 30 m, m/s.
     """
     rock = _on_rock(magnitude, distance_km)
     return G_UNIT * rock * _site(vs30, float(rock[0]))

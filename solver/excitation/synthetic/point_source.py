@@ -48,11 +48,8 @@ CALIBRATION = ((0.25, 0.5, 1.0, 2.0, 5.0, 10.0), (1.19, 0.73, 0.87, 1.0, 1.12, 1
 def fourier_amplitude(frequency: Array, magnitude: float, distance_km: float, vs30: float) -> Array:
     """Amplitude |A(f)| of the acceleration of the ground in one horizontal direction, m/s.
 
-    Args:
-        frequency: f > 0, Hz.
-        magnitude: Moment magnitude M.
-        distance_km: R_JB, km.
-        vs30: Mean velocity of shear waves in the upper 30 m, m/s.
+    At frequencies f > 0, Hz, by moment magnitude, R_JB in km, and the mean velocity of shear waves
+    in the upper 30 m, m/s.
     """
     path = _path(frequency, effective_distance(magnitude, distance_km))
     site = _site(frequency, magnitude, distance_km, vs30)

@@ -99,8 +99,7 @@ def _transfer(spec: SyntheticSpec, size: int) -> NDArray[np.complex128]:
 def minimum_phase(amplitude: Array) -> NDArray[np.complex128]:
     """The causal transfer function of this amplitude that answers soonest, by its cepstrum.
 
-    Args:
-        amplitude: Positive, at the frequencies of `numpy.fft.rfft` of an even number of samples.
+    The amplitude is positive, at the frequencies of `numpy.fft.rfft` of an even number of samples.
     """
     half = amplitude.size - 1
     fold = np.concatenate(([1.0], np.full(half - 1, 2.0), [1.0], np.zeros(half - 1)))

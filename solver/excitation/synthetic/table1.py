@@ -26,9 +26,7 @@ _DRAW = 3
 def table1_suite(count: int = 30, seed: int = 1) -> list[SyntheticSpec]:
     """Motions of earthquakes and sites drawn evenly from Table 1's ranges, Vs30 in its logarithm.
 
-    Args:
-        count: Number of motions; the first ones are the same whatever it is.
-        seed: Of the suite, >= 0; motion number i has the seed 1000 `seed` + i.
+    The first ones are the same however many; motion number i has the seed 1000 `seed` + i.
     """
     return [_drawn(1000 * seed + number) for number in range(1, count + 1)]
 

@@ -86,10 +86,8 @@ def reverses(system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, 
 def next_length(bracket: Array, length: float, value: float) -> float:
     """One round of regula falsi (Illinois) for a value that falls from positive to negative.
 
-    Args:
-        bracket: Length and value at the lower and the upper end, the side that moved last.
-        length: Tried last.
-        value: What it gave.
+    The bracket has length and value at the lower and the upper end, and the side that moved last;
+    `value` is what the length that was tried last gave.
     """
     side = 1.0 if value > 0.0 else -1.0
     moving, staying = (0, 2) if value > 0.0 else (2, 0)

@@ -108,15 +108,9 @@ def find_points(
     dt: float,
     pull: float,
 ) -> None:
-    """List the points that may touch a face during a step, with their gaps and offsets.
+    """List in `work` the points that may touch a face during a step, with their gaps and offsets.
 
-    Args:
-        system: The system.
-        state: At the start of the step.
-        memory: At the start of the step.
-        work: Written.
-        dt: Step, s.
-        pull: Bound for the accelerations of gravity and ground, m/s2.
+    Accelerations of gravity and ground are no larger than `pull`, m/s2.
     """
     count, tiny = 0, CORNER_SIZE * system.size
     for k in range(len(system.corner_of)):

@@ -41,8 +41,9 @@ def follow_friction(
         force = max(abs(work.force[2 * i]), abs(work.force[t]))
         slid = work.state[i] != STICK and slips(slip, W[t, t], force)
         work.slips[i] = 1 if slid else 0
+        speed = slip / dt if slid else 0.0
         friction, coheres = followed(
-            system.friction, system.upper[k], memory.past[k], work.friction[i], slip / dt, slid
+            system.friction, system.upper[k], memory.past[k], work.friction[i], speed, slid
         )
         if abs(friction - work.friction[i]) > 1e-13:
             work.friction[i] = friction

@@ -68,10 +68,8 @@ def collide(system: PlaneModel, state: PlaneState, memory: PlaneMemory, work: Pl
 def rebounds(system: PlaneModel, work: PlaneWork, velocity: Array) -> tuple[Array, Mask]:
     """Rebound of each touching point, m/s, and whether it is the pivot of a block that lands.
 
-    Args:
-        system: The system.
-        work: The touching points and their rows at rest.
-        velocity: Of the points before the impact, flat, m/s.
+    `work` has the touching points and their rows at rest, `velocity` those before the impact, flat,
+    m/s.
     """
     count = work.counts[0]
     rebound, pivots = np.zeros(count), np.zeros(count, dtype=np.bool_)

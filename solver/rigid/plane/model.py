@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.law.friction import PAST, FrictionLaws
+from solver.law.friction import FrictionLaws, new_pasts
 from solver.law.local_problem import new_counts
 from solver.types import Array, Indices
 
@@ -139,7 +139,7 @@ def new_memory(points: int) -> PlaneMemory:
         face=none[1],
         gap=np.zeros(points),
         offset=np.zeros(points),
-        past=np.zeros((points, PAST)),
+        past=new_pasts(points),
         state=none[2],
         force=np.zeros((points, 2)),
     )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from solver.history.block_columns import PLANE as BLOCK
+from solver.history.block_columns import MovingBlock, write_plane_motion
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.advance import full_step
@@ -12,11 +14,8 @@ from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneW
 from solver.rigid.rows import write_energies
 from solver.types import Array
 
-RUN, BLOCK = positions("run", 2), positions("block", 2)
-"""Places of the columns of the run and of a block within their parts of a row."""
-
-PLATFORM = positions("platform", 2)
-"""Places of the columns of the platform."""
+RUN, PLATFORM = positions("run", 2), positions("platform", 2)
+"""Places of the columns of the run and of the platform within their parts of a row."""
 
 
 @compiled
@@ -75,14 +74,15 @@ def write_block(
     system: PlaneModel, state: PlaneState, work: PlaneWork, b: int, dt: float, row: Array
 ) -> None:
     """The columns of a block; forces are the means of the step, in the frame of what carries it."""
-    q, carrier = state.q, still_carried(system, state.q, b)
-    row[BLOCK.angle_rad] = q[3 * b + 2]
-    row[BLOCK.angular_velocity_rad_s] = state.v[3 * b + 2]
+    q, v, carrier, k = state.q, state.v, still_carried(system, state.q, b), 3 * b
+    turned, spin = q[k + 2 : k + 3], v[k + 2 : k + 3]
+    inertia, moved, velocity = system.mass[k + 2 : k + 3], q[k : k + 2], v[k : k + 2]
+    motion = MovingBlock(system.mass[k], inertia, moved, velocity, turned, spin, spin)
+    write_plane_motion(motion, row)
     row[BLOCK.slip_m] = state.slip[b]
     row[BLOCK.gap_left_m] = height_over(system, q, b, 0, carrier)
     row[BLOCK.gap_right_m] = height_over(system, q, b, 1, carrier)
     row[BLOCK.penetration_m] = penetration(system, q, b)
-    row[BLOCK.centre_x_m], row[BLOCK.centre_y_m] = q[3 * b], q[3 * b + 1]
     angle = q[3 * carrier + 2] if carrier >= 0 else 0.0
     cosine, sine = math.cos(angle), math.sin(angle)
     x, y = work.impulse[b, 0] / dt, work.impulse[b, 1] / dt
@@ -125,17 +125,9 @@ def advance(
 ) -> tuple[int, int]:
     """Take one step for each row; times and the total at the start are left to the caller.
 
-    Args:
-        system: The system.
-        state: Changed in place.
-        memory: Changed in place.
-        work: Room.
-        dt: Step, s.
-        smallest: No step is halved below this, s.
-        ground: Acceleration of the ground at the ends of the steps, m/s2, (rows + 1, 2).
-        shift: What its mean over each step has beyond that of its ends, m/s2, (rows, 2).
-        layout: Where the parts of a row begin.
-        rows: Written, in the order of `solver.history.columns.columns`.
+    State, memory, work and rows are changed in place; no step is halved below the smallest, s. The
+    ground's accelerations are those at the ends of the steps, (rows + 1, 2); the shift is what
+    their mean over each step has beyond that of its ends, (rows, 2), m/s2.
 
     Returns:
         Number of steps that succeeded (all, or up to the one that failed) and of rejected ones.

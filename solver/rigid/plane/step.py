@@ -74,19 +74,10 @@ def solve_step(
     before: Array,
     after: Array,
 ) -> bool:
-    """Solve a step for the points in `work`: contact forces, increment, inertia force.
+    """Solve a step for the near points in `work`; returns whether it was solved.
 
-    Args:
-        system: The system.
-        state: At the start of the step.
-        memory: At the start of the step.
-        work: Near points; their forces, places and the increment are written.
-        dt: Step, s.
-        before: Acceleration of the ground at its start, m/s2, (2,).
-        after: At its end.
-
-    Returns:
-        Whether it was solved.
+    Their forces and places, the increment and the inertia force are written there. `before` and
+    `after` are accelerations of the ground at both its ends, m/s2, (2,).
     """
     count = work.counts[0]
     free, flexibility = free_motion(system, state, work, dt, before, after)
@@ -159,7 +150,7 @@ def finish_step(
     state.v[:] = 2.0 * work.increment / dt - state.v
     state.q[:] += work.increment
     state.p[:] = work.inertia
-    remember_points(memory, work, moved, dt)
+    remember_points(system, memory, work, moved, dt)
     add_impulses(system, work, dt * work.force)
     if system.velocity_solve:
         correct_velocity(system, state, work, dt, rubbed)
@@ -231,11 +222,11 @@ def way_in_flight(system: PlaneModel, q: Array, increment: Array, b: int) -> flo
 
 
 @compiled
-def remember_points(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float) -> None:
+def remember_points(
+    system: PlaneModel, memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float
+) -> None:
     """Keep gaps, anchors and states of the closed points for the next step, and all pasts."""
     memory.closed[:] = 0
-    for k in range(len(memory.past)):
-        remember_open(memory.past[k])
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
             continue
@@ -243,5 +234,9 @@ def remember_points(memory: PlaneMemory, work: PlaneWork, moved: Array, dt: floa
         memory.closed[k], memory.face[k], memory.state[k] = 1, work.face[i], work.state[i]
         memory.gap[k] = work.gap[i] + moved[n]
         memory.offset[k] = work.offset[i] + moved[t] - work.place[t]
-        remember(memory.past[k], abs(work.place[t]) / dt, work.slips[i] == 1)
+        speed, slid = abs(work.place[t]) / dt, work.slips[i] == 1
+        remember(system.friction, system.upper[k], memory.past[k], speed, slid, dt)
         memory.force[k, 0], memory.force[k, 1] = work.force[n], work.force[t]
+    for k in range(len(memory.past)):
+        if memory.closed[k] == 0:
+            remember_open(system.friction, system.upper[k], memory.past[k], dt)

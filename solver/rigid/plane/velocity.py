@@ -47,11 +47,8 @@ def keep_closed(work: PlaneWork) -> None:
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
             continue
-        work.points[kept], work.face[kept], work.state[kept] = (
-            work.points[i],
-            work.face[i],
-            work.state[i],
-        )
+        for field in (work.points, work.face, work.state):
+            field[kept] = field[i]
         work.friction[kept], work.cohesion[kept] = work.friction[i], work.cohesion[i]
         work.force[2 * kept], work.force[2 * kept + 1] = work.force[2 * i], work.force[2 * i + 1]
         kept += 1

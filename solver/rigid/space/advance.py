@@ -44,11 +44,7 @@ def _lands(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> bool:
 def _landing(model: SpaceModel, state: SpaceState, s: SpaceSolution, ground: Array) -> float:
     """The part of a step `s` without new contacts after which the first one comes; 1 without.
 
-    Args:
-        model: The bodies.
-        state: At its start.
-        s: The step.
-        ground: Acceleration of the ground at its end, m/s2.
+    The state is that at its start, the ground's acceleration that at its end, m/s2.
     """
     frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
     points = contacts_of(model, state, frames, s.dt, ground)
@@ -91,18 +87,10 @@ def run(
 ) -> tuple[int, int]:
     """As many steps as there are rows; times and the total at the start are left to the caller.
 
-    A step is divided where a point lands within it, and halved where it fails.
-
-    Args:
-        model: The bodies.
-        state: Changed in place.
-        dt: s.
-        smallest: The smallest part of a step to try, s.
-        ground: (steps + 1, 3) accelerations of the ground, m/s2; linear in between.
-        shift: (steps, 3) what its mean over each step has beyond that of its ends, m/s2.
-        seen: (n, 4) the last angles, carried on.
-        layout: Where the parts of a row begin.
-        rows: (steps, columns) filled in.
+    A step is divided where a point lands within it, and halved where it fails, down to a smallest.
+    The state, the last angles `seen`, (n, 4), and the rows are changed in place. The ground's
+    accelerations, (steps + 1, 3), are linear in between; the shift is what their mean over each
+    step has beyond that of its ends, (steps, 3), m/s2.
 
     Returns:
         Number of steps that succeeded, number of rejected solutions.

@@ -66,11 +66,7 @@ def face_axes(face: int) -> Array:
 def separating_face(half: Array, other: Array, centre: Array, turn: Array) -> tuple[int, float]:
     """The face of a box that separates it most from another one, and by how much, m.
 
-    Args:
-        half: Half lengths of the box.
-        other: Those of the other one.
-        centre: Centre of the other one in the body of the box.
-        turn: Rotation of the other one as seen from the box.
+    By the half lengths of both, and centre and rotation of the other one as seen from the box.
     """
     face, largest = TOP, -np.inf
     for axis in (2, 0, 1):

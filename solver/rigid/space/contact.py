@@ -48,16 +48,9 @@ def _rest(memory: SpaceMemory, k: int, slot: int, face: int, gap: float) -> floa
     """Gap at which a point is held: the one that it bears at, or that it was found sunk in at.
 
     A point that bore in the last step has closed its gap then. What is left of it is round-off of
-    places: points that hold each other would make forces of it, the larger the shorter the step.
-    To push out what has sunk in would gain energy. A crossing of edges is another place in each
-    step.
-
-    Args:
-        memory: Of all points.
-        k: Pair.
-        slot: Place in the pair's memory.
-        face: The face that the point may touch now.
-        gap: m.
+    places: points that hold each other would make forces of it, the larger the shorter the step. To
+    push out what has sunk in would gain energy. A crossing of edges is another place in each step.
+    `face` is the one that the point may touch now, with that gap, m.
     """
     if slot >= CORNERS or memory.face[k, slot] != face:
         return min(gap, 0.0)
@@ -70,15 +63,7 @@ def _rest(memory: SpaceMemory, k: int, slot: int, face: int, gap: float) -> floa
 def contacts_of(
     model: SpaceModel, state: SpaceState, frames: Array, dt: float, ground: Array
 ) -> SpaceContacts:
-    """All points that may touch in a step.
-
-    Args:
-        model: The bodies.
-        state: At the start of the step.
-        frames: Rotations of all bodies.
-        dt: Step, s.
-        ground: Acceleration of the ground, m/s2.
-    """
+    """All points that may touch in a step, from a state at its start with these rotations."""
     n, most, m = len(model.half) - 1, SLOTS * len(model.upper), 0
     pull = math.sqrt(np.sum((model.gravity - ground) ** 2))
     whole = np.empty((most, 5), dtype=np.int64)
@@ -143,11 +128,8 @@ def chosen(contacts: SpaceContacts, mask: Array) -> SpaceContacts:
 def moved_on(contacts: SpaceContacts, frames: Array, place: Array, share: float) -> SpaceContacts:
     """The points with crossings a share of the way from where they were to where they are.
 
-    Args:
-        contacts: m points.
-        frames: Rotations of all bodies.
-        place: Their centres, m.
-        share: Of the way: one half for the middle of a step, if all the rest is that at its end.
+    By rotations and centres of all bodies; the share is one half for the middle of a step, if all
+    the rest is that at its end.
     """
     arm, foot = contacts.arm.copy(), contacts.foot.copy()
     for q in range(len(arm)):
@@ -179,12 +161,7 @@ def halfway(
 ) -> SpaceContacts:
     """The points with crossings where they are in the middle of a step.
 
-    Args:
-        contacts: m points.
-        state: At the start of the step.
-        frames: Rotations there.
-        mean: Mean rotations of the step.
-        shift: Mean places of the bodies.
+    By state and rotations at its start, mean rotations and mean places of the bodies.
     """
     return moved_on(contacts, 2 * mean - frames, 2 * shift - state.place, 0.5)
 

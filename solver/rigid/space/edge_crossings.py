@@ -33,19 +33,16 @@ OUTLINE = 1e-6
 
 
 class SpaceCrossings(NamedTuple):
-    """Of ends of edges. Those that touch as points of a face have zeros here.
-
-    Attributes:
-        way: (ENDS, 3) direction of the upper edge, in its body.
-        foot: (ENDS, 3) place on the lower edge, in its body, m.
-        border: (ENDS, 3) direction of the lower edge, in its body.
-        axes: (ENDS, 3, 3) rows normal and two tangential, in space.
-    """
+    """Of ends of edges. Those that touch as points of a face have zeros here."""
 
     way: Array
+    """(ENDS, 3) direction of the upper edge, in its body."""
     foot: Array
+    """(ENDS, 3) place on the lower edge, in its body, m."""
     border: Array
+    """(ENDS, 3) direction of the lower edge, in its body."""
     axes: Array
+    """(ENDS, 3, 3) rows normal and two tangential, in space."""
 
 
 @compiled
@@ -134,14 +131,10 @@ def moved_along(
     frames: tuple[Array, Array],
     share: float,
 ) -> tuple[Array, Array]:
-    """Places on both edges after a share of the way to where they cross now.
+    """Places on both edges after a share of the way to where they cross now, each in its body, m.
 
-    Args:
-        arm: Place on the upper edge, in its body, m.
-        crossing: Way, foot, border, axes of one crossing.
-        places: Centres of the upper and the lower body, m.
-        frames: Their rotations.
-        share: Of the way.
+    Of the place `arm` on the upper edge, and way, foot, border and axes of one crossing; centres
+    and rotations are those of the upper and the lower body.
     """
     way, foot, border, axes = crossing
     a, b = to_space(frames[0], way), to_space(frames[1], border)

@@ -45,12 +45,12 @@ def recalled(state: SpaceState, contacts: SpaceContacts) -> Array:
 
 
 @compiled
-def past_of(state: SpaceState, contacts: SpaceContacts, q: int) -> Array:
+def past_of(model: SpaceModel, state: SpaceState, contacts: SpaceContacts, q: int) -> Array:
     """What point q remembers of its friction; of one that is near another face, that it is open."""
     k, slot = contacts.pair[q], contacts.slot[q]
     past = state.memory.past[k, slot].copy()
     if state.memory.face[k, slot] != contacts.face[q]:
-        remember_open(past)
+        remember_open(model.law, k, past, 0.0)
     return past
 
 
@@ -61,7 +61,7 @@ def friction_at_start(
     """Coefficients of friction and cohesive forces of the points, by what they did before."""
     mu, cohesion = np.empty(len(contacts.body)), areas(model, state, frames, contacts)
     for q in range(len(mu)):
-        own, shear = held(model.law, contacts.pair[q], past_of(state, contacts, q))
+        own, shear = held(model.law, contacts.pair[q], past_of(model, state, contacts, q))
         mu[q] = own
         cohesion[q] *= shear
     return mu, cohesion
@@ -93,21 +93,15 @@ def follow_law(
     dt: float,
     law: tuple[Array, Array],
 ) -> bool:
-    """Bring friction to the slip that was found; whether it changed.
+    """Bring friction to the slip (m, 2) that was found, m; whether it changed.
 
-    Args:
-        model: The bodies.
-        state: At the start of the step.
-        contacts: m points.
-        sliding: Of `sliding_of`.
-        slip: (m, 2) m.
-        dt: Step, s.
-        law: Coefficients and cohesive forces, changed in place.
+    The points that slide are those of `sliding_of`; `law` has coefficients and cohesive forces,
+    which are changed in place.
     """
     (mu, cohesion), changed = law, False
     for q in range(len(mu)):
-        k, speed = contacts.pair[q], math.hypot(slip[q, 0], slip[q, 1]) / dt
-        past = past_of(state, contacts, q)
+        k, past = contacts.pair[q], past_of(model, state, contacts, q)
+        speed = math.hypot(slip[q, 0], slip[q, 1]) / dt if sliding[q] else 0.0
         new, coheres = followed(model.law, k, past, mu[q], speed, sliding[q])
         if abs(new - mu[q]) > 1e-12 * model.law.static[k]:
             mu[q], changed = new, True

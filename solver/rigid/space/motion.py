@@ -46,11 +46,7 @@ def free_motion(
 ) -> tuple[Array, Array]:
     """Increments of the centres without contact, and what a contact force moves them by, m/N.
 
-    Args:
-        model: The bodies.
-        state: At the start of the step.
-        dt: s.
-        load: Mean forces of the step, (n + 1, 3), N.
+    The load has the mean forces of the step, (n + 1, 3), N.
     """
     am, af, beta = model.scheme[0], model.scheme[1], model.scheme[2]
     moved, yields = np.zeros_like(load), np.zeros_like(load)
@@ -78,12 +74,7 @@ def free_turn(
 ) -> tuple[Array, Array]:
     """One Newton step of the rotations without contact, and what a moment adds, rad/(N m).
 
-    Args:
-        model: The bodies.
-        state: At the start of the step.
-        frames: Rotations there.
-        turned: Cayley vectors in space about which the rule is linear.
-        dt: s.
+    The rule is linear about the Cayley vectors `turned`, in space.
     """
     hat, yields = np.zeros_like(turned), np.zeros((len(turned), 3, 3))
     for b in range(len(turned) - 1):
@@ -122,11 +113,8 @@ def compliance(
 ) -> Array:
     """W (3 m, 3 m): changes of gap and place at the points per force, without added diagonal.
 
-    Args:
-        contacts: m points.
-        rows: Of `rows_of`.
-        yields: (n + 1, 3) increment of the centres per force, m/N.
-        turning: (n + 1, 3, 3) Cayley vectors per moment, rad/(N m).
+    By rows of `rows_of`, increments of the centres per force, (n + 1, 3), m/N, and Cayley vectors
+    per moment, (n + 1, 3, 3), rad/(N m).
     """
     m = len(contacts.body)
     whole, moved = np.empty((m, 2, 3, 6)), np.empty((m, 2, 3, 6))

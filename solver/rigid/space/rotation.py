@@ -138,14 +138,7 @@ def rotation_vector(quaternion: Array, previous: Array) -> Array:
 
 @compiled
 def free_rule(inertia: Array, psi: Array, velocity: Array, dt: float) -> Array:
-    """The left-hand side of (1), kg m2.
-
-    Args:
-        inertia: Principal moments J, kg m2.
-        psi: Psi, in the body.
-        velocity: W_n, in the body, rad/s.
-        dt: Step, s.
-    """
+    """The left-hand side of (1), kg m2, with principal moments J; psi and W_n in the body."""
     return 2 * inertia * (psi - dt * velocity) + cross(psi, inertia * psi)
 
 

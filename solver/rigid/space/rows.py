@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from solver.history.block_columns import SPACE as BLOCK
+from solver.history.block_columns import MovingBlock, lean_in_space, write_space_motion
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import compiled
 from solver.rigid.rows import write_energies
@@ -15,11 +15,8 @@ from solver.rigid.space.model import SpaceModel, SpaceState
 from solver.rigid.space.rotation import rotation_vector, to_body, to_space
 from solver.types import Array
 
-RUN, BLOCK = positions("run", 3), positions("block", 3)
-"""Places of the columns of the run and of a block within their parts of a row."""
-
-PLATFORM = positions("platform", 3)
-"""Places of the columns of the platform."""
+RUN, PLATFORM = positions("run", 3), positions("platform", 3)
+"""Places of the columns of the run and of the platform within their parts of a row."""
 
 
 @compiled
@@ -69,16 +66,11 @@ def _record_block(
 ) -> None:
     """The columns of a block but for its forces; `seen`: its last angles, to go on from."""
     carrier, frame = still_carried(model, state, frames, block), frames[block]
-    lean = math.atan2(frame[0, 2], frame[2, 2])
-    seen[0] = lean + 2 * math.pi * np.round((seen[0] - lean) / (2 * math.pi))
+    seen[0] = lean_in_space(frame, seen[0])
     seen[1:] = rotation_vector(state.quaternion[block], seen[1:])
-    row[BLOCK.angle_rad] = seen[0]
-    row[BLOCK.angle_x_rad] = seen[1]
-    row[BLOCK.angle_y_rad], row[BLOCK.angle_z_rad] = seen[2], seen[3]
-    spin = to_space(frame, state.spin[block])
-    row[BLOCK.angular_velocity_x_rad_s] = spin[0]
-    row[BLOCK.angular_velocity_y_rad_s] = spin[1]
-    row[BLOCK.angular_velocity_z_rad_s] = spin[2]
+    own, centre, velocity = state.spin[block], state.place[block], state.velocity[block]
+    mass, inertia, spin = model.mass[block], model.inertia[block], to_space(frame, own)
+    write_space_motion(MovingBlock(mass, inertia, centre, velocity, seen, spin, own), row)
     row[BLOCK.slip_m], row[BLOCK.slip_second_m] = state.slip[block, 0], state.slip[block, 1]
     shift, gap = state.place[block] - state.place[carrier], np.empty(4)
     for k in range(4):
@@ -87,9 +79,6 @@ def _record_block(
     row[BLOCK.gap_1_m], row[BLOCK.gap_2_m] = gap[0], gap[1]
     row[BLOCK.gap_3_m], row[BLOCK.gap_4_m] = gap[2], gap[3]
     row[BLOCK.penetration_m] = _penetration(model, state, frames, block)
-    centre = state.place[block]
-    row[BLOCK.centre_x_m], row[BLOCK.centre_y_m] = centre[0], centre[1]
-    row[BLOCK.centre_z_m] = centre[2]
 
 
 @compiled
@@ -115,15 +104,9 @@ def record(
 ) -> None:
     """Fill in a row from a state, but for the time, the step and the counts of iterations.
 
-    Args:
-        model: The bodies.
-        state: The state.
-        ground: Acceleration of the ground, m/s2.
-        seen: (n, 4) the last angles, carried on.
-        tally: (n + 1, 3) mean contact forces of the step, see `watch`.
-        acceleration: (3,) of the platform, the mean of the step, m/s2.
-        layout: Where the parts of the row begin.
-        row: The row; its error stands for the energy at the start until the first is taken off.
+    `seen` has the last angles, (n, 4), carried on, `tally` the mean contact forces of the step
+    (see `watch`); the acceleration is the platform's, the mean of the step, m/s2. The row's error
+    stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
     row[RUN.contact_points_closed] = np.sum(state.memory.force[:, :, 0] > 0)

@@ -126,13 +126,8 @@ def solve(
 ) -> SpaceSolution:
     """A step of length `dt` from a state, which stays as it is but for the counts `settled`.
 
-    Args:
-        model: The bodies.
-        state: At the start of the step.
-        dt: s.
-        before: Acceleration of the ground then, m/s2.
-        after: Acceleration of the ground at the end.
-        shut: False: points that were open take no part, whatever happens to them.
+    `before` and `after` are accelerations of the ground at both its ends, m/s2. Not `shut`: points
+    that were open take no part, whatever happens to them.
     """
     frames, size = rotations(state.quaternion), np.max(model.half)
     points = _points(model, state, frames, dt, after, shut)

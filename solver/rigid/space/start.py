@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.block import Block
-from solver.law.friction import PAST, FrictionLaws
+from solver.law.friction import FrictionLaws, new_pasts
 from solver.law.local_problem import new_counts
 from solver.rigid.space.boxes import SLOTS
 from solver.rigid.space.model import AWAY, SpaceMemory, SpaceModel, SpaceState
@@ -15,17 +14,6 @@ from solver.rigid.space.rotation import quaternion_of, rotation_of
 from solver.rigid.start import RigidBlock, RigidPlatform, carriers_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array
-
-
-def half_of(shape: Block) -> Array:
-    """Half of width, thickness and height, m."""
-    return 0.5 * np.array([shape.width, shape.thickness, shape.height])
-
-
-def inertia_of(shape: Block) -> Array:
-    """Principal moments of inertia about the centre, kg m2."""
-    square = half_of(shape) ** 2
-    return shape.mass / 3 * (square.sum() - square)
 
 
 def model_of(
@@ -46,8 +34,8 @@ def model_of(
     nothing = np.zeros(3)
     return SpaceModel(
         mass=np.array([*(shape.mass for shape in shapes), base.mass]),
-        inertia=np.array([*(inertia_of(shape) for shape in shapes), nothing]),
-        half=np.array([*(half_of(shape) for shape in shapes), nothing]),
+        inertia=np.array([*(shape.principal_inertias for shape in shapes), nothing]),
+        half=np.array([*(shape.half_lengths(3) for shape in shapes), nothing]),
         upper=upper,
         lower=lower,
         carried=own,
@@ -66,7 +54,7 @@ def new_memory(pairs: int) -> SpaceMemory:
         force=np.zeros((*size, 3)),
         face=np.full(size, AWAY, dtype=np.int64),
         rest=np.zeros(size),
-        past=np.zeros((*size, PAST)),
+        past=new_pasts(*size),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from solver.law.compiled import compiled
 from solver.law.friction import remember, remember_open
 from solver.rigid.space.contact import rotations
-from solver.rigid.space.friction import at_limit
+from solver.rigid.space.friction import at_limit, past_of
 from solver.rigid.space.model import AWAY, SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.rotation import advanced, to_body
 from solver.types import Array
@@ -44,10 +44,9 @@ def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
     Friction takes the work on the slip y_t of the law, to which f_t is opposite: never less than 0.
     """
     memory = state.memory
+    for q in range(len(s.mu)):
+        memory.past[s.contacts.pair[q], s.contacts.slot[q]] = past_of(model, state, s.contacts, q)
     memory.force[:], memory.face[:], memory.rest[:] = 0.0, AWAY, 0.0
-    for k in range(memory.past.shape[0]):
-        for slot in range(memory.past.shape[1]):
-            remember_open(memory.past[k, slot])
     limit = at_limit(s.force, s.mu, s.cohesion)
     for q in range(len(s.mu)):
         k, slot = s.contacts.pair[q], s.contacts.slot[q]
@@ -57,11 +56,17 @@ def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
         slip = np.zeros(2)
         if limit[q]:
             slip = change[1:] + s.yielded[q, 1:]
-        remember(memory.past[k, slot], math.hypot(slip[0], slip[1]) / s.dt, s.sliding[q])
+        if force[0] > 0:
+            speed = math.hypot(slip[0], slip[1]) / s.dt
+            remember(model.law, k, memory.past[k, slot], speed, s.sliding[q], s.dt)
         rubbed = -(force[1] * slip[0] + force[2] * slip[1])
         work = force[0] * change[0] + force[1] * change[1] + force[2] * change[2]
         state.exchanged[1] += rubbed
         state.exchanged[3] -= work + rubbed
+    for k in range(memory.past.shape[0]):
+        for slot in range(memory.past.shape[1]):
+            if not memory.force[k, slot, 0] > 0:
+                remember_open(model.law, k, memory.past[k, slot], s.dt)
 
 
 @compiled

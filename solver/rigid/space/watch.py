@@ -34,12 +34,8 @@ def _lowest_corner_moves(
 def watch(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) -> None:
     """Before a step is taken: add its impulses on the blocks, and how they slip on their carriers.
 
-    Args:
-        model: The bodies.
-        state: Still that at its start.
-        s: The step.
-        tally: (n + 1, 3) impulses, normal and tangential to what still carries the block, N s; of
-            the platform: in space.
+    The state is still that at its start. `tally` has impulses, normal and tangential to what still
+    carries the block, N s, (n + 1, 3); of the platform in space.
     """
     n, frames = len(state.slip), rotations(state.quaternion)
     mean, shift = mean_motion(state, frames, s.moved, s.turned)

@@ -83,11 +83,7 @@ class Foundation(Checked):
         return ""
 
     def in_dimension(self: Self, dimension: Dimension, thickness: float) -> Self:
-        """The foundation in a scene of this dimension, nothing left open.
-
-        Args:
-            dimension: 2 or 3.
-            thickness: Of the blocks, m.
+        """The foundation under blocks of this thickness (m), nothing left open.
 
         Raises:
             SceneError: It cannot be.
@@ -125,13 +121,9 @@ class Foundation(Checked):
 def thickness_of(
     given: float | None, dimension: Dimension, blocks: float, where: str = ""
 ) -> float:
-    """The thickness of a foundation, m; in the plane all bodies are equally thick.
+    """The thickness of a foundation, m; in the plane all bodies are as thick as the blocks.
 
-    Args:
-        given: What the scene says, m; None: nothing.
-        dimension: 2 or 3.
-        blocks: Thickness of the blocks, m.
-        where: Path of the table, with a dot at its end, for errors.
+    `where` is the path of the table, with a dot at its end, for errors.
 
     Raises:
         SceneError: It is missing in 3-D, or another one than that of the blocks in 2-D.

@@ -36,27 +36,24 @@ KEPT = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SuiteCase:
-    """Case of a suite, as one process is given it.
-
-    Attributes:
-        name: Its own in the suite; also the name of its file.
-        motion: The motion.
-        varied: Keys and values, as text, that differ from case to case.
-        tables: The scene as plain tables.
-        folder: Where the relative names of the scene start from.
-        tail: How long the run goes on after the motion, s.
-        reference: Whether the rigid-body answer is computed, too.
-        keep: Folder for all files of the run; None: none are written.
-    """
+    """Case of a suite, as one process is given it."""
 
     name: str
+    """Its own in the suite; also the name of its file."""
     motion: SuiteMotion
+    """The motion."""
     varied: tuple[tuple[str, str], ...]
+    """Keys and values, as text, that differ from case to case."""
     tables: Mapping[str, Any]
+    """The scene as plain tables."""
     folder: Path
+    """Where the relative names of the scene start from."""
     tail: float
+    """How long the run goes on after the motion, s."""
     reference: bool
+    """Whether the rigid-body answer is computed, too."""
     keep: Path | None
+    """Folder for all files of the run; None: none are written."""
 
 
 def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:

@@ -27,17 +27,14 @@ KINDS_WITH_FILE = ("record", "table")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SuiteMotion:
-    """One motion of a suite.
-
-    Attributes:
-        name: Its own in the suite.
-        table: What stands in `[motion]`.
-        digest: Of the file, "" where there is none or it cannot be read.
-    """
+    """One motion of a suite."""
 
     name: str
+    """Its own in the suite."""
     table: Mapping[str, Any]
+    """What stands in `[motion]`."""
     digest: str = ""
+    """Of the file, "" where there is none or it cannot be read."""
 
 
 def find_motions(
