@@ -27,6 +27,7 @@ UNKNOWN = (
     "newton_iterations",
     "contact_points_closed",
     "energy.contact_J",
+    "energy.contact_damping_J",
     "energy.numerical_J",
     "energy.ledger_error_J",
 )

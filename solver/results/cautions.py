@@ -107,7 +107,9 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
 
 
 def _is_undamped(scene: Scene, block: BlockSpec) -> bool:
-    """Whether nothing damps the strain of a block."""
+    """Whether nothing damps the strain of a block, nor its contact."""
+    if scene.contact.damping > 0:
+        return False
     damping = scene.damping if block.damping is None else block.damping
     return damping is None or damping.stiffness == 0
 
