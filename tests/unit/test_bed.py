@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from rebounds import rebound_of_a_mass
 
 from solver.contact.bed import PointBeds
 from solver.scene import Bed
@@ -13,16 +14,6 @@ from solver.scene import Bed
 STIFFNESS, MASS = 5e9, 2700.0
 """k (Pa/m) and the mass on it (kg/m2), over an area of 1 m2."""
 OMEGA = math.sqrt(STIFFNESS / MASS)
-
-
-def rebound_of_a_mass(ratio: float) -> float:
-    """Speed after over speed before, of a mass on a spring and a dashpot that do not pull.
-
-    It leaves when spring and dashpot together hold nothing any more.
-    """
-    damped = math.sqrt(1 - ratio**2)
-    phase = math.atan2(2 * ratio * damped, 2 * ratio**2 - 1)
-    return math.exp(-ratio * phase / damped)
 
 
 def beds(ratio: float) -> PointBeds:
