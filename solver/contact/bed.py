@@ -7,7 +7,7 @@ method, which is in series with it, a point obeys
     0 <= f  complementary to  y + p + s_N f >= 0,      s f = p + tau dp/dt
 
 so that the bed pushes and never pulls; where the point is open, f = 0 and the bed relaxes. In a
-step, f is the mean force:
+step, f is the mean force (M44):
 
     s f = (p_n + p_{n+1})/2 + tau (p_{n+1} - p_n)/dt
 
@@ -66,7 +66,7 @@ class PointBeds:
             bed: Of the block.
             area: What each point stands for, (points,), m2.
         """
-        self.softness: Array = 1.0 / (bed.stiffness * area)
+        self.softness: Array = np.asarray(1.0 / (bed.stiffness * area), dtype=np.float64)
         self.retardation = bed.retardation
 
     def yielding(self, before: Array, step: float) -> Yielding:
@@ -78,7 +78,8 @@ class PointBeds:
         """
         viscous, mean = self.retardation / step, 0.0 if np.isinf(step) else 0.5
         whole = viscous + 1.0 - mean
-        return Yielding(before * ((viscous - mean) / whole), self.softness / whole)
+        softness = np.asarray(self.softness / whole, dtype=np.float64)
+        return Yielding(before * ((viscous - mean) / whole), softness)
 
     def after(self, before: Array, normal: Array, step: float) -> BedChange:
         """The bed after a step.

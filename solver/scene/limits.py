@@ -112,9 +112,10 @@ def _refuse_soft(where: str, material: Material, pressure: float) -> None:
 
 def _refuse_soft_bed(scene: Scene, block: BlockSpec, pressure: float) -> None:
     """Refuse a bed that gives way too far under a pressure (Pa)."""
-    given, settled = scene.contact.stiffness, LARGEST_SETTLEMENT * block.height
-    if given is not None and pressure > given * settled:
-        got = f"{given:g}, pressed in by {pressure / given:.2g} m under {block.name}"
+    bed, settled = scene.bed_of(block), LARGEST_SETTLEMENT * block.height
+    if bed is not None and pressure > bed.stiffness * settled:
+        depth = pressure / bed.stiffness
+        got = f"{bed.stiffness:g}, pressed in by {depth:.2g} m under {block.name}"
         allowed = f"stiffness >= {pressure / settled:.3g} ({settled:.2g} m)"
         raise SceneError("contact.stiffness", got, allowed)
 

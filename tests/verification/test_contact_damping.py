@@ -9,13 +9,9 @@ import pytest
 from rebounds import rebound_of_a_mass
 from scenes import BLOCK
 
+from benchmarks.landing_on_bed import SPEED, bar, rebound
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-
-SPEED = 1.4007
-"""Of a fall from 10 cm, m/s: the block is thrown up with it, and lands with it."""
-LANDING = 2 * SPEED / 9.81
-"""Time of the landing, s."""
 
 
 def thrown(*overrides: str) -> Scene:
@@ -24,24 +20,17 @@ def thrown(*overrides: str) -> Scene:
     return parse_scene(text + '[output]\nfields = "none"\n', overrides=overrides)
 
 
-def rebound(result: Result) -> float:
-    """Speed of the centre after the landing over that before it, of its free flight."""
-    time, height = result.history["time_s"], result.history["block.centre_y_m"]
-    speed = np.diff(height) / np.diff(time)
-    middle = (time[1:] + time[:-1]) / 2
-    closed = np.flatnonzero((result.history["block.normal_force_N"] > 0) & (time > 0.1))
-    after = speed[closed[-1] :][1:] + 9.81 * (middle[closed[-1] :][1:] - time[closed[-1]])
-    assert len(after) > 3
-    assert np.ptp(after) < 1e-6
-    return float(after[0]) / SPEED
-
-
 def check_energy(result: Result) -> None:
     """No gain, and a ledger that closes."""
     assert result.status == "completed"
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
     assert result.summary["energy"]["ledger_error_fraction"] < 1e-10
     assert np.diff(result.history["energy.contact_damping_J"]).min() >= 0.0
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.1, 0.5])
+def test_a_bar_on_a_soft_bed_lands_as_a_mass(ratio: float) -> None:
+    assert bar(0.01, ratio, cells=50) == pytest.approx(rebound_of_a_mass(ratio), abs=3e-3)
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.5])
