@@ -154,7 +154,7 @@ def _contacts(
     first: int,
 ) -> list[ContactPair]:
     """The contact of a block with what carries it, of that one's edge with it, of both edges."""
-    law = scene.friction_of(member.spec)
+    law, bed = scene.friction_of(member.spec), scene.bed_of(member.spec)
     below = next((other for other in members if other.spec.name == member.spec.on), None)
     carrier, on = (support.carrier(), support.number) if below is None else _top(below)
     own: ContactPair
@@ -171,18 +171,22 @@ def _contacts(
             theta=contact.theta,
             body=member.number,
             on=on,
+            bed=bed,
         )
     else:
         points = RigidPoints(member.body, *_outline(member.body, carrier))
-        interface = Interface(points, carrier, law)
+        interface = Interface(points, carrier, law, bed=bed)
         own = FixedContactPair(interface, body=member.number, on=on)
     contacts = [own]
     if isinstance(carrier, Face):
         bottom = _bottom(member)
-        edge = Interface(rim(carrier.points), bottom, law)
+        area = (bottom.facet / 2) ** (scene.dimension - 1)
+        area *= member.spec.thickness if scene.dimension == 2 else 1.0
+        edge = Interface(rim(carrier.points), bottom, law, bed=bed, corner_area=area)
         contacts.append(FixedContactPair(edge, body=on, on=member.number))
         if scene.dimension == 3:
-            crossing = CrossingInterface(_crossings(bottom, carrier), law)
+            crossings = _crossings(bottom, carrier)
+            crossing = CrossingInterface(crossings, law, bed=bed, corner_area=area)
             contacts.append(FixedContactPair(crossing, body=member.number, on=on))
     member.contacts = list(range(first, first + len(contacts)))
     return contacts

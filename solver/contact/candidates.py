@@ -20,7 +20,7 @@ from solver.contact.facets import evaluate_facets, gather
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points, extent
 from solver.contact.plane_target import Carrier
-from solver.scene import FrictionSpec
+from solver.scene import Bed, FrictionSpec
 from solver.types import Array
 
 FACING = -0.5
@@ -65,6 +65,7 @@ class MeshedContactPair:
         body: int = 0,
         on: int | None = None,
         cuts: Array | None = None,
+        bed: Bed | None = None,
     ):
         """Take what `contact_points` and `Interface` need; `join` builds the interface.
 
@@ -79,11 +80,13 @@ class MeshedContactPair:
             body: Number of the body in its system.
             on: Number of the body that carries it; None for the ground.
             cuts: As for `contact_points`.
+            bed: Springs and dashpots between points and carrier.
         """
         self.body: int | None = body
         self.carrier, self.surface = on, carrier
         self._member, self._tags, self._law = member, facet_tags, law
         self._points, self._gamma, self._theta, self._cuts = points, gamma, theta, cuts
+        self._bed = bed
         space = member.space
         records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
         facets, _ = gather(space, records, extent(space.mesh))
@@ -113,7 +116,7 @@ class MeshedContactPair:
             cuts=self._cuts,
         )
         member = NitschePoints(self._member, points)
-        return Interface(member, self.surface, self._law, theta=self._theta)
+        return Interface(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 
 
 class FixedContactPair:

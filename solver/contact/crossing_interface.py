@@ -16,16 +16,24 @@ from solver.contact.interface import Interface, Key
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics, spread
 from solver.law.friction import new_pasts
-from solver.scene import FrictionSpec
+from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Mask
 
 
 class CrossingInterface(Interface):
     """Kinematics and forces of the contact between the outlines of two faces."""
 
-    def __init__(self, carrier: Crossings, law: FrictionSpec):
-        """Take the outlines that may cross, and the law of friction."""
-        super().__init__(carrier.upper.points, carrier, law, count=carrier.count)
+    def __init__(
+        self,
+        carrier: Crossings,
+        law: FrictionSpec,
+        *,
+        bed: Bed | None = None,
+        corner_area: float = 0.0,
+    ):
+        """Take the outlines that may cross; all else as `Interface`."""
+        points, count = carrier.upper.points, carrier.count
+        super().__init__(points, carrier, law, count=count, bed=bed, corner_area=corner_area)
         self.crossings = carrier
 
     def _named(self) -> list[Key]:
@@ -36,7 +44,7 @@ class CrossingInterface(Interface):
         """The memory of pairs without contact forces."""
         surface, carried = self._observed(u, carrier_u)
         kinematics = self.crossings.meet(
-            surface.position, carried, (surface.position, carried.position)
+            surface.position, carried, (surface.position, carried.position), np.zeros(self.count)
         )
         return Memory(
             surface=surface,
@@ -45,6 +53,7 @@ class CrossingInterface(Interface):
             anchor=np.zeros((self.count, 2)),
             may_touch=self.crossings.present.copy(),
             past=new_pasts(self.count),
+            compression=np.zeros(self.count),
         )
 
     def _observed(
@@ -67,7 +76,10 @@ class CrossingInterface(Interface):
         assert memory.kinematics.carrier is not None
         upper, lower = self._observed(u, carrier_u)
         kinematics = self.crossings.meet(
-            memory.surface.position, memory.kinematics.carrier, (upper.position, lower.position)
+            memory.surface.position,
+            memory.kinematics.carrier,
+            (upper.position, lower.position),
+            memory.compression,
         )
         present = self.crossings.present.copy()
         return replace(
@@ -76,6 +88,7 @@ class CrossingInterface(Interface):
             force=np.where(present[:, None], memory.force, 0.0),
             anchor=np.zeros_like(memory.anchor),
             may_touch=present,
+            compression=np.where(present, memory.compression, 0.0),
         )
 
     def augmented(self, surface: SurfaceState, kinematics: ContactKinematics) -> Array:

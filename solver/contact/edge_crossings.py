@@ -112,7 +112,7 @@ class Crossings(FacetCarrier):
         return self.meeting.rest
 
     def meet(
-        self, edge: Array, face: SurfaceState, middle: tuple[Array, Array]
+        self, edge: Array, face: SurfaceState, middle: tuple[Array, Array], compression: Array
     ) -> ContactKinematics:
         """Settle frames and pairs of the coming step; returns from which kinematics slip counts.
 
@@ -120,6 +120,7 @@ class Crossings(FacetCarrier):
             edge: Where the nodes of the upper outline are at the start, (n, 3).
             face: Those of the lower one.
             middle: Where both are expected in the middle of the step.
+            compression: Of the bed between them, (16,), m: by that much no pair has sunk in.
         """
         frame = self.frame
         present: Mask = np.zeros(self.count, dtype=np.bool_)
@@ -132,7 +133,8 @@ class Crossings(FacetCarrier):
         self.meeting = Meeting(frame, present, nothing)
         kinematics = self.kinematics(edge, face)
         present = present & (kinematics.place[:, 0] > -CAME_ROUND * self._length)
-        self.meeting = Meeting(frame, present, np.minimum(kinematics.place[:, 0], 0.0), kinematics)
+        rest = np.minimum(kinematics.place[:, 0] + compression, 0.0)
+        self.meeting = Meeting(frame, present, rest, kinematics)
         return kinematics
 
     def _inside(self, edge: Array, face: Array) -> bool:

@@ -18,6 +18,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from solver.contact.bed import PointBeds
 from solver.contact.body_points import (
     NitschePoints,
     RigidPoints,
@@ -40,7 +41,7 @@ from solver.law.friction import (
     pasts_after,
     points_that_slip,
 )
-from solver.scene import FrictionSpec
+from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Mask
 
 Key = tuple[float, ...]
@@ -65,6 +66,7 @@ class Interface:
         area: What cohesion acts on, (points,), m2.
         inverse_gamma: 1/gamma_h, (points,), m/Pa; 0 for points without tractions.
         softness: 1/(gamma_h w), (points,), m/N; likewise.
+        beds: Springs and dashpots below the points; None where there are none.
         corners: Which of its points share a place; None for points without faces.
     """
 
@@ -76,6 +78,8 @@ class Interface:
         *,
         theta: int = 1,
         count: int | None = None,
+        bed: Bed | None = None,
+        corner_area: float = 0.0,
     ):
         """Set up.
 
@@ -86,6 +90,8 @@ class Interface:
             theta: 1 symmetric, 0 fewest terms, -1 skew Nitsche method.
             count: Number of contact points where they are not the points of the body, but between
                 them.
+            bed: Springs and dashpots between points and carrier.
+            corner_area: What points without an area count for in it, m2.
         """
         self.points, self.carrier, self.law = points, carrier, law
         self._laws = FrictionLaws.of([law])
@@ -111,6 +117,9 @@ class Interface:
         self._soft_column = self.softness[:, None]
         self._pull_scale = self.theta * self.inverse_gamma
         self._pull_column = self._pull_scale[:, None]
+        self.beds: PointBeds | None = None
+        if bed is not None:
+            self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
         self._keys = self._named()
 
@@ -169,6 +178,7 @@ class Interface:
             anchor=y[:, 1:].copy(),
             may_touch=self.may_touch(rotation, kinematics),
             past=new_pasts(self.count),
+            compression=np.zeros(self.count),
         )
 
     def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
@@ -242,6 +252,8 @@ class Interface:
         half the change of f.T/gamma_h but for the circulation (f.dT - T.df)/(2 gamma_h).
         """
         stored = 0.5 * float(np.vdot(memory.force, memory.force * self._soft_column))
+        if self.beds is not None:
+            stored += self.beds.energy(memory.compression)
         if isinstance(memory.surface, NitscheState):
             scaled = self._gamma_column * memory.surface.traction
             if self.theta:
@@ -284,6 +296,10 @@ class Interface:
         stored = 0.5 * float(np.vdot(grown, force + old.force))
         contact = -float(np.vdot(force, y - y_old)) - stored - friction
         contact -= self.carrier.work_defect(old.kinematics, kinematics, force)
+        compression, damping = old.compression, 0.0
+        if self.beds is not None:
+            compression, damping = self.beds.after(old.compression, force[:, 0], step)
+            contact -= self.beds.energy(compression) - self.beds.energy(old.compression) + damping
         if self.theta != 1 and isinstance(surface, NitscheState):
             assert isinstance(old.surface, NitscheState)
             before = self._gamma_column * old.surface.traction
@@ -293,8 +309,8 @@ class Interface:
         way = np.sqrt(((anchor - old.anchor) ** 2).sum(axis=1))
         slipped = points_that_slip(force, way, self.softness, bounds)
         past = pasts_after(self._laws, old.past, closed, slipped, way / step, step)
-        memory = Memory(surface, kinematics, force, anchor, old.may_touch, past)
-        return memory, Dissipation(friction, contact)
+        memory = Memory(surface, kinematics, force, anchor, old.may_touch, past, compression)
+        return memory, Dissipation(friction, contact, damping)
 
 
 def _work(force: Array, moved: Array, kinematics: ContactKinematics) -> float:

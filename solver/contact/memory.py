@@ -23,6 +23,7 @@ class Memory:
         may_touch: Points that may touch: of the coinciding points of a corner, the one whose face
             opposes the carrier; no point that came round the carrier's edge.
         past: What they remember of their friction (`solver.law.friction.PAST`), (points, PAST).
+        compression: Of the bed below them, (points,), m; 0 where there is none.
     """
 
     surface: SurfaceState
@@ -31,6 +32,7 @@ class Memory:
     anchor: Array
     may_touch: Mask
     past: Array
+    compression: Array
 
     @property
     def slipped(self) -> Mask:
@@ -58,7 +60,8 @@ REMEMBERED = tuple(field.name for field in fields(Memory) if field.name not in K
 
 
 class Dissipation(NamedTuple):
-    """What a step lost in an interface, J."""
+    """What a step lost in an interface, J; `damping` in the dashpots of its bed."""
 
     friction: float
     contact: float
+    damping: float

@@ -34,6 +34,7 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
     """Points deeper in the carrier than closed ones are pressed."""
     length = interface.carrier.length if isinstance(interface.carrier, Face) else interface.size
     pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
+    pressed += float(np.max(memory.compression, initial=0.0))
     deeper: Mask = memory.kinematics.place[:, 0] < -pressed - SUNK_IN * length
     return deeper
 
@@ -73,6 +74,7 @@ def rotate_frame(
         force=np.where(lost[:, None], 0.0, memory.force),
         anchor=np.where(lost[:, None], y[:, 1:], memory.anchor),
         may_touch=may_touch,
+        compression=np.where(lost, 0.0, memory.compression),
     )
     return after, exchanged + before - interface.energy(after)
 
@@ -105,7 +107,7 @@ def _at_other_faces(interface: Interface, memory: Memory, y: Array, may_touch: M
     )
     for old, new in moves:
         memory = memory.take(np.array([new]), memory, np.array([old]))
-        memory.force[old] = 0.0
+        memory.force[old] = memory.compression[old] = 0.0
         memory.anchor[new] = y[new, 1:] + memory.force[new, 1:] * interface.softness[new]
         memory.anchor[old] = y[old, 1:]
     return memory

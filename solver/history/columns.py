@@ -184,12 +184,18 @@ TABLE = (
     Column(
         "energy.interface_J",
         "J",
-        "Energy of Nitsche's contact terms, which may be negative.",
+        "Energy of Nitsche's contact terms, which may be negative, and of the bed.",
         energy="stored",
     ),
     Column("energy.input_J", "J", "Work of the moving ground since the start."),
     Column("energy.friction_J", "J", "Dissipated by friction.", energy="dissipated"),
     Column("energy.damping_J", "J", "Dissipated by dashpots and damping.", energy="dissipated"),
+    Column(
+        "energy.contact_damping_J",
+        "J",
+        "Dissipated by the dashpots of contact.",
+        energy="dissipated",
+    ),
     Column(
         "energy.contact_J",
         "J",

@@ -39,6 +39,7 @@ LEAST_LENGTH = 0.1
 LOSS_LABELS = {
     "friction": "friction",
     "damping": "damping",
+    "contact_damping": "contact dashpots",
     "contact": "impact",
     "numerical": "time integration",
 }
@@ -185,7 +186,7 @@ def _add_lost(axes: Axes, run: Run) -> None:
     work, total = history["energy.input_J"], history["energy.total_J"]
     lost = {name: history[f"energy.{name}_J"] for name in DISSIPATED_ENERGIES}
     axes.plot(time, work - total + total[0], color="#c0c0c0", linewidth=3.5, label="energy lost")
-    for (name, values), hue in zip(lost.items(), (RED, SKY, BLUE, ORANGE), strict=True):
+    for (name, values), hue in zip(lost.items(), (RED, SKY, GREEN, BLUE, ORANGE), strict=True):
         if np.any(values != 0):
             axes.plot(time, values, color=hue, linewidth=0.9, label=LOSS_LABELS[name])
     together = np.sum(list(lost.values()), axis=0)

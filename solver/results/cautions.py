@@ -93,7 +93,9 @@ def _elastic(scene: Scene) -> list[BlockSpec]:
 
 
 def _undamped(scene: Scene) -> list[BlockSpec]:
-    """The elastic blocks whose strain nothing damps."""
+    """The elastic blocks whose strain nothing damps, nor their contact."""
+    if scene.contact.damping > 0:
+        return []
     damping = [(block, scene.damping_of(block)) for block in _elastic(scene)]
     return [block for block, own in damping if own is None or own.stiffness == 0]
 

@@ -55,7 +55,7 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
 
 CAUSES = {
     "damping": "material",
-    "dashpot": "contact dashpots",
+    "contact_damping": "contact dashpots",
     "friction": "friction",
     "contact": "contact",
     "numerical": "time integration",
@@ -68,7 +68,9 @@ def _losses(loss: Mapping[str, float]) -> str:
     shares = loss_shares(loss)
     if not shares:
         return "lost: nothing"
-    parts = [f"{100 * shares[key]:.1f} % {words}" for key, words in CAUSES.items() if key in shares]
+    parts = [
+        f"{100 * shares[key]:.1f} % {words}" for key, words in CAUSES.items() if shares.get(key)
+    ]
     return f"lost {_number(sum(loss.values()))} J: {', '.join(parts)}"
 
 

@@ -22,5 +22,6 @@ def write_energies(stored: tuple[float, float, float], exchanged: Array, row: Ar
     row[ENERGY.spring_J], row[ENERGY.interface_J] = stored[2], 0.0
     row[ENERGY.input_J], row[ENERGY.friction_J] = exchanged[0], exchanged[1]
     row[ENERGY.damping_J], row[ENERGY.contact_J] = exchanged[2], exchanged[3]
+    row[ENERGY.contact_damping_J] = 0.0
     row[ENERGY.numerical_J], row[ENERGY.total_J] = exchanged[4], total
     row[ENERGY.ledger_error_J] = total - exchanged[0] + exchanged[1:].sum()

@@ -23,6 +23,7 @@ def describe(scene: Scene) -> str:
         lines += _block_numbers(block, scene)
     lines += _foundation(scene)
     lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
+    lines += _beds(scene)
     ground = read_ground(scene)
     lines += _motions(scene, ground)
     if has_expected_mode(scene):
@@ -125,6 +126,19 @@ def _frictions(scene: Scene) -> list[tuple[str, str]]:
     if len(set(laws.values())) == 1:
         return [("", next(iter(laws.values())).words())]
     return [(f" of {name}", law.words()) for name, law in laws.items()]
+
+
+def _beds(scene: Scene) -> Lines:
+    """The bed below each block, and how long a block that lands on it is in contact."""
+    lines = []
+    for block in scene.blocks:
+        bed = scene.bed_of(block)
+        if bed is not None:
+            of = f" of {block.name}" if len(scene.blocks) > 1 else ""
+            half = math.pi * math.sqrt(block.shape.density * block.height / bed.stiffness)
+            text = f"{bed.stiffness:.3g} Pa/m, damped by {100 * scene.contact.damping:g} %"
+            lines.append((f"bed{of}", f"{text} of critical; half a period is {half:.2g} s"))
+    return lines
 
 
 def _motions(scene: Scene, ground: GroundMotion) -> Lines:

@@ -5,7 +5,7 @@ foundations and motions stand in `solver.scene.foundation` and `solver.scene.mot
 """
 
 from solver.scene.block import BlockSpec
-from solver.scene.contact import ContactSpec, FrictionSpec
+from solver.scene.contact import Bed, ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, Platform
 from solver.scene.motion import MotionSpec
@@ -16,6 +16,7 @@ from solver.scene.scene import Scene
 from solver.scene.time import TimeSpec
 
 __all__ = [
+    "Bed",
     "BlockSpec",
     "ContactSpec",
     "DampingSpec",

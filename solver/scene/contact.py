@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from solver.errors import SceneError
 from solver.scene.checking import OPEN, Checked, Number, is_open, shown
-from solver.scene.ranges import NotNegative
+from solver.scene.ranges import NotNegative, Positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,6 +78,30 @@ class FrictionSpec(Checked):
         return ", ".join(words)
 
 
+@dataclass(frozen=True, slots=True)
+class Bed:
+    """A bed of springs and dashpots under a block (Winkler's).
+
+    Attributes:
+        stiffness: k over the area, Pa/m.
+        retardation: Dashpot over spring, s.
+    """
+
+    stiffness: float
+    retardation: float
+
+    @classmethod
+    def damped(cls, stiffness: float, ratio: float, mass: float) -> Bed:
+        """The bed that damps a mass on it by a ratio of critical.
+
+        Args:
+            stiffness: k, Pa/m.
+            ratio: Dashpot over 2 sqrt(k m).
+            mass: m of the block over its bottom, kg/m2.
+        """
+        return cls(stiffness, 2 * ratio * math.sqrt(mass / stiffness))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContactSpec(Checked):
     """Contact: `[contact]`."""
@@ -91,6 +116,17 @@ class ContactSpec(Checked):
     """Nitsche variant: symmetric, which has an energy; fewest terms; skew."""
     friction: NotNegative | FrictionSpec = 0.6
     """For blocks that do not have their own; see [friction](#friction)."""
+    stiffness: Positive | None = None
+    """k of a [bed of springs](#bed) between each block and what carries it, Pa/m. Meshed scenes
+    only. Default: no bed; with `damping` a tenth of the block's own, 0.1 (lambda + 2 mu)/H."""
+    damping: Annotated[float, Number(at_least=0, at_most=1)] = 0.0
+    """Dashpots of that bed, which never pull, over the critical value of a block on it. Meshed
+    scenes only."""
     velocity_solve: bool = True
     """Whether contact is solved once more for the velocities after each step; `false` for
     comparison."""
+
+    @property
+    def has_bed(self) -> bool:
+        """Whether blocks stand on a bed."""
+        return self.stiffness is not None or self.damping > 0

@@ -32,6 +32,10 @@ MOST_CELLS_A_STEP = 1e5
 """Largest number of cells that sound crosses in a step. Where a body turns, the iteration loses
 twice as many digits as this number has; bodies as stiff as that show no deformation anyway."""
 
+LARGEST_SETTLEMENT = 1e-3
+"""Largest compression of a bed under the weight of what is on it and its inertia, over the height
+of the block: a block that rocks there still turns about its corners."""
+
 LARGEST_ASPECT = 100.0
 """Largest length over width of the cell at a bottom corner. When the contact force moves from one
 face of a longer cell to the other, the stiffness jumps so much that energy is gained."""
@@ -63,6 +67,7 @@ def refuse_beyond(scene: Scene, shaking: float) -> None:
     pressed = scene.foundation.pressed_material(plane, carried)
     for block in scene.blocks:
         pressure, carrier = _pressure(scene, block, acceleration), scene.carrier_of(block)
+        _refuse_soft_bed(scene, block, pressure)
         for body in (block, carrier):
             if body is not None and body.model == "elastic":
                 _refuse_soft(f"{body.name}.young", body.material(plane), pressure)
@@ -98,6 +103,16 @@ def _refuse_soft(where: str, material: Material, pressure: float) -> None:
             f"{material.young:g}, strained by {pressure / material.young:.2g} under what it carries"
         )
         raise SceneError(where, got, f"young >= {least:.3g} (a strain of {LARGEST_STRAIN:g})")
+
+
+def _refuse_soft_bed(scene: Scene, block: BlockSpec, pressure: float) -> None:
+    """Refuse a bed that gives way too far under a pressure (Pa)."""
+    bed, settled = scene.bed_of(block), LARGEST_SETTLEMENT * block.height
+    if bed is not None and pressure > bed.stiffness * settled:
+        depth = pressure / bed.stiffness
+        got = f"{bed.stiffness:g}, pressed in by {depth:.2g} m under {block.name}"
+        allowed = f"stiffness >= {pressure / settled:.3g} ({settled:.2g} m)"
+        raise SceneError("contact.stiffness", got, allowed)
 
 
 def _refuse_soft_corner(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any, Literal
 
-from solver.errors import SceneError, Statement, not_applicable
+from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.block import BlockSpec
 from solver.scene.checking import (
     OPEN,
@@ -18,7 +18,7 @@ from solver.scene.checking import (
     shown,
     to_table,
 )
-from solver.scene.contact import ContactSpec, FrictionSpec
+from solver.scene.contact import Bed, ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
 from solver.scene.limits import longest_step, refuse_beyond
@@ -27,6 +27,10 @@ from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
 from solver.scene.ranges import Dimension, NotNegative, Tilt
 from solver.scene.time import TimeSpec
+
+BED_OVER_BLOCK = 0.1
+"""Stiffness of a bed over that of the block on it, (lambda + 2 mu)/H, unless it is given: the block
+moves as a whole while it lands, and its losses are those of a mass on a spring and a dashpot."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +86,7 @@ class Scene(Checked):
             if block.restitution is not None and not (self.is_rigid and self.dimension == 2):
                 where = f"{block.name}.restitution"
                 raise not_applicable(where, "scenes in the plane without a mesh only")
+        self._check_bed()
         object.__setattr__(self, "time", self._filled_time())
         if next(self.strangers(), None) is not None:
             from solver.scene.overlaps import refuse_overlaps  # needs numpy, other scenes do not
@@ -104,6 +109,17 @@ class Scene(Checked):
                 allowed = " or ".join(map(shown, carriers))
                 meant = nearest(block.on, carriers)
                 raise SceneError(f"{block.name}.on", shown(block.on), allowed, meant)
+
+    def _check_bed(self) -> None:
+        """A bed belongs to scenes with a mesh, and its stiffness is known."""
+        for key in ("stiffness", "damping"):
+            if self.is_rigid and getattr(self.contact, key):
+                what = "scenes with a meshed body only, block.restitution to rigid blocks"
+                raise not_applicable(f"contact.{key}", what)
+        rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
+        if self.contact.damping and self.contact.stiffness is None and rigid is not None:
+            what = f"beside contact.damping, since {rigid} is rigid (stiffness > 0, Pa/m)"
+            raise missing_key("contact.stiffness", what)
 
     def _filled(self, block: BlockSpec) -> BlockSpec:
         """A block with nothing left open."""
@@ -234,6 +250,17 @@ class Scene(Checked):
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
         """Friction between a block and what carries it."""
         return FrictionSpec.of(self.contact.friction if block.friction is None else block.friction)
+
+    def bed_of(self, block: BlockSpec) -> Bed | None:
+        """The bed between a block and what carries it; None: there is none."""
+        contact, mass = self.contact, block.shape.density * block.height
+        if not contact.has_bed:
+            return None
+        stiffness = contact.stiffness
+        if stiffness is None:
+            own = block.material(self.material_plane).longitudinal / block.height
+            stiffness = BED_OVER_BLOCK * own
+        return Bed.damped(stiffness, contact.damping, mass)
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain tables, every default written out."""

@@ -2,6 +2,8 @@
 
     W = w_c sum over bodies G K^-1 G^T + softness,      m points, d rows each
 
+with the softness of Nitsche's method, and in the normal direction of beds below the points.
+
 It is made anew only where what it depends on has changed; its key says what that is.
 """
 
@@ -14,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
+from solver.contact.bed import Yielding
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
@@ -40,6 +43,7 @@ class DelassusKey(NamedTuple):
         near: Numbers of the candidate points, as bytes.
         weights: Weights of the tangent of each body: they go with the step size and rho_inf.
         stiffness: How often the stiffness of bodies was made anew.
+        step: dt, s, which beds go with; 0 where there are none.
         solve: Number of the solve, where carriers turn and feet move from step to step; else 0:
             points on planes that stand or only move along see the same operator in every step.
     """
@@ -47,6 +51,7 @@ class DelassusKey(NamedTuple):
     near: bytes
     weights: tuple[TangentWeights, ...]
     stiffness: int
+    step: float
     solve: int
 
 
@@ -58,7 +63,7 @@ class Delassus(NamedTuple):
         configurations: The configurations of the bodies that it was made with.
         near: The points, their frames and kinematics.
         couplings: How the points act on each body.
-        W: (m, d, m, d), with the softness of the interfaces, m/N.
+        W: (m, d, m, d), with the softness of the interfaces and of beds, m/N.
         softening: Part of the diagonal that only makes forces of rigid points unique, (m,), m/N.
     """
 
@@ -167,6 +172,7 @@ def assembled(
     *,
     contact_weight: float,
     softness: Array,
+    beds: Yielding | None,
     softening: Softening | None,
 ) -> Delassus:
     """The operator, from the compliances of all bodies.
@@ -178,6 +184,7 @@ def assembled(
         near: The candidate points.
         contact_weight: w_c.
         softness: 1/(gamma_h w) of all points, m/N.
+        beds: How the beds below all points give way; None where there are none.
         softening: Of all points; None where none needs any.
     """
     m, d = near.frames.shape[:2]
@@ -191,4 +198,6 @@ def assembled(
     number = np.arange(m)
     for k in range(d):
         W[number, k, number, k] += diagonal
+    if beds is not None:
+        W[number, 0, number, 0] += beds.softness[near.number]
     return Delassus(key, configurations, near, couplings, W, added)

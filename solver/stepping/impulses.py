@@ -105,9 +105,11 @@ class VelocityImpulses:
         mu = joined([contact.bounds.mu for contact in contacts])
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
         bounds = Bounds(mu[closed], dt * cohesion[closed])
-        velocity = self._velocity(u, v, contacts)[closed]
+        velocity, W = self._velocity(u, v, contacts)[closed], operator.W
+        if self._points.has_bed:
+            velocity, W = self._held_by_beds(closed, velocity, W)
         impulse = dt * force[closed]
-        found = impulse_correction(self._local, velocity, operator.W, impulse, bounds, taken)
+        found = impulse_correction(self._local, velocity, W, impulse, bounds, taken)
         if found is None:
             return None
         after = velocity + np.tensordot(operator.W, found.q.reshape(velocity.shape), 2)
@@ -117,6 +119,21 @@ class VelocityImpulses:
             friction=found.friction,
             reversal=slip_reversal(force[closed, 1:], after[:, 1:]),
         )
+
+    def _held_by_beds(self, closed: Indices, velocity: Array, W: Array) -> tuple[Array, Array]:
+        """Velocities and W of closed points for which normal impulses on beds stay as they are.
+
+        A bed takes no impulse: its points go on with the velocity that they have. Their normal rows
+        act on no other row, nor any on them.
+        """
+        on_bed = joined(
+            [np.full(link.interface.count, link.interface.beds is not None) for link in self.links]
+        )
+        i = on_bed[closed].nonzero()[0]
+        velocity, apart = velocity.copy(), W.copy()
+        velocity[i, 0] = apart[i, 0] = apart[:, :, i, 0] = 0.0
+        apart[i, 0, i, 0] = W[i, 0, i, 0]
+        return velocity, apart
 
     def _change(self, operator: MassOperator, impulse: Array) -> Array:
         """Change of the velocity of all owned unknowns by impulses (m, d) at the closed points."""

@@ -108,7 +108,9 @@ class Interfaces:
         for link, memory, rotation in zip(links, contacts, self.rotations_of(state), strict=True):
             if isinstance(link.interface, CrossingInterface):
                 u, carrier_u = part(ahead, link.body), part(ahead, link.carrier)
-                found.append(link.interface.prepare(memory, u, carrier_u))
+                prepared = link.interface.prepare(memory, u, carrier_u)
+                exchanged += link.interface.energy(memory) - link.interface.energy(prepared)
+                found.append(prepared)
                 continue
             carrier = None
             if link.carrier is not None and link.interface.carrier.turns:

@@ -8,7 +8,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.contact.bed import Yielding
 from solver.contact.body_points import SurfaceState
+from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
 from solver.stepping.system import Link, System
 from solver.types import Array, Indices, Mask
@@ -48,6 +50,7 @@ class PointTable:
         own: Numbers of the points of each interface.
         count: Number of all points.
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
+        has_bed: Whether points stand on beds.
         size: Of the body that each point belongs to, (points,), m.
         reach: Gaps below which points may come into contact in a correction, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
@@ -61,6 +64,7 @@ class PointTable:
         self.size: Array = np.concatenate(
             [np.full(link.interface.count, link.interface.size) for link in links]
         )
+        self.has_bed = any(link.interface.beds is not None for link in links)
         self.reach = REACH * self.size
         self.round_off = GAP_ROUND_OFF * self.size
 
@@ -78,6 +82,17 @@ class PointTable:
             inside = (chosen >= part.start) & (chosen < part.stop)
             found[inside] = frame if frame.ndim == 2 else frame[chosen[inside] - part.start]
         return found
+
+    def beds(self, memories: Sequence[Memory], step: float) -> Yielding | None:
+        """How the beds below all points give way in a step of length `step` (s); None: no bed."""
+        if not self.has_bed:
+            return None
+        parts = []
+        for link, memory in zip(self.links, memories, strict=True):
+            beds, nothing = link.interface.beds, np.zeros(link.interface.count)
+            rigid = Yielding(nothing, nothing)
+            parts.append(rigid if beds is None else beds.yielding(memory.compression, step))
+        return Yielding(*(joined(list(arrays)) for arrays in zip(*parts, strict=True)))
 
     def observe(self, number: int, u: Array) -> Observed:
         """An interface at a displacement of all owned unknowns."""

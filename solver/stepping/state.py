@@ -68,6 +68,7 @@ class Exchange:
         input: Work of the ground.
         friction: Lost in friction.
         damping: Lost to damping of materials and dashpots.
+        contact_damping: Lost in the dashpots of contact.
         contact: Lost in closing, opening and exchanging contact points.
         numerical: Lost to the averaging of forces.
         iterations: Corrections that the step took.
@@ -76,6 +77,7 @@ class Exchange:
     input: float = 0.0
     friction: float = 0.0
     damping: float = 0.0
+    contact_damping: float = 0.0
     contact: float = 0.0
     numerical: float = 0.0
     iterations: int = 0

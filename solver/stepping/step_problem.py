@@ -93,6 +93,7 @@ class StepProblem:
         if model.softening is not None and not balance.static:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
+        self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch(model.points.count)
         self._asleep = [not balance.static and self._far(k, guess) for k in range(len(memories))]
         self._iterate = Iterate(guess, ())
@@ -198,7 +199,8 @@ class StepProblem:
     def augmented(self) -> tuple[Array, Mask | None]:
         """Augmented positions of all points at the iterate, and which are beyond an edge.
 
-        All points of interfaces that sleep count as beyond an edge.
+        The compression that is left of a bed counts in. All points of interfaces that sleep count
+        as beyond an edge.
         """
         points, parts = self._points, []
         beyond: Mask | None = None
@@ -210,6 +212,8 @@ class StepProblem:
                     beyond = np.zeros(points.count, dtype=bool)
                 beyond[points.own[number]] = off
         y = parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+        if self._beds is not None:
+            y[:, 0] += self._beds.offset
         return y, self._edges.settled(beyond)
 
     def _beyond_edge(self, number: int, kinematics: ContactKinematics) -> Mask | None:
@@ -237,7 +241,8 @@ class StepProblem:
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at candidate points."""
         tangents = self._tangents
-        key = DelassusKey(near.tobytes(), tangents.weights, tangents.stiffness, self._number)
+        step = 0.0 if self._beds is None else self._balance.step
+        key = DelassusKey(near.tobytes(), tangents.weights, tangents.stiffness, step, self._number)
 
         def make() -> Delassus:
             """Compliances of all bodies as they are at the iterate."""
@@ -248,6 +253,7 @@ class StepProblem:
                 CandidateSet(near, self._points.frames_at(near), self._kinematics),
                 contact_weight=self._balance.contact_weight,
                 softness=self._points.softness,
+                beds=self._beds,
                 softening=self._softening,
             )
 
@@ -267,6 +273,8 @@ class StepProblem:
             self._held,
             points.round_off,
         )
+        if self._beds is not None:
+            q[:, 0] += self._beds.softness[near] * force[:, 0]
         if not self.friction.steady:
             slip = y[:, 1:] - self._anchor
             self.friction.tell(slip + points.softness[:, None] * self.force[:, 1:])

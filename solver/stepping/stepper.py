@@ -268,6 +268,7 @@ class Stepper:
             input=-float(sums.moved @ self.mean_base(state.time, dt)),
             friction=rubbed + correction.friction,
             damping=sums.damping,
+            contact_damping=sum(each.damping for each in lost),
             contact=sum(each.contact for each in lost) + correction.contact + step.start.exchanged,
             numerical=numerical_loss(
                 sums, self.links, old=old, new=contacts, skew=step.scheme.skew

@@ -81,6 +81,23 @@ def test_histories_agree(serial: Path, ranks: int) -> None:
 
 
 @pytest.mark.mpi
+def test_beds_of_two_ranks_are_those_of_one(serial: Path) -> None:
+    """Rocking on springs and dashpots in adaptive steps, up to after the first impact."""
+    text = GRANITE.replace("friction = 0.7", "friction = 0.7\ndamping = 0.3")
+    (serial / "scene.toml").write_text(f"{text}[time]\nend = 0.22\n", encoding="utf-8")
+    for ranks in (1, 2):
+        done = rockslip_on(ranks, serial, "-o", f"bed{ranks}")
+        assert done.returncode == 0, done.stderr
+    (serial / "scene.toml").write_text(SCENE, encoding="utf-8")
+    one, two = (History.read(serial / f"bed{ranks}" / "history.csv") for ranks in (1, 2))
+    assert len(one) == len(two)
+    limits = {"block.angle_rad": 0.05236, "block.centre_y_m": 0.25, "energy.total_J": 1.0}
+    for name, size in (limits | {"energy.contact_damping_J": 1.0}).items():
+        assert two[name] == pytest.approx(one[name], abs=1e-8 * size), name
+    assert one["energy.contact_damping_J"][-1] > 0.1
+
+
+@pytest.mark.mpi
 def test_fields_of_two_ranks_are_those_of_one(serial: Path) -> None:
     """Displacements in the files, read back and ordered by place."""
     import pyvista

@@ -53,6 +53,12 @@ def test_of_a_run(
     assert all(word in found[0] for word in words)
 
 
+def test_what_dashpots_of_contact_take_is_resolved() -> None:
+    lost = loss(0.0, 1.0) | {"contact_damping_J": 9.0}
+    assert unresolved_share(lost) == pytest.approx(0.1)
+    assert cautions_of_run(scene("contact.damping=0.1"), lost, 10.0) == []
+
+
 def test_of_a_scene() -> None:
     def told(*overrides: str) -> list[str]:
         asked = scene(*overrides)
@@ -60,6 +66,7 @@ def test_of_a_scene() -> None:
 
     assert told("damping.stiffness=3e-5") == []
     assert told('block.model="rigid"') == []
+    assert told("contact.damping=0.1") == []
     (undamped,) = told()
     assert "damping.stiffness" in undamped and "time.step" not in undamped
     (coarse,) = told("time.step=1e-3", "damping.stiffness=3e-5")

@@ -19,7 +19,8 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     kinematics = ContactKinematics(np.zeros((len(points), 2)), np.eye(2))
     past = np.zeros((len(force), PAST))
     past[:, SLIPPED] = slipped
-    return Memory(None, kinematics, force, none, yes, past)  # type: ignore[arg-type]
+    bed = np.zeros(len(points))
+    return Memory(None, kinematics, force, none, yes, past, bed)  # type: ignore[arg-type]
 
 
 STICKS, SLIPS, OPEN = (10.0, 1.0, False), (10.0, 3.0, True), (0.0, 0.0, False)

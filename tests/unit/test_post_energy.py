@@ -55,7 +55,8 @@ def test_ledger_of_a_history() -> None:
             "energy.input_J": 3.0 * k,
             "energy.friction_J": 1.0 * k,
             "energy.damping_J": 2.0 * k,
-            "energy.contact_J": 0.5 * k,
+            "energy.contact_damping_J": 0.25 * k,
+            "energy.contact_J": 0.25 * k,
             "energy.numerical_J": 1.0 * k + 1e-3 * k,
         }
         history.append([values[name] for name in history.columns])
@@ -64,5 +65,11 @@ def test_ledger_of_a_history() -> None:
     np.testing.assert_allclose(error, [0, 1e-3, 2e-3], atol=1e-12)
     assert energy.ledger_error_fraction(error, 10.0) == pytest.approx(2e-4)
     assert energy.losses(history) == pytest.approx(
-        {"friction_J": 2.0, "damping_J": 4.0, "contact_J": 1.0, "numerical_J": 2.002}
+        {
+            "friction_J": 2.0,
+            "damping_J": 4.0,
+            "contact_damping_J": 0.5,
+            "contact_J": 0.5,
+            "numerical_J": 2.002,
+        }
     )

@@ -293,10 +293,53 @@ class TestMotions:
         assert "absent.csv" in line
 
 
+class TestBed:
+    def test_as_damped_as_asked_for_and_a_tenth_as_stiff_as_the_block(self) -> None:
+        found = scene(ELASTIC, contact={"damping": 0.3})
+        bed = found.bed_of(found.blocks[0])
+        assert bed is not None
+        stiffness = 0.1 * found.blocks[0].material("strain").longitudinal / 1.0
+        assert bed.stiffness == pytest.approx(stiffness)
+        dashpot = bed.retardation * stiffness
+        assert dashpot == pytest.approx(0.3 * 2 * math.sqrt(stiffness * 2000.0 * 1.0))
+
+    def test_none_unless_asked_for(self) -> None:
+        found = scene(ELASTIC, contact={"damping": 0.0})
+        assert found.bed_of(found.blocks[0]) is None
+
+    @pytest.mark.parametrize("key", ["stiffness", "damping"])
+    def test_not_without_a_mesh(self, key: str) -> None:
+        assert refusal(RIGID, contact={key: 0.5}) == (
+            f"contact.{key} applies to scenes with a meshed body only, block.restitution to rigid"
+            " blocks; remove it"
+        )
+
+    def test_under_a_rigid_block_its_stiffness_has_to_be_given(self) -> None:
+        blocks = ELASTIC, RIGID | {"name": "top", "on": "block"}
+        assert refusal(*blocks, contact={"damping": 0.5}) == (
+            "contact.stiffness is required beside contact.damping, since top is rigid"
+            " (stiffness > 0, Pa/m)"
+        )
+        scene(*blocks, contact={"damping": 0.5, "stiffness": 1e9})
+
+    def test_ranges(self) -> None:
+        line = "contact.damping: got 1.5, allowed 0 <= damping <= 1"
+        assert refusal(ELASTIC, contact={"damping": 1.5}) == line
+        line = "contact.stiffness: got 0, allowed stiffness > 0"
+        assert refusal(ELASTIC, contact={"stiffness": 0}) == line
+
+    def test_a_bed_that_is_too_soft(self) -> None:
+        assert refusal(ELASTIC, contact={"stiffness": 1e6}) == (
+            "contact.stiffness: got 1e+06, pressed in by 0.02 m under block,"
+            " allowed stiffness >= 1.96e+07 (0.001 m)"
+        )
+
+
 @pytest.mark.parametrize(
     "tables",
     [
         {"foundation": OSCILLATOR},
+        {"contact": {"stiffness": 1e9, "damping": 0.1}},
         {"foundation": ROLLERS, "contact": {"friction": {"static": 0.6, "dynamic": 0.5}}},
         {"foundation": FRAME},
         {"foundation": FRAME | {"deck": {"width": 2, "height": 1, "thickness": 3}}, "dimension": 3},
