@@ -159,7 +159,7 @@ def run_reference(options: argparse.Namespace) -> int:
     if launched_rank() != 0:
         return 0
     from solver.excitation.motion import read_ground
-    from solver.reference.answer import reference_history, reference_name
+    from solver.reference.answer import reference_name, reference_run
     from solver.results.report import report
     from solver.results.summary import summarise, write_json
     from solver.scene import load_scene, scene_to_toml
@@ -170,13 +170,14 @@ def run_reference(options: argparse.Namespace) -> int:
     folder = options.output or Path(options.scene.stem + ".rigid")
     claim_folder(folder, options.scene, options.force)
     began = time.monotonic()
-    history = reference_history(scene, folder / "history.csv", ground)
+    history, reason = reference_run(scene, folder / "history.csv", ground)
     summary = summarise(
         scene,
         history,
         status="completed",
         cost={"wall_s": time.monotonic() - began, "ranks": 1},
         versions={"rockslip": VERSION},
+        reason=reason,
         model=model,
     )
     (folder / "scene.toml").write_text(scene_to_toml(scene), encoding="utf-8")

@@ -1,4 +1,7 @@
-"""Rocking of a rigid block on rigid ground: Housner (1963), nonlinear, with base motion."""
+"""Rocking of a rigid block on rigid ground: Housner (1963), nonlinear, with base motion.
+
+docs/reference.md has the equations.
+"""
 
 from __future__ import annotations
 
@@ -54,13 +57,15 @@ def housner(
     end: float,
     step: float,
     acceleration: Acceleration | None = None,
+    vertical: Acceleration | None = None,
     restitution: float | None = None,
 ) -> RockingReference:
     """Rocking from a tilt or from rest, without sliding and without bouncing.
 
-    theta'' = -p^2 [sin(alpha sgn theta - theta) + a_g/g cos(alpha sgn theta - theta)] between
-    impacts and w+ = e w- at impacts; from rest the block uplifts when |a_g| > g B/H. On an incline
-    of angle b the same holds with gravity g cos b and acceleration a_g - g sin b.
+    theta'' = -3/(4 R) [(g + a_v) sin(alpha sgn theta - theta) + a_g cos(alpha sgn theta - theta)]
+    between impacts and w+ = e w- at impacts; from rest the block uplifts when |a_g| > (g + a_v)
+    B/H (Yim, Chopra and Penzien 1980). On an incline of angle b the same holds with gravity g cos b
+    and acceleration a_g - g sin b.
 
     Args:
         shape: The block.
@@ -69,12 +74,14 @@ def housner(
         end: s.
         step: Between output times, s; where the ground moves, also the integrator's largest.
         acceleration: a_g of the ground, m/s^2; None: it does not move.
+        vertical: a_v of the ground upwards, m/s^2, > -g; None: it does not move so.
         restitution: e; None: Housner's, 0 for blocks so squat that his would be negative.
     """
     ratio = max(0.0, housner_restitution(shape)) if restitution is None else restitution
     if not 0 <= ratio <= 1 or not abs(tilt) < math.pi / 2:
         raise ValueError(f"housner: tilt={tilt}, restitution={ratio}")
-    block = _RigidBlock(shape, gravity, acceleration or still, end, step)
+    moves = acceleration or still, vertical or still
+    block = _RigidBlock(shape, gravity, *moves, end, step)
     recorder = Recorder(output_times(end, step))
     impacts: list[float] = []
     peaks: list[float] = []
@@ -113,8 +120,13 @@ class _RigidBlock:
     shape: Block
     gravity: float
     ground: Acceleration
+    vertical: Acceleration
     end: float
     step: float
+
+    def down(self, time: float) -> float:
+        """Gravity and the ground's acceleration upwards: g + a_v, m/s^2."""
+        return self.gravity + self.vertical(time)
 
     def at_rest(self, velocity: float) -> bool:
         """True if the upright block has too little velocity left to go on."""
@@ -124,8 +136,10 @@ class _RigidBlock:
 
     def uplift(self, time: float) -> tuple[float, float]:
         """When the block at rest begins to rock, and to which side; at the end if never."""
-        limit = self.gravity * math.tan(self.shape.slenderness)
-        start = first_beyond(self.ground, limit, time, self.end, self.step)
+        slope = math.tan(self.shape.slenderness)
+        start = first_beyond(
+            self.ground, lambda later: slope * self.down(later), time, self.end, self.step
+        )
         if start is None:
             return self.end, 1.0
         # The block stays behind the ground: it leans against the ground's acceleration.
@@ -136,11 +150,12 @@ class _RigidBlock:
 
         Event 2, which ends nothing, is where the block turns back.
         """
-        alpha, square = self.shape.slenderness, self.shape.frequency(self.gravity) ** 2
+        alpha, factor = self.shape.slenderness, 3 / (4 * self.shape.half_diagonal)
 
         def rate(time: float, angle: float) -> float:
             lean = side * alpha - angle
-            return -square * (math.sin(lean) + self.ground(time) / self.gravity * math.cos(lean))
+            push = self.down(time) * math.sin(lean) + self.ground(time) * math.cos(lean)
+            return -factor * push
 
         events = [
             event(lambda time, y: side * y[0], falling=True, terminal=True),
@@ -148,7 +163,8 @@ class _RigidBlock:
             event(lambda time, y: side * y[1], falling=True, terminal=False),
         ]
         # Over ground that moves, no feature of its motion may be stepped over.
-        step = math.inf if self.ground is still else self.step
+        stands = self.ground is still and self.vertical is still
+        step = math.inf if stands else self.step
         return solve(
             lambda time, y: (y[1], rate(time, y[0])),
             (start, self.end),

@@ -110,9 +110,10 @@ def sliding_on_platform(
     step: float,
     along: float = 0.0,
     velocity: float = 0.0,
+    drift: float = 0.0,
     vertical: Acceleration = still,
 ) -> PlatformReference:
-    """Sliding on a platform that begins at rest with its spring unstretched.
+    """Sliding on a platform that begins at rest.
 
     Args:
         platform: Mass, stiffness and damping of the empty platform.
@@ -124,6 +125,7 @@ def sliding_on_platform(
         step: Between output times, s; also the largest step of the integrator.
         along: Gravity along the platform, m/s^2: an incline.
         velocity: Of the block at the start, relative to the ground, m/s.
+        drift: Of the platform at the start, m.
         vertical: Acceleration of the ground upwards, m/s^2, > -g.
     """
     law = friction if isinstance(friction, Resistance) else coulomb(friction)
@@ -135,7 +137,7 @@ def sliding_on_platform(
         normal=lambda time: gravity + vertical(time),
     )
     recorder = Recorder(output_times(end, step), size=4)
-    time, state, slipped = 0.0, np.array([0.0, velocity, 0.0, 0.0]), velocity != 0
+    time, state, slipped = 0.0, np.array([0.0, velocity, drift, 0.0]), velocity != 0
     while time < end:
         way = pair.way(state, pair.normal(time), slipped)
         phase = pair.move(way, slipped, (time, end, step), state)

@@ -193,8 +193,9 @@ def sampled_sliding_on_platform(
     step: float,
     along: float = 0.0,
     velocity: float = 0.0,
+    drift: float = 0.0,
 ) -> PlatformReference:
-    """Sliding on a platform that begins at rest with its spring unstretched.
+    """Sliding on a platform that begins at rest.
 
     Args:
         platform: Mass, stiffness and damping of the empty platform.
@@ -206,6 +207,7 @@ def sampled_sliding_on_platform(
         step: Between output times, s.
         along: Gravity along the platform, m/s^2: an incline.
         velocity: Of the block at the start, relative to the ground, m/s.
+        drift: Of the platform at the start, m.
     """
     if friction.law.decay:
         raise ValueError("a friction force that depends on the speed has no closed form here")
@@ -216,7 +218,7 @@ def sampled_sliding_on_platform(
     lengths = np.diff(grid)
     rows = np.stack([first - along, (last - first) / lengths, lengths], axis=1)
     segments = [Segment(*row) for row in rows.tolist()]
-    states = np.array(list(_states(pair, segments, velocity)))
+    states = np.array(list(_states(pair, segments, velocity, drift)))
     ground = motion.accelerations(times) - along
     return pair.history(times, states[np.isin(grid, times)], ground, friction.slides(gravity, 0.0))
 
@@ -238,10 +240,10 @@ def _ends(grid: Array, motion: SampledMotion) -> tuple[Array, Array]:
 
 
 def _states(
-    pair: SampledPair, segments: Sequence[Segment], velocity: float
+    pair: SampledPair, segments: Sequence[Segment], velocity: float, drift: float
 ) -> Iterator[PlatformState]:
     """The states at the start and after each segment."""
-    state, slipped = PlatformState(0.0, velocity, 0.0, 0.0), velocity != 0
+    state, slipped = PlatformState(0.0, velocity, drift, 0.0), velocity != 0
     way = pair.way(state, pair.normal, slipped)
     yield state
     for whole in segments:

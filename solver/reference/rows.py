@@ -1,10 +1,10 @@
-"""The columns of a history that belong to a rigid block which rocks or slides."""
+"""The columns of a history that belong to a rigid block, and those of one that slides."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -13,77 +13,33 @@ from solver.excitation.motion import BaseMotion, GroundMotion
 from solver.excitation.sampled import SampledMotion
 from solver.reference.expected import resistance
 from solver.reference.friction import Resistance
-from solver.reference.housner import housner
 from solver.reference.phases import Acceleration, still
 from solver.reference.platform import sliding_on_platform
 from solver.reference.platform_sampled import sampled_sliding_on_platform
 from solver.reference.sliding import sliding
+from solver.rigid.start import platform_of
 from solver.scene import Scene
 from solver.types import Array
 
 ONLY = "where a rigid-body reference is asked for"
 
 
-def _acceleration(motion: BaseMotion | None) -> Acceleration:
+def acceleration_of(motion: BaseMotion | None) -> Acceleration:
     """The acceleration of the ground along one direction, m/s2, as a function of time."""
     return motion.acceleration if motion else still
 
 
-def _base(scene: Scene, ground: GroundMotion, time: float) -> float:
+def base_of(scene: Scene, ground: GroundMotion, time: float) -> float:
     """Acceleration of the base that has the effect of the motion and the incline together, m/s2."""
-    return _acceleration(ground.along)(time) - scene.gravity_vector[0]
-
-
-def rock(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
-    """Housner's block: pivots on the corner on the side it leans to; restitution may be given."""
-    block, gravity = scene.blocks[0], -scene.gravity_vector[1]
-    shape = block.shape
-    found = housner(
-        shape,
-        gravity=gravity,
-        tilt=block.tilt,
-        end=scene.time.end,
-        step=scene.time.step,
-        acceleration=lambda time: _base(scene, ground, time),
-        restitution=block.restitution,
-    )
-    angle, velocity = found.angle, found.angular_velocity
-    base = np.array([_base(scene, ground, float(t)) for t in found.time])
-    # At rest: upright, or lying on its side.
-    moves = (velocity != 0) | ((angle != 0) & (np.abs(angle) < math.pi / 2))
-    side = np.where(angle < 0, -1.0, 1.0)
-    lean, radius = shape.slenderness - np.abs(angle), shape.half_diagonal
-    turning = -(shape.frequency(gravity) ** 2) * (
-        side * np.sin(lean) + base / gravity * np.cos(lean)
-    )
-    # The centre on its circle about the pivot; lean' = -side theta'.
-    across = radius * (np.cos(lean) * turning + side * np.sin(lean) * velocity**2)
-    up = radius * (side * np.sin(lean) * turning - np.cos(lean) * velocity**2)
-    centre_x = block.offset + side * (shape.width / 2 - radius * np.sin(lean))
-    values = {
-        "angle_rad": angle,
-        "angular_velocity_rad_s": velocity,
-        "slip_m": np.zeros_like(angle),
-        "gap_left_m": shape.width * np.sin(np.maximum(angle, 0)),
-        "gap_right_m": shape.width * np.sin(np.maximum(-angle, 0)),
-        "centre_x_m": centre_x,
-        "centre_y_m": radius * np.cos(lean),
-        "normal_force_N": shape.mass * (gravity + np.where(moves, up, 0.0)),
-        "friction_force_N": shape.mass * (base + np.where(moves, across, 0.0)),
-    }
-    kinetic = shape.rotary_inertia_about_corner * velocity**2 / 2
-    speed = radius * np.cos(lean) * velocity
-    return _table(scene, ground, found.time, values, kinetic, speed) | {
-        "energy.friction_J": np.zeros_like(angle)
-    }
+    return acceleration_of(ground.along)(time) - scene.gravity_vector[0]
 
 
 def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     """The block that stays flat, on firm ground."""
     block, gravity = scene.blocks[0], -scene.gravity_vector[1]
-    law, vertical = resistance(scene), _acceleration(ground.up)
+    law, vertical = resistance(scene), acceleration_of(ground.up)
     found = sliding(
-        acceleration=lambda time: _base(scene, ground, time),
+        acceleration=lambda time: base_of(scene, ground, time),
         friction=law,
         gravity=gravity,
         end=scene.time.end,
@@ -93,11 +49,11 @@ def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     )
     normal = gravity + sampled(vertical, found.time)
     force = _friction(law, normal, found.velocity)
-    base = np.array([_base(scene, ground, float(t)) for t in found.time])
+    base = np.array([base_of(scene, ground, float(t)) for t in found.time])
     held = np.where(found.velocity != 0, -force * np.sign(found.velocity), base)
     kinetic = block.shape.mass * found.velocity**2 / 2
     values = _flat(scene, found.slip, found.slip, normal, held)
-    return _table(scene, ground, found.time, values, kinetic, found.velocity) | {
+    return table(scene, ground, found.time, values, kinetic, found.velocity) | {
         "energy.friction_J": block.shape.mass * _along(force, found.slip)
     }
 
@@ -106,7 +62,7 @@ def slide_on_platform(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     """The block that stays flat, on a platform; SceneError if it does not stay flat."""
     block, platform = scene.blocks[0], scene.platform()
     along, down = scene.gravity_vector[0], -scene.gravity_vector[1]
-    law, vertical = resistance(scene), _acceleration(ground.up)
+    law, vertical = resistance(scene), acceleration_of(ground.up)
     given: dict[str, Any] = {
         "platform": platform,
         "mass": block.shape.mass,
@@ -116,11 +72,12 @@ def slide_on_platform(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
         "step": scene.time.step,
         "along": along,
         "velocity": block.velocity[0],
+        "drift": first_drift(scene),
     }
     if isinstance(ground.along, SampledMotion) and vertical is still and not law.law.decay:
         found = sampled_sliding_on_platform(motion=ground.along, **given)
     else:
-        acceleration = _acceleration(ground.along)
+        acceleration = acceleration_of(ground.along)
         found = sliding_on_platform(acceleration=acceleration, vertical=vertical, **given)
     normal = down + sampled(vertical, found.time)
     uplift = np.abs(found.friction) * block.height > normal * block.width
@@ -131,20 +88,61 @@ def slide_on_platform(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     speed = velocity + found.slip_velocity
     kinetic = (block.shape.mass * speed**2 + platform.mass * velocity**2) / 2
     values = _flat(scene, found.slip, found.slip + drift, normal, found.friction)
-    spring = platform.stiffness * drift**2 / 2
     # The mass whose acceleration takes part in the work of the ground moves like this.
     mean = speed + platform.mass / block.shape.mass * velocity
-    known = _table(scene, ground, found.time, values, kinetic, mean)
-    known["energy.gravity_J"] = known["energy.gravity_J"] - platform.mass * along * drift
-    known["energy.total_J"] = kinetic + known["energy.gravity_J"] + spring
+    known = table(scene, ground, found.time, values, kinetic, mean)
     force = _friction(law, normal, found.slip_velocity)
-    return known | {
+    return (
+        known
+        | columns_of_platform(scene, known, found)
+        | {"energy.friction_J": block.shape.mass * _along(force, found.slip)}
+    )
+
+
+def first_drift(scene: Scene) -> float:
+    """Drift of the platform at the start, m: on an incline its spring may hold all weight."""
+    start = platform_of(scene)
+    return start.drift[0] if start else 0.0
+
+
+class _Drifting(Protocol):
+    """History of a platform."""
+
+    @property
+    def drift(self) -> Array:
+        """u, m."""
+
+    @property
+    def drift_velocity(self) -> Array:
+        """Velocity, m/s."""
+
+    @property
+    def drift_acceleration(self) -> Array:
+        """Acceleration, m/s^2."""
+
+
+def columns_of_platform(
+    scene: Scene, known: Mapping[str, Array], found: _Drifting
+) -> dict[str, Array]:
+    """The columns of the platform, and those to which it adds energy.
+
+    Args:
+        scene: What is asked.
+        known: The columns of the block.
+        found: How the platform moves.
+    """
+    platform, drift = scene.platform(), found.drift
+    spring = platform.stiffness * drift**2 / 2
+    gravity = known["energy.gravity_J"] - platform.mass * scene.gravity_vector[0] * drift
+    dashpot = platform.damping * found.drift_velocity**2
+    return {
         "platform.drift_m": drift,
-        "platform.velocity_m_s": velocity,
+        "platform.velocity_m_s": found.drift_velocity,
         "platform.acceleration_m_s2": found.drift_acceleration,
         "energy.spring_J": spring,
-        "energy.damping_J": _integral(found.time, platform.damping * velocity**2),
-        "energy.friction_J": block.shape.mass * _along(force, found.slip),
+        "energy.gravity_J": gravity,
+        "energy.total_J": known["energy.kinetic_J"] + gravity + spring,
+        "energy.damping_J": _integral(known["time_s"], dashpot),
     }
 
 
@@ -187,25 +185,38 @@ def _flat(
     }
 
 
-def _table(
+def table(
     scene: Scene,
     ground: GroundMotion,
     time: Array,
     values: Mapping[str, Array],
     kinetic: Array,
     speed: Array,
+    rise: Array | None = None,
 ) -> dict[str, Array]:
-    """Columns of all answers; the work of the ground by the trapezoidal rule over the rows."""
+    """Columns of all answers; the work of the ground by the trapezoidal rule over the rows.
+
+    Args:
+        scene: What is asked.
+        ground: Its motion of the ground.
+        time: s.
+        values: Columns of the block, by what follows its name.
+        kinetic: Energy, J.
+        speed: Along x, of the block's mass on which the ground works, m/s.
+        rise: The same upwards; None: it does not rise.
+    """
     name, mass = scene.blocks[0].name, scene.blocks[0].shape.mass
     along, down = scene.gravity_vector
     none = np.zeros_like(time)
     base = ground.along.accelerations(time) if ground.along else none
+    heave = sampled(acceleration_of(ground.up), time)
+    power = base * speed + (0.0 if rise is None else heave * rise)
     gravity = -mass * (along * values["centre_x_m"] + down * values["centre_y_m"])
     return {
         "time_s": time,
         "step_s": none + scene.time.step,
         "base.acceleration_m_s2": base,
-        "base.vertical_acceleration_m_s2": sampled(_acceleration(ground.up), time),
+        "base.vertical_acceleration_m_s2": heave,
         **{f"{name}.{column}": value for column, value in values.items()},
         f"{name}.penetration_m": none,
         "energy.kinetic_J": kinetic,
@@ -213,7 +224,7 @@ def _table(
         "energy.gravity_J": gravity,
         "energy.spring_J": none,
         "energy.interface_J": none,
-        "energy.input_J": _integral(time, -mass * base * speed),
+        "energy.input_J": _integral(time, -mass * power),
         "energy.damping_J": none,
         "energy.total_J": kinetic + gravity,
     }

@@ -137,3 +137,45 @@ def test_refuses():
         free(0.1, restitution=1.1)
     with pytest.raises(ValueError, match="tilt"):
         free(2.0)
+
+
+def test_constant_vertical_acceleration_is_more_gravity():
+    """Yim, Chopra and Penzien: g becomes g + a_v, for the motion as for the uplift."""
+    more = housner(
+        SPECIMEN, gravity=G, tilt=0.05, end=2.0, step=2e-3, vertical=lambda time: 0.3 * G
+    )
+    heavy = housner(SPECIMEN, gravity=1.3 * G, tilt=0.05, end=2.0, step=2e-3)
+    np.testing.assert_allclose(more.angle, heavy.angle, atol=1e-9)
+    for push, lifts in ((0.324 * G, False), (0.326 * G, True)):
+        found = housner(
+            SPECIMEN,
+            gravity=G,
+            end=0.5,
+            step=2e-3,
+            acceleration=lambda time, push=push: push,
+            vertical=lambda time: 0.3 * G,
+        )
+        assert found.angle.any() == lifts
+
+
+def test_vertical_harmonic_by_another_integration():
+    """The first swing, by the classical Runge-Kutta method."""
+
+    def heave(time):
+        return 0.4 * G * math.sin(2 * math.pi * time / 0.13 + 0.4)
+
+    def rate(time, state):
+        pull = 3 / (4 * SPECIMEN.half_diagonal) * (G + heave(time))
+        return np.array([state[1], -pull * math.sin(ALPHA - state[0])])
+
+    state, dt = np.array([math.radians(3), 0.0]), 1e-4
+    for k in range(1500):
+        t = k * dt
+        a = rate(t, state)
+        b = rate(t + dt / 2, state + dt / 2 * a)
+        c = rate(t + dt / 2, state + dt / 2 * b)
+        state = state + dt / 6 * (a + 2 * b + 2 * c + rate(t + dt, state + dt * c))
+    found = housner(SPECIMEN, gravity=G, tilt=math.radians(3), end=0.15, step=1e-3, vertical=heave)
+    assert not len(found.impacts)
+    assert found.angle[-1] == pytest.approx(state[0], abs=1e-10)
+    assert found.angular_velocity[-1] == pytest.approx(state[1], abs=1e-9)
