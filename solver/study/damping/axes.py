@@ -61,6 +61,10 @@ class Axis:
     limit: Literal["zero", "infinity", ""] = ""
     bounds: Callable[[Scene, BlockSpec], tuple[float, float]] | None = None
 
+    def __reduce__(self) -> tuple[Callable[[str], Axis], tuple[str]]:
+        """By its name when it is sent to another process, which has the same axes."""
+        return axis_called, (self.name,)
+
     @property
     def label(self) -> str:
         """Name and unit, for the axis of a picture."""

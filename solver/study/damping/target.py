@@ -150,12 +150,8 @@ def measured_peaks(time: Array, angle: Array) -> list[float]:
     if not len(large) or not least:
         return []
     side = np.sign(angle[large])
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(side)) + 1, [len(large)]])
-    return [
-        _peak(time[rows], np.abs(angle[rows]))
-        for first, last in pairwise(starts.tolist())
-        if len(rows := large[first:last])
-    ]
+    swings = np.split(large, np.flatnonzero(np.diff(side)) + 1)
+    return [_peak(time[rows], np.abs(angle[rows])) for rows in swings]
 
 
 def _peak(time: Array, angle: Array) -> float:
