@@ -231,7 +231,7 @@ AXES = {
             text="tolerance of adaptive steps", put=_put_tolerance, values=_tolerances,
         ),
         Axis(
-            name="mesh", key="cells along an edge, times the scene's", unit="",
+            name="mesh", key="cells of an edge over the scene's", unit="",
             meaning="numerical", limit="infinity", text="mesh of all bodies", put=_put_mesh,
             values=_fixed(0.5, 1.0, 2.0),
         ),
@@ -260,7 +260,7 @@ AXES = {
             text="Young's modulus of the block", put=_put_young, values=_youngs,
         ),
         Axis(
-            name="floor", key="E of the floor over that of the block", unit="",
+            name="floor", key="E of floor over E of block", unit="",
             meaning="physical", limit="infinity", text="stiffness of a meshed floor",
             put=_put_floor, values=_fixed(1.0, 3.0, 10.0, 30.0),
         ),

@@ -106,7 +106,7 @@ def sentence(line: Line, at: Axis | None) -> str:
     how = {
         "extrapolated": f"extrapolated with order {line.limit.order:.1f}",
         "reached": "the last two agree",
-        "scatter": "not converged: the last value, and the scatter of the last three",
+        "scatter": "no order of convergence: the last value, and the range of the last three",
     }[line.limit.source]
     return (
         f"{head} to {to}: restitution {line.limit.value:.4f} ± {line.limit.uncertainty:.4f} "

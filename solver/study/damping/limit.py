@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-LEAST_ORDER, MOST_ORDER = 0.25, 2.0
+LEAST_ORDER, MOST_ORDER = 0.5, 2.0
 """Orders of convergence that are believed; no more than the second is relied on."""
 
 
@@ -19,7 +19,7 @@ class Limit:
         value: The limit.
         uncertainty: How far off it may be.
         source: "extrapolated"; "reached": the last values agree within their own uncertainty;
-            "scatter": they do not converge, and the last of them stands.
+            "scatter": they have no order of convergence, and the last of them stands.
         order: Order of the convergence, NaN where nothing is extrapolated.
     """
 
@@ -37,8 +37,9 @@ def limit(
     Values that differ by C x^p are extrapolated, and the whole correction is the uncertainty,
     besides that of the last value. The order p follows from the three values; of more than the
     second no use is made. Where the last two agree within their own uncertainties, nothing is left
-    to extrapolate. Where differences do not fall, or change their sign, the sequence does not
-    converge: the last value stands, and the largest difference among the three is the uncertainty.
+    to extrapolate. Where differences fall more slowly than with order 0.5, or change their sign,
+    nothing is extrapolated either: the last value stands, and the range of the three is the
+    uncertainty.
 
     Args:
         distances: x, positive; in any order.

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from solver.pictures.style import (
     GREEN,
     GREY,
+    ORANGE,
     PALETTE,
     colour,
     legend_above,
@@ -26,6 +27,9 @@ from solver.study.damping.restitution import Restitution
 from solver.types import Array
 
 MARKERS = "osD^vP"
+
+FEW_VALUES = 5
+"""Values up to this number are all named on their axis."""
 
 PANEL_HEIGHT = 2.1
 """Height of one of several panels, in."""
@@ -67,12 +71,17 @@ def _restitutions(lines: Sequence[Line], own: Restitution | None, at: Axis | Non
         axes.set_visible(False)
     for axes in panels[::columns]:
         axes.set_ylabel("restitution")
-    low, high = panels[0].get_ylim()
-    if high - low < LEAST_HEIGHT:
-        middle = (low + high) / 2
-        panels[0].set_ylim(middle - LEAST_HEIGHT / 2, middle + LEAST_HEIGHT / 2)
-    legend_above(figure)
+    panels[0].set_ylim(*_heights(lines))
+    legend_above(figure, columns=2 if at is None else 4)
     return figure
+
+
+def _heights(lines: Sequence[Line]) -> tuple[float, float]:
+    """Lower and upper end of all panels: what was measured, not the uncertainty of limits."""
+    known = [e for line in lines for found in line.found for e in found.known]
+    low, high = min(known), max(known)
+    margin = max(0.05 * (high - low), (LEAST_HEIGHT - high + low) / 2)
+    return low - margin, high + margin
 
 
 def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> None:
@@ -81,50 +90,55 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
     axes.set_xlabel(f"{axis.label}, {axis.meaning}")
     place = _Places([value for line in lines for value in line.values])
     for number, line in enumerate(lines):
-        known = [(v, f) for v, f in zip(line.values, line.found, strict=True) if f.mean]
-        if not known:
-            continue
-        mean = np.array([found.mean for _, found in known])
-        least = np.array([min(found.known) for _, found in known])
-        largest = np.array([max(found.known) for _, found in known])
-        label = "mean and range of the impacts"
+        mean = np.array(line.means)
+        least = np.array([min(found.known) for found in line.found])
+        largest = np.array([max(found.known) for found in line.found])
+        label = "mean and range of impacts"
         if at is not None and line.at is not None:
             label = f"{at.name} {line.at:g}"
         axes.errorbar(
-            place.of([value for value, _ in known], number), mean,
+            place.of(line.values, number), mean,
             yerr=np.array([mean - least, largest - mean]), color=colour(number),
             marker=MARKERS[number % len(MARKERS)], markersize=3.5, capsize=2.5, elinewidth=0.8,
-            linestyle="-" if len(known) > 1 else "none", linewidth=0.8, label=label,
+            linewidth=0.8, label=label,
         )  # fmt: skip
         if line.limit is not None:
             low, high = (line.limit.value + s * line.limit.uncertainty for s in (-1, 1))
-            axes.axhspan(low, high, color=GREEN, alpha=0.25, linewidth=0, label="limit")
+            known = line.limit.source != "scatter"
+            axes.axhspan(
+                low, high, color=GREEN if known else ORANGE, alpha=0.25 if known else 0.15,
+                linewidth=0, label="limit" if known else "range of last three",
+            )  # fmt: skip
     if own is not None and own.mean is not None:
         axes.axhline(own.mean, color=GREY, linewidth=0.7, linestyle=":", label="the scene")
     place.ticks(axes)
 
 
 class _Places:
-    """Places of values on a logarithmic axis that has room for zero, at its left end."""
+    """Places of values on an axis, logarithmic where they differ much; zero is at its left end."""
 
     def __init__(self, values: Sequence[float]):
-        positive = sorted({value for value in values if value > 0})
-        self._logarithmic = bool(positive) and positive[-1] > 4 * positive[0]
-        self._zero = math.nan
-        if self._logarithmic and min(values) == 0:
+        self._values = sorted(set(values))
+        positive = [value for value in self._values if value > 0]
+        self._logarithmic = bool(positive) and positive[-1] > 3 * positive[0]
+        self._zero = 0.0
+        if self._logarithmic and self._values[0] == 0:
             self._zero = positive[0] * (positive[0] / positive[-1]) ** 0.15
 
     def of(self, values: Sequence[float], number: int) -> list[float]:
         """Places of the values of a line; lines are set apart by a little."""
         apart = 1 + 0.04 * number if self._logarithmic else 1.0
-        return [apart * (self._zero if v == 0 and self._logarithmic else v) for v in values]
+        return [apart * (value or self._zero) for value in values]
 
     def ticks(self, axes: Axes) -> None:
         """Scale and ticks."""
-        if not self._logarithmic:
-            return
-        axes.set_xscale("log")
-        if not math.isnan(self._zero):
+        if self._logarithmic:
+            axes.set_xscale("log")
+        if len(self._values) <= FEW_VALUES:
+            names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in self._values]
+            axes.set_xticks(self.of(self._values, 0), names, fontsize="small")
+            axes.set_xticks([], minor=True)
+        elif self._zero:
             low, high = axes.get_xlim()
             ticks = [tick for tick in axes.get_xticks() if 1.5 * self._zero < tick <= high]
             powers = [f"$10^{{{round(math.log10(tick))}}}$" for tick in ticks]

@@ -18,6 +18,12 @@ ENOUGH = 5e-4
 NEAREST = 0.01
 """Least difference between two values that are tried, relative."""
 
+SEARCHES_OF_REACH = 2
+"""Runs more at a turning point of the restitution before a target beyond it is refused."""
+
+ALIKE = 1e-4
+"""Differences from the target that are as good as one another: the smaller value is taken."""
+
 DIGITS = 3
 """Significant digits of the values that are tried."""
 
@@ -41,9 +47,11 @@ class Trial:
 class Search:
     """A search between two positive values, which tries several at first and then one by one.
 
-    The first runs, at both ends and in the middle, measure what can be reached. From then on all
-    numbers that are compared are interpolated over the logarithm of the value, by cubics that
-    overshoot nothing, and the next run is made where that comes nearest to the target.
+    The first runs, at both ends and in the middle, measure what can be reached; where restitution
+    turns between them, so do one or two more at its turning point. From then on all numbers that
+    are compared are interpolated over the logarithm of the value, by cubics that overshoot nothing,
+    and the next run is made where that comes nearest to the target. Where several values do, the
+    smallest is taken.
     """
 
     low: float
@@ -59,9 +67,11 @@ class Search:
         """Values to run next; none where the search has ended."""
         if not self.made:
             return [self.low, _rounded(math.sqrt(self.low * self.high)), self.high]
-        if not self.within_reach or len(self.trials) >= self.most or self.best_error <= ENOUGH:
+        if len(self.made) >= self.most or self.best_error <= ENOUGH:
             return []
-        value = self._nearest()
+        value = self._nearest() if self.within_reach else self._turning_point()
+        if value is None:
+            return []
         tried = [abs(math.log(trial.value / value)) for trial in self.trials]
         return [value] if min(tried) > NEAREST else []
 
@@ -82,9 +92,9 @@ class Search:
 
     @property
     def within_reach(self) -> bool:
-        """Whether the target lies between restitutions that were found."""
+        """Whether the target lies between restitutions that were found, or next to one."""
         least, largest = self.reach
-        return least <= self.restitution <= largest
+        return least - ENOUGH <= self.restitution <= largest + ENOUGH
 
     @property
     def best(self) -> Trial:
@@ -100,6 +110,20 @@ class Search:
         """Difference of a run from the target, root mean square."""
         return _root_mean_square(np.array(trial.found) - np.array(self.wanted))
 
+    def _turning_point(self) -> float | None:
+        """Value at which restitution turns on the side of the target; None where it does not."""
+        trials, (least, largest) = self.trials, self.reach
+        extreme = least if self.restitution < least else largest
+        number = [trial.restitution for trial in trials].index(extreme)
+        if not 0 < number < len(trials) - 1 or len(trials) >= 3 + SEARCHES_OF_REACH:
+            return None
+        near = trials[number - 1 : number + 2]
+        places = np.log([trial.value for trial in near]) - math.log(near[1].value)
+        _, slope, bend = np.polynomial.polynomial.polyfit(
+            places, [trial.restitution for trial in near], 2
+        )
+        return _rounded(near[1].value * math.exp(-slope / (2 * bend)))
+
     def _nearest(self) -> float:
         """Value at which the interpolated runs are nearest to the target."""
         from scipy.interpolate import PchipInterpolator
@@ -108,8 +132,10 @@ class Search:
         found = np.array([trial.found for trial in self.trials])
         fine = np.linspace(places[0], places[-1], 4001)
         differences = PchipInterpolator(places, found)(fine) - np.array(self.wanted)
-        nearest = int(np.argmin(np.sum(differences**2, axis=1)))
-        return _rounded(math.exp(fine[nearest]))
+        errors = np.sqrt(np.mean(differences**2, axis=1))
+        good = np.flatnonzero(errors <= errors.min() + ALIKE)
+        first = np.split(good, np.flatnonzero(np.diff(good) > 1) + 1)[0]
+        return _rounded(math.exp(fine[first[np.argmin(errors[first])]]))
 
 
 def _root_mean_square(values: Array) -> float:
