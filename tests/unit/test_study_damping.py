@@ -46,7 +46,7 @@ def base(text: str = SCENE) -> BaseScene:
 # --- limits
 
 
-@pytest.mark.parametrize("order", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("order", [0.6, 1.0, 2.0])
 def test_a_sequence_of_known_limit(order: float) -> None:
     """Values that differ by C x^p from their limit, at distances without a common ratio."""
     x = [1e-3, 4e-4, 2e-4, 5e-5]
@@ -400,7 +400,7 @@ def test_a_study_that_is_resumed_runs_nothing_twice(made_up: MadeUp, capsys: Cap
     assert f"after {calibrated + 2} runs" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("wanted", [0.932, 0.936, 0.942])
+@pytest.mark.parametrize("wanted", [0.932, 0.936, 0.941])
 def test_calibration_to_a_restitution(made_up: MadeUp, wanted: float, capsys: Captured) -> None:
     assert study("--target", f"restitution={wanted}") == 0
     assert made_up.runs <= 8
@@ -433,15 +433,15 @@ def test_a_target_out_of_reach_is_refused_with_the_reach(
     assert study("--target", f"restitution={wanted}", "-q") == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert f"--target: got {wanted:g}, allowed 0.9315 to 0.9441" in said
-    assert "the reach of beta 3.7e-06 to 0.00018" in said
+    assert f"--target: got {wanted:g}, allowed 0.9315 to 0.9419" in said
+    assert "the reach of beta 9.2e-06 to 0.00018" in said
     assert made_up.runs == 3 and not Path("out/calibrated.toml").exists()
 
 
 def test_too_few_impacts_refuse_a_calibration(made_up: MadeUp, capsys: Captured) -> None:
     assert study("--target", "restitution=0.936", "--set", "time.end=0.6", "-q") == 2
     said = capsys.readouterr().err
-    assert "--target is out of reach: beta 3.7e-06 has 1 impact with a restitution" in said
+    assert "--target is out of reach: beta 9.2e-06 has 1 impact with a restitution" in said
     assert study("--of", "beta=1e-5", "--set", "time.end=0.6", "--force") == 0
     assert "1 impact with a restitution by 0.6 s, 4 are wanted" in capsys.readouterr().out
 

@@ -30,7 +30,7 @@ STEPS_OF_CROSSINGS = (4.0, 2.0, 1.0, 0.5, 0.2)
 BETAS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 """beta_R over the power of ten below that of 2 % of critical damping."""
 
-BETA_BOUNDS = (0.1, 5.0)
+BETA_BOUNDS = (0.25, 5.0)
 """Bounds of beta_R for calibration, over that of 2 % of critical damping. Below them vibration
 lasts from impact to impact; above them more damping takes less, not more, from an impact."""
 
@@ -176,7 +176,7 @@ def _betas(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
 
 
 def _beta_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
-    """From 0.2 % to 10 % of critical damping, s."""
+    """From 0.5 % to 10 % of critical damping, s."""
     low, high = (float(f"{ratio * suggested_damping(block):.1e}") for ratio in BETA_BOUNDS)
     return low, high
 

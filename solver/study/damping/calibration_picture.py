@@ -50,7 +50,7 @@ def _figure(search: Search, target: Target, label: str, best: Angles | None) -> 
     _draw_search(panels[0], search, target, label)
     if target.history is not None and best is not None:
         _draw_history(panels[1], target.history, best)
-    legend_above(figure)
+    legend_above(figure, columns=6)
     return figure
 
 
