@@ -13,9 +13,15 @@ def studies() -> dict[str, ModuleType]:
     `run(options)`, which returns the exit code; its heavy imports stand inside `run`.
     """
     from solver.study import error_runtime, stability
+    from solver.study.damping import command as damping
     from solver.study.suite import command as suite
 
-    return {"error-runtime": error_runtime, "stability": stability, "suite": suite}
+    return {
+        "damping": damping,
+        "error-runtime": error_runtime,
+        "stability": stability,
+        "suite": suite,
+    }
 
 
 def add_studies(parser: argparse.ArgumentParser) -> None:

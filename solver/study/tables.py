@@ -1,4 +1,4 @@
-"""Tables of studies: as text in columns, as CSV, and as files that are never half written."""
+"""Tables of studies: as text in columns, Markdown and CSV, and as files never half written."""
 
 from __future__ import annotations
 
@@ -31,6 +31,12 @@ def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
         ]
         lines.append("  ".join(cells).rstrip())
     return lines
+
+
+def in_markdown(table: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table of words in Markdown; the first row is the heading."""
+    heading, *rows = table
+    return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
 
 
 def column_names(rows: Sequence[Row]) -> list[str]:

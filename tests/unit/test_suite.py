@@ -19,9 +19,10 @@ import pytest
 from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
+from solver.study.folder import finished, store
 from solver.study.suite.case import variations
 from solver.study.suite.command import prepare
-from solver.study.suite.folder import claim, finished, store
+from solver.study.suite.folder import FOLDER
 from solver.study.suite.motions import find_motions
 from solver.study.suite.table import as_csv, as_text, ratios
 from solver.study.tally import Tally
@@ -214,14 +215,14 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_force_begins_anew_and_spares_what_is_not_its_own(done: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    claim(folder, {"one": 1}, force=False, resume=False)
+    FOLDER.claim(folder, {"one": 1}, force=False, resume=False)
     store(folder, "case", {"status": "completed", "value": 1.0})
     store(folder, "other", {"status": "failed"})
     (folder / "notes.txt").write_text("mine")
     assert finished(folder) == {"case": {"status": "completed", "value": 1.0}}
-    claim(folder, {"one": 1}, force=False, resume=True)
+    FOLDER.claim(folder, {"one": 1}, force=False, resume=True)
     assert list(finished(folder)) == ["case"]
-    claim(folder, {"one": 2}, force=True, resume=False)
+    FOLDER.claim(folder, {"one": 2}, force=True, resume=False)
     assert finished(folder) == {}
     assert sorted(file.name for file in folder.iterdir()) == [
         "cases", "notes.txt", "settings.json"

@@ -77,8 +77,8 @@ def run(options: argparse.Namespace) -> int:
 
     from solver.parallel import abort_on_exceptions, on_first_rank
     from solver.study.cases import finished_cases
+    from solver.study.folder import store
     from solver.study.suite.case import run_case
-    from solver.study.suite.folder import store
 
     comm = MPI.COMM_WORLD
     abort_on_exceptions(comm)
@@ -109,8 +109,9 @@ def prepare(options: argparse.Namespace) -> Plan:
     """Look at everything that can be refused before anything is run, and claim the folder."""
     from solver.scene import parse_scene, read_text, set_values
     from solver.scene.overrides import read_toml
+    from solver.study.folder import finished
     from solver.study.suite.case import variations
-    from solver.study.suite.folder import claim, finished
+    from solver.study.suite.folder import FOLDER
     from solver.study.suite.motions import find_motions
 
     _check_numbers(options)
@@ -132,7 +133,7 @@ def prepare(options: argparse.Namespace) -> Plan:
         reference_name(base)
     folder = options.output or Path(path.stem + ".suite")
     settings = _settings(options, base.to_dict(), motions)
-    claim(folder, settings, force=options.force, resume=options.resume)
+    FOLDER.claim(folder, settings, force=options.force, resume=options.resume)
     cases = tuple(
         _case(options, motion, values, tables, folder) for values in varied for motion in motions
     )

@@ -1,85 +1,15 @@
-"""The folder of a suite: what it was made from, one file for each finished case, the tables."""
+"""Names of what a suite leaves in its folder."""
 
 from __future__ import annotations
 
-import json
-import shutil
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from solver.study.folder import StudyFolder
 
-from solver.errors import SceneError
-from solver.run.folders import make_folder, unusable_is_refused
-from solver.study.tables import write
-
-#: What a suite leaves; `--force` removes these, nothing else.
-SETTINGS, CASES, RUNS = "settings.json", "cases", "runs"
+RUNS = "runs"
 TABLE, TEXT, SUMMARY = "suite.csv", "suite.txt", "summary.json"
 
-
-def claim(folder: Path, settings: Mapping[str, Any], *, force: bool, resume: bool) -> None:
-    """Make the folder of a suite, or refuse to write over what is there.
-
-    Args:
-        folder: To be claimed.
-        settings: What the suite is made from.
-        force: Remove an earlier suite.
-        resume: Go on with an earlier suite, which must be made from the same.
-    """
-    allowed = "an empty folder, --force, or --resume"
-    with unusable_is_refused(folder):
-        used = make_folder(folder, force=force or resume, allowed=allowed)
-        if resume and used:
-            _compare(folder, settings)
-        else:
-            _clear(folder)
-        write(folder / SETTINGS, settings)
-        (folder / CASES).mkdir(exist_ok=True)
-
-
-def finished(folder: Path) -> dict[str, dict[str, Any]]:
-    """The rows of the completed cases by name; failed ones are tried again."""
-    rows = {}
-    for file in sorted((folder / CASES).glob("*.json")):
-        row = json.loads(file.read_text(encoding="utf-8"))
-        if row["status"] == "completed":
-            rows[file.stem] = row
-    return rows
-
-
-def store(folder: Path, name: str, row: Mapping[str, Any]) -> None:
-    """Keep the row of a case."""
-    write(folder / CASES / f"{name}.json", row)
-
-
-def _clear(folder: Path) -> None:
-    """Remove an earlier suite."""
-    for name in (SETTINGS, TABLE, TEXT, SUMMARY):
-        (folder / name).unlink(missing_ok=True)
-    for name in (CASES, RUNS):
-        shutil.rmtree(folder / name, ignore_errors=True)
-
-
-def _compare(folder: Path, settings: Mapping[str, Any]) -> None:
-    """Refuse a folder that was made from something else."""
-    try:
-        earlier = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        raise SceneError("--resume", f"{folder}, which holds no suite", "its folder") from None
-    now = json.loads(json.dumps(settings))
-    keys = sorted(_differing(earlier, now))
-    if keys:
-        more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
-        got = f"{folder}, made with another {keys[0]}{more}"
-        raise SceneError("--resume", got, "the same scene, motions and options")
-
-
-def _differing(one: Any, other: Any, path: str = "") -> set[str]:
-    """Paths of the values that two tables do not share."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        found = set()
-        for key in one.keys() | other.keys():
-            below = f"{path}.{key}" if path else key
-            found |= _differing(one.get(key), other.get(key), below)
-        return found
-    return set() if one == other else {path}
+FOLDER = StudyFolder(
+    kind="suite",
+    same="the same scene, motions and options",
+    files=(TABLE, TEXT, SUMMARY),
+    folders=(RUNS,),
+)

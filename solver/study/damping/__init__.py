@@ -1,0 +1,1 @@
+"""What an impact loses, as a function of physical and numerical parameters; and its calibration."""

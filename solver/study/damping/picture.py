@@ -1,0 +1,177 @@
+"""Pictures of the study: restitution against each axis, and histories of the angle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from solver.pictures.style import (
+    GREEN,
+    GREY,
+    ORANGE,
+    PALETTE,
+    colour,
+    legend_above,
+    new_figure,
+    save,
+    zero_line,
+)
+from solver.study.damping.axes import Axis
+from solver.study.damping.findings import Line
+from solver.study.damping.restitution import Restitution
+from solver.types import Array
+
+MARKERS = "osD^vP"
+
+FEW_VALUES = 5
+"""Values up to this number are all named on their axis."""
+
+PANEL_HEIGHT = 2.1
+"""Height of one of several panels, in."""
+
+MOST_CURVES = len(PALETTE)
+"""Histories in one panel."""
+
+LEAST_HEIGHT = 0.01
+"""Restitutions that a panel shows at least."""
+
+Angles = tuple[Array, Array]
+"""Times (s) and angles (rad)."""
+
+
+def restitution_picture(
+    lines: Sequence[Line], own: Restitution | None, at: Axis | None, file: Path
+) -> Path:
+    """Draw restitution against each axis; returns the file.
+
+    Args:
+        lines: What was measured.
+        own: Restitution of the scene as it is.
+        at: The axis that all is repeated for.
+        file: To be written.
+    """
+    return save(lambda: _restitutions(lines, own, at), file)
+
+
+def _restitutions(lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> Figure:
+    """A panel for each axis."""
+    names = list(dict.fromkeys(line.axis.name for line in lines))
+    columns = 1 if len(names) == 1 else 2
+    rows = math.ceil(len(names) / columns)
+    figure = new_figure(3.2 if rows == 1 else PANEL_HEIGHT * rows + 0.4)
+    panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
+    for axes, name in zip(panels, names, strict=False):
+        _panel(axes, [line for line in lines if line.axis.name == name], own, at)
+    for axes in panels[len(names) :]:
+        axes.set_visible(False)
+    for axes in panels[::columns]:
+        axes.set_ylabel("restitution")
+    panels[0].set_ylim(*_heights(lines))
+    legend_above(figure, columns=2 if at is None else 4)
+    return figure
+
+
+def _heights(lines: Sequence[Line]) -> tuple[float, float]:
+    """Lower and upper end of all panels: what was measured, not the uncertainty of limits."""
+    known = [e for line in lines for found in line.found for e in found.known]
+    low, high = min(known), max(known)
+    margin = max(0.05 * (high - low), (LEAST_HEIGHT - high + low) / 2)
+    return low - margin, high + margin
+
+
+def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> None:
+    """The points of one axis, the limit, the scene as it is."""
+    axis = lines[0].axis
+    axes.set_xlabel(f"{axis.label}, {axis.meaning}")
+    place = _Places([value for line in lines for value in line.values])
+    for number, line in enumerate(lines):
+        mean = np.array(line.means)
+        least = np.array([min(found.known) for found in line.found])
+        largest = np.array([max(found.known) for found in line.found])
+        label = "mean and range of impacts"
+        if at is not None and line.at is not None:
+            label = f"{at.name} {line.at:g}"
+        axes.errorbar(
+            place.of(line.values, number), mean,
+            yerr=np.array([mean - least, largest - mean]), color=colour(number),
+            marker=MARKERS[number % len(MARKERS)], markersize=3.5, capsize=2.5, elinewidth=0.8,
+            linewidth=0.8, label=label,
+        )  # fmt: skip
+        if line.limit is not None:
+            low, high = (line.limit.value + s * line.limit.uncertainty for s in (-1, 1))
+            known = line.limit.source != "scatter"
+            axes.axhspan(
+                low, high, color=GREEN if known else ORANGE, alpha=0.25 if known else 0.15,
+                linewidth=0, label="limit" if known else "range of last three",
+            )  # fmt: skip
+    if own is not None and own.mean is not None:
+        axes.axhline(own.mean, color=GREY, linewidth=0.7, linestyle=":", label="the scene")
+    place.ticks(axes)
+
+
+class _Places:
+    """Places of values on an axis, logarithmic where they differ much; zero is at its left end."""
+
+    def __init__(self, values: Sequence[float]):
+        self._values = sorted(set(values))
+        positive = [value for value in self._values if value > 0]
+        self._logarithmic = bool(positive) and positive[-1] > 3 * positive[0]
+        self._zero = 0.0
+        if self._logarithmic and self._values[0] == 0:
+            self._zero = positive[0] * (positive[0] / positive[-1]) ** 0.15
+
+    def of(self, values: Sequence[float], number: int) -> list[float]:
+        """Places of the values of a line; lines are set apart by a little."""
+        apart = 1 + 0.04 * number if self._logarithmic else 1.0
+        return [apart * (value or self._zero) for value in values]
+
+    def ticks(self, axes: Axes) -> None:
+        """Scale and ticks."""
+        if self._logarithmic:
+            axes.set_xscale("log")
+        if len(self._values) <= FEW_VALUES:
+            names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in self._values]
+            axes.set_xticks(self.of(self._values, 0), names, fontsize="small")
+            axes.set_xticks([], minor=True)
+        elif self._zero:
+            low, high = axes.get_xlim()
+            ticks = [tick for tick in axes.get_xticks() if 1.5 * self._zero < tick <= high]
+            powers = [f"$10^{{{round(math.log10(tick))}}}$" for tick in ticks]
+            axes.set_xticks([self._zero, *ticks], ["0", *powers])
+            axes.set_xlim(low, high)
+
+
+def history_picture(curves: Mapping[str, Angles], file: Path) -> Path:
+    """Draw angles against time; returns the file.
+
+    Args:
+        curves: Angles of runs, by label.
+        file: To be written.
+    """
+    return save(lambda: _histories(curves), file)
+
+
+def _histories(curves: Mapping[str, Angles]) -> Figure:
+    """All curves in one panel."""
+    figure = new_figure(3.2)
+    axes = figure.subplots()
+    for number, (label, (time, angle)) in enumerate(some(curves).items()):
+        axes.plot(time, np.degrees(angle), color=colour(number), linewidth=0.9, label=label)
+    zero_line(axes)
+    axes.set(xlabel="time (s)", ylabel="rocking angle (°)")
+    legend_above(figure, columns=5)
+    return figure
+
+
+def some(curves: Mapping[str, Angles]) -> dict[str, Angles]:
+    """Curves that can be told apart: of too many some, evenly chosen, first and last included."""
+    names = list(curves)
+    if len(names) > MOST_CURVES:
+        chosen = np.linspace(0, len(names) - 1, MOST_CURVES).round().astype(int)
+        names = [names[k] for k in chosen]
+    return {name: curves[name] for name in names}

@@ -1,0 +1,165 @@
+"""What is calibrated to: a restitution, or the peaks of a measured history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.block import Block
+from solver.errors import SceneError
+from solver.excitation.numbers import number_in, read_lines, rows_of, split_header
+from solver.results.rocking import rocking_energy
+from solver.scene import BlockSpec, Scene
+from solver.scene.checking import shown
+from solver.study.damping.restitution import Restitution, geometric_mean
+from solver.types import Array
+
+ALLOWED = "restitution=NUMBER, or history=FILE with times (s) and angles (rad)"
+COLUMNS = "two columns, time (s) and angle (rad; degrees where the heading says deg)"
+
+SMALLEST_PEAK = 0.05
+"""Peaks below this part of the largest are not told from noise."""
+
+NEAR_PEAK = 0.9
+"""Rows above this part of a peak, through which its parabola goes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """What runs are compared with.
+
+    Attributes:
+        restitution: Mean restitution, which has to be within the reach of the parameter.
+        peaks: Peaks after the release, over the angle of release; empty: restitution is compared.
+        impacts: Number of impacts that count.
+        history: Times (s) and angles (rad) that were measured; None: there are none.
+    """
+
+    restitution: float
+    peaks: tuple[float, ...]
+    impacts: int
+    history: tuple[Array, Array] | None = None
+
+    @property
+    def wanted(self) -> tuple[float, ...]:
+        """What is wanted, number by number."""
+        return self.peaks or (self.restitution,)
+
+    def of(self, row: Mapping[str, Any]) -> tuple[float, ...] | None:
+        """The same numbers of a run; None where it has too few impacts."""
+        found = Restitution.of(row, self.impacts)
+        if found.mean is None or not found.complete:
+            return None
+        if not self.peaks:
+            return (found.mean,)
+        angles = [peak["angle_rad"] for peak in row["peaks"][: len(self.peaks) + 1]]
+        if len(angles) <= len(self.peaks):
+            return None
+        return tuple(angle / angles[0] for angle in angles[1:])
+
+
+def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target:
+    """The target that a command line names.
+
+    Args:
+        word: `restitution=0.936` or `history=FILE`.
+        scene: What is calibrated.
+        block: The block whose impacts count.
+        impacts: Number of impacts that count.
+    """
+    kind, _, text = word.partition("=")
+    if kind == "restitution":
+        value = number_in(text)
+        if value is None or not 0 < value <= 1:
+            raise SceneError("--target", shown(word), "restitution=NUMBER, 0 < NUMBER <= 1")
+        return Target(restitution=value, peaks=(), impacts=impacts)
+    if kind != "history" or not text:
+        raise SceneError("--target", shown(word), ALLOWED)
+    if scene.motion is not None or scene.carrier_moves or not block.tilt:
+        # Energies between peaks mean nothing where the base does work.
+        allowed = "restitution=NUMBER unless a block is released from a tilt on ground at rest"
+        raise SceneError("--target", shown(word), allowed)
+    time, angle = read_history(Path(text))
+    peaks = measured_peaks(time, angle)
+    return _of_history(Path(text), block.shape, scene.gravity, peaks, impacts, (time, angle))
+
+
+def _of_history(
+    file: Path,
+    shape: Block,
+    gravity: float,
+    peaks: Sequence[float],
+    impacts: int,
+    history: tuple[Array, Array],
+) -> Target:
+    """The target of measured peaks (rad), that of the release included."""
+    if peaks and peaks[0] >= shape.slenderness:
+        got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {shape.slenderness:.3g}"
+        raise SceneError(f"{file}", got, COLUMNS)
+    if len(peaks) < 2:
+        raise SceneError(f"{file}", f"{len(peaks)} peaks", "a release and a peak on the other side")
+    count = min(impacts, len(peaks) - 1)
+    kept = peaks[: count + 1]
+    energy = [rocking_energy(peak, shape, gravity) for peak in kept]
+    ratios = [math.sqrt(b / a) for a, b in pairwise(energy)]
+    return Target(
+        restitution=geometric_mean(ratios),
+        peaks=tuple(peak / kept[0] for peak in kept[1:]),
+        impacts=count,
+        history=history,
+    )
+
+
+def read_history(file: Path) -> tuple[Array, Array]:
+    """Times (s) and angles (rad) of a file of two columns, separated by commas or blanks."""
+    lines = read_lines(file, "--target history", COLUMNS)
+    header, rest = split_header(lines)
+    rows = rows_of(file, rest, COLUMNS, first=len(header) + 1)
+    if len(rows) < 10:
+        raise SceneError(f"{file}", f"{len(rows)} rows of numbers", "10 or more")
+    for row in rows:
+        if len(row.values) != 2:
+            raise SceneError(f"{file}: line {row.line}", f"{len(row.values)} numbers", COLUMNS)
+    found = np.array([row.values for row in rows])
+    back = np.flatnonzero(np.diff(found[:, 0]) <= 0)
+    if len(back):
+        row = rows[int(back[0]) + 1]
+        raise SceneError(f"{file}: line {row.line}", f"time {row.words[0]}", "increasing times")
+    degrees = any("deg" in line.lower() for line in header)
+    return found[:, 0], np.radians(found[:, 1]) if degrees else found[:, 1]
+
+
+def measured_peaks(time: Array, angle: Array) -> list[float]:
+    """Largest angles of the swings of a measured history, rad, without sign.
+
+    What is noise around zero is no swing, and what stays on one side is one swing. Each peak is
+    that of the parabola that fits the rows around it best.
+
+    Args:
+        time: t, s.
+        angle: Rocking angle, rad.
+    """
+    least = SMALLEST_PEAK * float(np.max(np.abs(angle), initial=0.0))
+    large = np.flatnonzero(np.abs(angle) > least)
+    if not len(large) or not least:
+        return []
+    side = np.sign(angle[large])
+    swings = np.split(large, np.flatnonzero(np.diff(side)) + 1)
+    return [_peak(time[rows], np.abs(angle[rows])) for rows in swings]
+
+
+def _peak(time: Array, angle: Array) -> float:
+    """Largest angle of a swing, rad."""
+    near = np.flatnonzero(angle >= NEAR_PEAK * angle.max())
+    rows = np.arange(near[0], near[-1] + 1)
+    if len(rows) < 5 or rows[0] == 0:  # few rows; or released here, at rest
+        return float(angle.max())
+    middle = float(np.mean(time[rows]))
+    c, b, a = np.polynomial.polynomial.polyfit(time[rows] - middle, angle[rows], 2)
+    return float(c - b**2 / (4 * a)) if a < 0 else float(angle.max())

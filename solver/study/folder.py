@@ -1,0 +1,102 @@
+"""The folder of a study: what it was made from, one file for each finished case, what it leaves."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from solver.errors import SceneError
+from solver.run.folders import make_folder, unusable_is_refused
+from solver.study.tables import write
+
+SETTINGS, CASES = "settings.json", "cases"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyFolder:
+    """What a kind of study leaves in its folder; `--force` removes these, nothing else.
+
+    Attributes:
+        kind: The study, in one word, for errors.
+        same: What a study that is resumed must have in common with the earlier one, in words.
+        files: Names of its files besides the settings; may be patterns.
+        folders: Names of its folders besides that of the cases.
+    """
+
+    kind: str
+    same: str
+    files: tuple[str, ...]
+    folders: tuple[str, ...] = ()
+
+    def claim(
+        self, folder: Path, settings: Mapping[str, Any], *, force: bool, resume: bool
+    ) -> None:
+        """Make the folder of a study, or refuse to write over what is there.
+
+        Args:
+            folder: To be claimed.
+            settings: What the study is made from.
+            force: Remove an earlier study.
+            resume: Go on with an earlier study, which must be made from the same.
+        """
+        allowed = "an empty folder, --force, or --resume"
+        with unusable_is_refused(folder):
+            used = make_folder(folder, force=force or resume, allowed=allowed)
+            if resume and used:
+                self._compare(folder, settings)
+            else:
+                self._clear(folder)
+            write(folder / SETTINGS, settings)
+            (folder / CASES).mkdir(exist_ok=True)
+
+    def _clear(self, folder: Path) -> None:
+        """Remove an earlier study."""
+        for pattern in (SETTINGS, *self.files):
+            for file in folder.glob(pattern):
+                file.unlink()
+        for name in (CASES, *self.folders):
+            shutil.rmtree(folder / name, ignore_errors=True)
+
+    def _compare(self, folder: Path, settings: Mapping[str, Any]) -> None:
+        """Refuse a folder that was made from something else."""
+        try:
+            earlier = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            got = f"{folder}, which holds no {self.kind}"
+            raise SceneError("--resume", got, "its folder") from None
+        now = json.loads(json.dumps(settings))
+        keys = sorted(_differing(earlier, now))
+        if keys:
+            more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
+            got = f"{folder}, made with another {keys[0]}{more}"
+            raise SceneError("--resume", got, self.same)
+
+
+def finished(folder: Path) -> dict[str, dict[str, Any]]:
+    """The rows of the completed cases by name; failed ones are tried again."""
+    rows = {}
+    for file in sorted((folder / CASES).glob("*.json")):
+        row = json.loads(file.read_text(encoding="utf-8"))
+        if row["status"] == "completed":
+            rows[file.stem] = row
+    return rows
+
+
+def store(folder: Path, name: str, row: Mapping[str, Any]) -> None:
+    """Keep the row of a case."""
+    write(folder / CASES / f"{name}.json", row)
+
+
+def _differing(one: Any, other: Any, path: str = "") -> set[str]:
+    """Paths of the values that two tables do not share."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        found = set()
+        for key in one.keys() | other.keys():
+            below = f"{path}.{key}" if path else key
+            found |= _differing(one.get(key), other.get(key), below)
+        return found
+    return set() if one == other else {path}

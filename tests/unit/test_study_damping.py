@@ -1,0 +1,487 @@
+"""The study of damping without a run: limits, axes, targets, the search, files and refusals."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import math
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockslip import load_scene, parse_scene
+from solver.cli import main
+from solver.errors import SceneError
+from solver.reference.housner import housner
+from solver.results.rocking import impacts as impacts_of
+from solver.scene import BlockSpec, Scene
+from solver.study.damping import calibration, command
+from solver.study.damping.axes import AXES
+from solver.study.damping.case import BaseScene, DampingCase, time_for, watched
+from solver.study.damping.folder import keep
+from solver.study.damping.limit import limit
+from solver.study.damping.restitution import Restitution, geometric_mean
+from solver.study.damping.search import MOST_RUNS, Search, Trial
+from solver.study.damping.sweep import chosen_axes, sweep
+from solver.study.damping.target import measured_peaks, read_history, target_of
+from solver.types import Array
+from tests.scenes import GRANITE
+
+SCENE = GRANITE + "[damping]\nstiffness = 3.7e-5\n[time]\nend = 3.0\n"
+
+Captured = pytest.CaptureFixture[str]
+
+
+def base(text: str = SCENE) -> BaseScene:
+    scene = parse_scene(text)
+    block = watched(scene, None)
+    return BaseScene(tables=tomllib.loads(text), scene=scene, block=block, end=1.6)
+
+
+# --- limits
+
+
+@pytest.mark.parametrize("order", [0.6, 1.0, 2.0])
+def test_a_sequence_of_known_limit(order: float) -> None:
+    """Values that differ by C x^p from their limit, at distances without a common ratio."""
+    x = [1e-3, 4e-4, 2e-4, 5e-5]
+    found = limit(x, [0.936 - 2.0 * h**order for h in x], [0.0] * 4)
+    assert found is not None and found.source == "extrapolated"
+    assert found.value == pytest.approx(0.936, abs=1e-9)
+    assert found.order == pytest.approx(order, abs=1e-6)
+    assert found.uncertainty == pytest.approx(2.0 * 5e-5**order, rel=1e-6)
+
+
+def test_no_more_than_the_second_order_is_relied_on() -> None:
+    x = [1.0, 0.5, 0.25]
+    found = limit(x, [0.9 + h**4 for h in x], [0.0] * 3)
+    assert found is not None and found.order == 2.0
+    assert abs(found.value - 0.9) < found.uncertainty
+
+
+def test_a_sequence_that_does_not_converge_keeps_its_last_value() -> None:
+    found = limit([1.0, 0.5, 0.25], [0.93, 0.94, 0.932], [1e-4] * 3)
+    assert found is not None
+    assert (found.source, found.value) == ("scatter", 0.932)
+    assert found.uncertainty == pytest.approx(0.01) and math.isnan(found.order)
+    growing = limit([1.0, 0.5, 0.25], [0.93, 0.931, 0.935], [0.0] * 3)
+    assert growing is not None and growing.source == "scatter"
+
+
+def test_values_that_agree_within_their_own_errors_have_reached_it() -> None:
+    found = limit([1.0, 0.5, 0.25], [0.93, 0.9361, 0.9360], [1e-3, 2e-4, 2e-4])
+    assert found is not None
+    assert (found.source, found.value, found.uncertainty) == ("reached", 0.9360, 2e-4)
+    assert limit([1.0, 0.5], [0.93, 0.94], [0.0, 0.0]) is None
+
+
+# --- restitution of a run
+
+
+def test_restitution_is_the_geometric_mean_of_the_first_impacts() -> None:
+    known = [0.9, 0.95, 0.92, 0.91, 0.5]
+    block = {"impacts": [{"time_s": k, "restitution": e} for k, e in enumerate(known)]}
+    found = Restitution.of(block, 4)
+    assert found.mean == pytest.approx((0.9 * 0.95 * 0.92 * 0.91) ** 0.25)
+    assert found.error == pytest.approx(np.std(known[:4], ddof=1) / 2)
+    assert found.complete and found.too_few(3.0) == ""
+
+
+def test_too_few_impacts_are_told_in_one_line() -> None:
+    block = {"impacts": [{"time_s": 0.2, "restitution": 0.9}, {"time_s": 0.5, "restitution": None}]}
+    found = Restitution.of(block, 4)
+    assert not found.complete and found.mean == pytest.approx(0.9)
+    assert found.too_few(0.6) == "1 impact with a restitution by 0.6 s, 4 are wanted"
+    none = Restitution.of({"impacts": []}, 4)
+    assert none.mean is None and none.too_few(1.0).startswith("no impacts")
+
+
+# --- axes and sweeps
+
+
+def test_every_axis_sets_what_it_says() -> None:
+    own = base()
+    expected: dict[str, tuple[float, Callable[[Scene], Any], Any]] = {
+        "step": (5e-4, lambda s: (s.time.step, s.time.adaptive), (5e-4, False)),
+        "tolerance": (4e-3, lambda s: (s.time.tolerance, s.time.adaptive), (4e-3, True)),
+        "mesh": (0.5, lambda s: s.blocks[0].cells, (3, 8)),
+        "gamma": (300.0, lambda s: s.contact.gamma, 300.0),
+        "rho_inf": (0.5, lambda s: s.time.rho_inf, 0.5),
+        "damped_steps": (8.0, lambda s: s.time.damped_steps, 8),
+        "beta": (1e-4, lambda s: s.damping and s.damping.stiffness, 1e-4),
+        "young": (5e9, lambda s: s.blocks[0].young, 5e9),
+        "floor": (3.0, lambda s: s.to_dict()["foundation"]["young"], 1.5e11),
+    }
+    assert expected.keys() == AXES.keys()
+    for name, (value, read, wanted) in expected.items():
+        scene = own.case((AXES[name], value)).scene
+        assert read(scene) == wanted, name
+        assert scene.time.end == 1.6
+    assert own.tables["damping"] == {"stiffness": 3.7e-5}
+
+
+def test_damping_of_the_block_itself_is_what_is_varied() -> None:
+    text = SCENE.replace("tilt_deg", "damping = { mass = 0.5, stiffness = 1e-5 }\ntilt_deg")
+    scene = base(text).case((AXES["beta"], 2e-5)).scene
+    assert scene.blocks[0].damping is not None and scene.damping is not None
+    assert (scene.blocks[0].damping.mass, scene.blocks[0].damping.stiffness) == (0.5, 2e-5)
+    assert scene.damping.stiffness == 3.7e-5
+
+
+def test_equal_scenes_are_run_once() -> None:
+    """Values that are the scene's own, and the same value of two sweeps."""
+    found = sweep(base(), ["beta=3.7e-5,1e-4", "mesh=1,2"], [])
+    assert [swept.case == found.base for swept in found.values] == [True, False, True, False]
+    assert len(found.cases) == 3
+    repeated = sweep(base(), ["beta=0,3.7e-5"], ["mesh=1,2"])
+    assert [(s.at, s.value) for s in repeated.values] == [
+        (1.0, 0.0), (1.0, 3.7e-5), (2.0, 0.0), (2.0, 3.7e-5)
+    ]  # fmt: skip
+    assert len(repeated.cases) == 4
+
+
+def test_default_values_that_a_scene_does_not_take_are_told() -> None:
+    """A floor can be put in only under one block; a value asked for is refused instead."""
+    platform = SCENE + '[foundation]\nkind = "oscillator"\nmass_ratio = 2.0\nperiod = 0.5\n'
+    found = sweep(base(platform), [], [])
+    assert {swept.axis.name for swept in found.values} == AXES.keys() - {"floor"}
+    assert all(text.startswith("floor ") for text in found.left_out) and found.left_out
+    with pytest.raises(SceneError, match="--of floor applies to"):
+        sweep(base(platform), ["floor"], [])
+    with pytest.raises(SceneError, match="gamma: got 1"):
+        sweep(base(), ["gamma=1,100"], [])
+
+
+def test_default_values_suit_the_block() -> None:
+    own = base()
+    assert AXES["beta"].values(own.scene, own.block) == (
+        0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3
+    )  # fmt: skip
+    assert AXES["step"].values(own.scene, own.block) == (1e-3, 5e-4, 2e-4, 1e-4, 5e-5)
+
+
+@pytest.mark.parametrize(
+    "words", [["beta=1,x"], ["beta=1,1"], ["beta,beta"], ["beta,mesh=1"], ["beta="]]
+)
+def test_words_that_are_no_axis_are_refused(words: list[str]) -> None:
+    with pytest.raises(SceneError, match="--of: got"):
+        chosen_axes(words, "--of")
+
+
+def test_runs_end_after_the_impacts_that_count() -> None:
+    """A block that loses nothing has its fourth impact and the peak after it."""
+    scene = parse_scene(SCENE)
+    block = scene.blocks[0]
+    end = time_for(scene, block, 4)
+    free = housner(block.shape, gravity=9.81, tilt=block.tilt, end=3.0, step=1e-3, restitution=1.0)
+    assert free.impacts[3] + 0.19 < end < free.impacts[4]
+    shaken = parse_scene(SCENE + '[motion]\nkind = "sine"\namplitude_g = 0.1\nperiod = 0.5\n')
+    assert time_for(shaken, shaken.blocks[0], 4) == 3.0
+
+
+# --- targets
+
+
+def measured(e: float, *, noise: float = 0.0, end: float = 2.0) -> tuple[BlockSpec, Array, Array]:
+    """A rigid block with this restitution, as measured: block, times, angles."""
+    block = parse_scene(SCENE).blocks[0]
+    found = housner(block.shape, gravity=9.81, tilt=block.tilt, end=end, step=2e-3, restitution=e)
+    angle = found.angle + noise * np.random.default_rng(1).standard_normal(len(found.angle))
+    keep_rows = np.concatenate([[True], np.diff(found.time) > 0])
+    return block, found.time[keep_rows], angle[keep_rows]
+
+
+@pytest.mark.parametrize("noise", [0.0, 3e-4])
+def test_peaks_of_a_measured_history(noise: float) -> None:
+    """Those of Housner's block, and noise of a fiftieth of a degree is no swing."""
+    block, time, angle = measured(0.93, noise=noise)
+    peaks = measured_peaks(time, angle)
+    exact = housner(
+        block.shape, gravity=9.81, tilt=block.tilt, end=2.0, step=2e-3, restitution=0.93
+    )
+    wanted = [block.tilt, *np.abs(exact.peaks)][-len(exact.peaks) - 1 :]
+    wanted = list(dict.fromkeys(round(float(w), 12) for w in wanted))
+    assert peaks[1:5] == pytest.approx(wanted[1:5], rel=1e-4 + 8 * noise)
+
+
+def test_a_history_in_degrees(tmp_path: Path) -> None:
+    block, time, angle = measured(0.93)
+    file = tmp_path / "measured.csv"
+    rows = np.column_stack([time, np.degrees(angle)])
+    np.savetxt(file, rows, delimiter=";", header="time_s;angle_deg", comments="")
+    read_time, read_angle = read_history(file)
+    assert np.allclose(read_time, time) and np.allclose(read_angle, angle)
+    target = target_of(f"history={file}", parse_scene(SCENE), block, 4)
+    assert target.restitution == pytest.approx(0.93, abs=2e-4)
+    alpha = block.shape.slenderness
+    kept = 0.93**2 * (math.cos(alpha - block.tilt) - math.cos(alpha))  # Housner 1963
+    first = alpha - math.acos(math.cos(alpha) + kept)
+    assert len(target.peaks) == 4
+    assert target.peaks[0] == pytest.approx(first / block.tilt, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time,angle\n0,0.05\n1,0.02\n", "2 rows of numbers, allowed 10 or more"),
+        ("\n".join(f"{k},0.05" for k in [*range(11), 5]), "line 12: got time 5"),
+        ("\n".join(f"{k},0.05,1" for k in range(11)), "line 1: got 3 numbers"),
+        ("\n".join(f"{k},{math.cos(k)}" for k in range(11)), "beyond the block's balance"),
+        ("\n".join(f"{k},0.05" for k in range(11)), "1 peaks"),
+    ],
+)
+def test_files_that_are_no_history(tmp_path: Path, text: str, said: str) -> None:
+    file = tmp_path / "measured.csv"
+    file.write_text(text)
+    scene = parse_scene(SCENE)
+    with pytest.raises(SceneError, match=r"measured\.csv") as refused:
+        target_of(f"history={file}", scene, scene.blocks[0], 4)
+    assert said in str(refused.value)
+
+
+# --- the search
+
+
+def model(beta: float) -> float:
+    """Restitution as a smooth function of beta_R, much like the demo's."""
+    return 0.9285 + 0.018 / (1 + (beta / 3e-5) ** 0.9)
+
+
+@pytest.mark.parametrize("wanted", [0.932, 0.936, 0.9435])
+def test_the_search_comes_near_in_few_runs(wanted: float) -> None:
+    search = Search(low=3.7e-6, high=1.9e-4, wanted=(wanted,), restitution=wanted)
+    while values := search.ask():
+        for value in values:
+            search.tell(Trial(value=value, restitution=model(value), found=(model(value),)))
+    assert len(search.made) <= 6 < MOST_RUNS
+    assert abs(search.best.restitution - wanted) <= 5e-4
+
+
+def test_the_search_ends_where_impacts_scatter() -> None:
+    """Noise larger than what ends it: at most eight runs, the best of them within the noise."""
+    random = np.random.default_rng(3)
+    search = Search(low=3.7e-6, high=1.9e-4, wanted=(0.936,), restitution=0.936)
+    while values := search.ask():
+        for value in values:
+            found = model(value) + float(random.uniform(-2e-3, 2e-3))
+            search.tell(Trial(value=value, restitution=found, found=(found,)))
+    assert len(search.made) <= MOST_RUNS and search.best_error < 2e-3
+
+
+def turning(beta: float) -> float:
+    """Restitution that is least between the values of the first three runs."""
+    return 0.93 + 0.004 * math.log10(beta / 1e-4) ** 2 - 0.001 * math.log10(beta / 1e-4)
+
+
+@pytest.mark.parametrize(("wanted", "reached"), [(0.9301, True), (0.9290, False), (0.9338, True)])
+def test_restitution_may_turn(wanted: float, reached: bool) -> None:
+    """A target near the turning point is found; one below is refused after a look there.
+
+    Of two values that meet the target, the smaller one is taken.
+    """
+    search = Search(low=3.7e-6, high=1e-3, wanted=(wanted,), restitution=wanted)
+    while values := search.ask():
+        for value in values:
+            search.tell(Trial(value=value, restitution=turning(value), found=(turning(value),)))
+    assert search.within_reach == reached
+    assert len(search.made) <= (MOST_RUNS if reached else 5)
+    if reached:
+        assert search.best_error <= 5e-4 and search.best.value < 1.4e-4
+    else:
+        assert search.reach[0] == pytest.approx(0.92994, abs=1e-4)
+
+
+# --- the commands, with runs that are made up
+
+
+class MadeUp:
+    """Stands in for the runs: Housner's block with the restitution of the model."""
+
+    def __init__(self) -> None:
+        self.runs = 0
+
+    def __call__(
+        self,
+        cases: Sequence[DampingCase],
+        rows: dict[str, dict[str, Any]],
+        folder: Path,
+        options: argparse.Namespace,
+    ) -> None:
+        for case in cases:
+            if case.key not in rows:
+                self.runs += 1
+                rows[case.key] = keep(folder, case.key, self.outcome(case.scene))
+
+    def outcome(self, scene: Scene) -> dict[str, Any]:
+        block, damping = scene.blocks[0], scene.damping
+        assert damping is not None
+        e = model(damping.stiffness) + 1e-3 * math.log2(scene.blocks[0].cells[0] / 6)
+        found = housner(
+            block.shape, gravity=9.81, tilt=block.tilt, end=scene.time.end, step=1e-3,
+            restitution=e,
+        )  # fmt: skip
+        known = impacts_of(found.time, found.angle, block.shape, 9.81)
+        peaks = [block.tilt, *(abs(float(peak)) for peak in found.peaks if abs(peak) < block.tilt)]
+        return {
+            "status": "completed",
+            "reason": "",
+            "end_s": scene.time.end,
+            "mode": "rock",
+            "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in known],
+            "peaks": [{"time_s": 0.0, "angle_rad": peak} for peak in peaks],
+            "loss_share": {"damping": 0.9, "contact": 0.05, "numerical": 0.05},
+            "largest_gain_fraction": 0.0,
+            "ledger_error_fraction": 0.0,
+            "steps": 1000,
+            "rejected_steps": 0,
+            "wall_s": 1.0,
+            "angle": list(zip(found.time.tolist(), found.angle.tolist(), strict=True)),
+        }
+
+
+@pytest.fixture
+def made_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MadeUp:
+    """A scene in the current folder, and runs that are made up."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    stand_in = MadeUp()
+    monkeypatch.setattr(command, "run_cases", stand_in)
+    monkeypatch.setattr(calibration, "run_cases", stand_in)
+    return stand_in
+
+
+def study(*words: str) -> int:
+    return main(["study", "damping", "scene.toml", "-o", "out", *words])
+
+
+def test_a_sweep_leaves_tables_and_pictures(made_up: MadeUp, capsys: Captured) -> None:
+    words = ("--of", "beta=0,1e-5,1e-4", "mesh=1,2,4", "--histories")
+    assert study(*words) == 0
+    assert made_up.runs == 6
+    left = {file.name for file in Path("out").iterdir()}
+    assert left == {
+        "cases", "damping.csv", "damping.md", "damping.png", "histories_beta.png",
+        "histories_mesh.png", "settings.json", "summary.json",
+    }  # fmt: skip
+    with Path("out/damping.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [(row["axis"], row["value"]) for row in rows] == [
+        ("", ""), ("mesh", "1"), ("mesh", "2"), ("mesh", "4"), ("beta", "0"), ("beta", "1e-05"),
+        ("beta", "0.0001"),
+    ]  # fmt: skip
+    assert float(rows[-1]["restitution"]) == pytest.approx(model(1e-4), abs=2e-5)
+    lines = {
+        line["axis"]: line for line in json.loads(Path("out/summary.json").read_text())["lines"]
+    }
+    assert lines["beta"]["limit"] is None
+    # Equal differences for each halving do not converge
+    assert lines["mesh"]["limit"]["source"] == "scatter"
+    said = capsys.readouterr().out
+    assert "mesh to infinity: restitution 0.9" in said and "no order of convergence" in said
+    assert "written to out" in said
+    assert Path("out/damping.md").read_text().count("\n| ") == 9
+
+
+def test_a_study_that_is_resumed_runs_nothing_twice(made_up: MadeUp, capsys: Captured) -> None:
+    """The same axes, other axes with values in common, and a calibration after a sweep."""
+    assert study("--of", "beta=3.7e-6,1e-4", "-q") == 0
+    assert made_up.runs == 3
+    assert study("--of", "beta=3.7e-6,1e-4", "-q", "--resume") == 0
+    assert made_up.runs == 3
+    assert study("--of", "beta=1e-4,2e-4", "--at", "mesh=1,2", "-q", "--resume") == 0
+    assert made_up.runs == 6
+    assert study("--of", "beta=3.7e-6,1e-4", "--target", "restitution=0.936", "--resume") == 0
+    calibrated = made_up.runs - 6
+    assert f"after {calibrated + 2} runs" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("wanted", [0.932, 0.936, 0.941])
+def test_calibration_to_a_restitution(made_up: MadeUp, wanted: float, capsys: Captured) -> None:
+    assert study("--target", f"restitution={wanted}") == 0
+    assert made_up.runs <= 8
+    found = json.loads(Path("out/summary.json").read_text())
+    assert found["restitution"] == pytest.approx(wanted, abs=5e-4)
+    damping = load_scene("out/calibrated.toml").damping
+    assert damping is not None and model(damping.stiffness) == pytest.approx(wanted, abs=6e-4)
+    assert load_scene("out/calibrated.toml").time.end == 3.0
+    assert {"calibration.csv", "calibration.md", "calibration.png"} <= {
+        file.name for file in Path("out").iterdir()
+    }
+    assert "within reach: 0.9" in capsys.readouterr().out
+
+
+def test_calibration_to_a_history(made_up: MadeUp) -> None:
+    """That of a rigid block, released to the other side, its clock set to another time."""
+    beta = 2.5e-5
+    _, time, angle = measured(model(beta))
+    np.savetxt("measured.csv", np.column_stack([time + 12.0, -angle]))
+    assert study("--target", "history=measured.csv", "-q") == 0
+    found = json.loads(Path("out/summary.json").read_text())
+    assert found["value"] == pytest.approx(beta, rel=0.05)
+    assert found["difference"] < 5e-4 and made_up.runs <= 8
+
+
+@pytest.mark.parametrize("wanted", [0.90, 0.96])
+def test_a_target_out_of_reach_is_refused_with_the_reach(
+    made_up: MadeUp, wanted: float, capsys: Captured
+) -> None:
+    assert study("--target", f"restitution={wanted}", "-q") == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert f"--target: got {wanted:g}, allowed 0.9315 to 0.9419" in said
+    assert "the reach of beta 9.2e-06 to 0.00018" in said
+    assert made_up.runs == 3 and not Path("out/calibrated.toml").exists()
+
+
+def test_too_few_impacts_refuse_a_calibration(made_up: MadeUp, capsys: Captured) -> None:
+    assert study("--target", "restitution=0.936", "--set", "time.end=0.6", "-q") == 2
+    said = capsys.readouterr().err
+    assert "--target is out of reach: beta 9.2e-06 has 1 impact with a restitution" in said
+    assert study("--of", "beta=1e-5", "--set", "time.end=0.6", "--force") == 0
+    assert "1 impact with a restitution by 0.6 s, 4 are wanted" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--of", "betta"), '--of: got "betta", allowed step, '),
+        (("--of", "beta", "--at", "beta=1e-5"), '--at: got "beta=1e-5", allowed one axis that'),
+        (("--block", "other"), '--block: got "other", allowed block'),
+        (("--impacts", "0"), "--impacts: got 0, allowed a whole number > 0"),
+        (("-j", "0"), "-j: got 0"),
+        (("--set", "block.model=rigid"), "has no meshed block"),
+        (("--set", "block.widht=1"), "block.widht: unknown key, did you mean 'width'?"),
+        (("--of", "rho_inf=2"), "time.rho_inf: got 2"),
+        (("--target", "restitution=1.2"), '--target: got "restitution=1.2"'),
+        (("--target", "history="), '--target: got "history="'),
+        (("--target", "history=none.csv"), "none.csv (no such file or directory)"),
+        (("--target", "restitution=0.93", "--of", "mesh"), "--of: got mesh, allowed beta with"),
+        (("--target", "restitution=0.93", "--of", "beta=1,2,3"), "allowed beta=LEAST,LARGEST"),
+        (("--target", "restitution=0.93", "--at", "mesh=1,2"), "--at: got mesh=1,2, allowed noth"),
+    ],
+)
+def test_it_refuses(made_up: MadeUp, capsys: Captured, words: tuple[str, ...], said: str) -> None:
+    """One line, exit code 2, nothing run, nothing written."""
+    assert study(*words) == 2
+    line = capsys.readouterr().err
+    assert said in line and line.startswith("rockslip: ") and line.count("\n") == 1
+    assert made_up.runs == 0 and not Path("out").exists()
+
+
+def test_folders_are_not_written_over(made_up: MadeUp, capsys: Captured) -> None:
+    assert study("--of", "beta=1e-5", "-q") == 0
+    assert study("--of", "beta=1e-5") == 2
+    assert "-o: got out, which is in use" in capsys.readouterr().err
+    assert study("--of", "beta=1e-5", "--resume", "--set", "block.height=1.1") == 2
+    assert "made with another scene.block, allowed the same scene" in capsys.readouterr().err
+    assert main(["study", "damping", "scene.toml", "-o", ".", "--force"]) == 2
+    assert "which holds the scene itself" in capsys.readouterr().err
+
+
+def test_geometric_mean() -> None:
+    assert geometric_mean([0.5, 2.0]) == pytest.approx(1.0)
