@@ -116,7 +116,9 @@ class DenseBody(ABC):
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """The unknowns or some of them, on every rank."""
 
-    def extrapolated(self, u: Array, v: Array, dt: float, motion: RigidMotion) -> Array:
+    def extrapolated(
+        self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
+    ) -> Array:
         """The owned unknowns after dt if nothing acted on the body."""
         return u + dt * v
 

@@ -175,15 +175,18 @@ class ElasticBody:
         tensor = rotation @ self.inertia_tensor @ rotation.T
         return RigidMotion(moved, velocity, np.linalg.solve(tensor, turning), rotation)
 
-    def extrapolated(self, u: Array, v: Array, dt: float, motion: RigidMotion) -> Array:
-        """The owned unknowns after dt if nothing acted on the body, and its strains stayed.
+    def extrapolated(
+        self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
+    ) -> Array:
+        """The owned unknowns after dt if the body moved on as a whole, and its strains stayed.
 
-        u + dt v would stretch a body that turns or vibrates, by whole per cents in long steps.
+        u + dt v would stretch a body that turns or vibrates, by whole per cents in long steps; an
+        error of the angle (rad) stretches it by its square, which takes a correction more.
         """
         if self.clamped:
             return u + dt * v
         shape = self.arm + u.reshape(-1, self.dimension) - motion.moved
-        turned = shape @ (turn(dt * motion.spin) - self.identity).T
+        turned = shape @ (turn(angle) - self.identity).T
         return u + (turned + dt * motion.velocity).ravel()
 
     def turned(self, force: Array, vector: Array) -> Array:

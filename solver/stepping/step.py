@@ -67,12 +67,19 @@ def balance_of(
     )
 
 
-def extrapolated(system: System, state: State, dt: float) -> Array:
-    """The displacement after a step in which nothing acts on the bodies."""
+def extrapolated(system: System, state: State, turning: Turning) -> Array:
+    """The displacement after a step in which bodies turn as they did, and nothing else acts."""
+    bodies = zip(system.bodies, system.slices, turning.angles, strict=True)
     return joined(
         [
-            body.extrapolated(state.u[own], state.v[own], dt, state.rigid_motion(system, number))
-            for number, (body, own) in enumerate(zip(system.bodies, system.slices, strict=True))
+            body.extrapolated(
+                state.u[own],
+                state.v[own],
+                turning.step,
+                angle,
+                state.rigid_motion(system, number),
+            )
+            for number, (body, own, angle) in enumerate(bodies)
         ]
     )
 

@@ -204,7 +204,7 @@ class Stepper:
         """
         step = self._begin(state, dt)
         balance = balance_of(self.system, state, step, self._weights(step.scheme, dt))
-        guess = extrapolated(self.system, state, dt)
+        guess = extrapolated(self.system, state, step.turning)
         try:
             solution = self._solved(balance, guess)
         except StepFailed:

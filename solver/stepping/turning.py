@@ -38,10 +38,15 @@ class Turning(NamedTuple):
         )
 
     @property
-    def halves(self) -> list[Array]:
-        """Angles, or rotation vectors, by which bodies turn up to the middle of the step, rad."""
+    def angles(self) -> list[Array]:
+        """Angles, or rotation vectors, by which bodies turn in the step, rad."""
         pairs = zip(self.spins, self.steady, strict=True)
-        return [0.5 * self.step * (spin + 0.5 * self.step * rate) for spin, rate in pairs]
+        return [self.step * (spin + 0.5 * self.step * rate) for spin, rate in pairs]
+
+    @property
+    def halves(self) -> list[Array]:
+        """The same up to the middle of the step."""
+        return [0.5 * angle for angle in self.angles]
 
 
 def _smaller(rate: Array, before: Array) -> Array:
