@@ -83,8 +83,7 @@ class Observer:
 
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""
-        stepper = self._stepper
-        system = stepper.system
+        stepper, system = self._stepper, self._stepper.system
         moved = global_sum(system.comm, system.directional_mass @ state.u)
         stored = {
             "kinetic": state.kinetic,

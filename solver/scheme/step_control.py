@@ -114,9 +114,11 @@ class Tolerance:
     def used(self, *, rigid: float, vibration: float, reversal: float, changed: bool) -> float:
         """The share of what is allowed that a step used; above 1 it is refused.
 
-        `rigid` is the error of the motion as a whole, `vibration` the root of the mean square error
-        of the points of a body, `reversal` the error of a slip that turned round within the step,
-        all over half the diagonal; `changed`: contact changed in the step.
+        Args:
+            rigid: Error of the motion as a whole, over half the diagonal.
+            vibration: Root of the mean square error of the points of a body, over the same length.
+            reversal: Error of a slip that turned round within the step, over that length.
+            changed: Whether contact changed in the step.
         """
         bound = self.CHANGE * (1.0 if changed else self.CALM)
         shares = rigid / bound, vibration / self.VIBRATION, reversal / self.CHANGE

@@ -17,14 +17,17 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True)
 class StepError:
-    """Error of a step, over a length of the scene."""
+    """Error of a step, over a length of the scene.
+
+    Attributes:
+        rigid: Of the motion of a body as a whole, the largest.
+        vibration: Of the points of a meshed body, root of the mean square, the largest.
+        reversal: Of bodies whose slip turned round within the step.
+    """
 
     rigid: float
-    """Of the motion of a body as a whole, the largest."""
     vibration: float
-    """Of the points of a meshed body, root of the mean square, the largest."""
     reversal: float
-    """Of bodies whose slip turned round within the step."""
 
 
 @dataclass(frozen=True, slots=True)
