@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
+from solver.bodies.kernels.momenta import momenta, moved_on
 from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
@@ -162,11 +163,9 @@ class ElasticBody:
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """Motion of the rigid body that has the same momentum and angular momentum."""
         d = self.dimension
-        moments = (self.arm + u.reshape(-1, d)).T @ self.inertia(v).reshape(-1, d)
-        planes = [(1, 0)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
-        about = [moments[i, j] - moments[j, i] for i, j in planes]
-        parts = [*(self.directional_mass @ u), *(self.directional_mass @ v), *about]
-        sums = global_sum(self.comm, np.array(parts))
+        own = np.empty(2 * d + (1 if d == 2 else 3))
+        momenta(self.arm, u, v, self.inertia(v), self.directional_mass, own)
+        sums = global_sum(self.comm, own)
         moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
         if d == 2:
             spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
@@ -185,9 +184,7 @@ class ElasticBody:
         """
         if self.clamped:
             return u + dt * v
-        shape = self.arm + u.reshape(-1, self.dimension) - motion.moved
-        turned = shape @ (turn(angle) - self.identity).T
-        return u + (turned + dt * motion.velocity).ravel()
+        return moved_on(self.arm, u, motion.moved, turn(angle), dt * motion.velocity)
 
     def turned(self, force: Array, vector: Array) -> Array:
         """Nodal forces that turn with the body, by an angle or a rotation vector."""

@@ -30,7 +30,8 @@ def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:
     result is the mass-weighted best-fit rotation of the body (Kabsch 1976).
     """
     if moment.shape == (2, 2):
-        c, s = float(moment[0, 0] + moment[1, 1]), float(moment[1, 0] - moment[0, 1])
+        first, second, third, fourth = moment.ravel().tolist()
+        c, s = first + fourth, third - second
         length = (c * c + s * s) ** 0.5
         c, s = c / length, s / length
         return np.array([[c, -s], [s, c]])

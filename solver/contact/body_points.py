@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.kernels.nitsche import NitscheState
+from solver.contact.kernels.nitsche import NitscheState, TractionPull
 from solver.contact.nitsche_points import ContactPoints
 from solver.parallel import Layer
 from solver.types import Array, Indices
@@ -43,13 +43,13 @@ class PointForces(NamedTuple):
         old: The surface at t_n.
         new: At t_{n+1}.
         force: In space, (points, d), N.
-        pull: What the derivative of the traction is multiplied by, (points, d); None: nothing.
+        pull: What the derivative of the traction is multiplied by; None: nothing.
     """
 
     old: SurfaceState
     new: SurfaceState
     force: Array
-    pull: Array | None = None
+    pull: TractionPull | None = None
 
 
 class FixedPoints:
@@ -174,7 +174,7 @@ class NitschePoints:
         nodal = self.points.values_T @ force
         if pull is not None:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
-            nodal += self.points.traction_gradient(old, new, pull)
+            self.points.add_traction_forces(nodal, old, new, pull)
         self.points.layer.add(target.reshape(-1, self.dimension), nodal)
 
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
+from solver.contact.kernels.memory import changed_forces
 from solver.contact.memory import Memory
-from solver.types import Array, Mask
+from solver.types import Mask
 
 INTERFACE_SHARE = 1e-3
 """Part of the forces of an interface: points that carry less than it together shake nothing."""
@@ -23,27 +22,12 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
     By the memories of all interfaces before and after it; `rigid`: neither body that touches is
     meshed.
     """
-    states = [
-        _changed(before, after, alone) for before, after, alone in zip(old, new, rigid, strict=True)
+    changes = [
+        changed_forces(before.force, after.force, _slipping(before, alone), _slipping(after, alone))
+        for before, after, alone in zip(old, new, rigid, strict=True)
     ]
-    if not any(changed.any() for changed in states):
-        return False
-    carried = [np.maximum(_sizes(a), _sizes(b)) for a, b in zip(old, new, strict=True)]
-    least = TOTAL_SHARE * sum(float(sizes.sum()) for sizes in carried)
-    return any(
-        float(sizes[changed].sum()) > max(INTERFACE_SHARE * float(sizes.sum()), least)
-        for changed, sizes in zip(states, carried, strict=True)
-    )
-
-
-def _changed(old: Memory, new: Memory, rigid: bool) -> Mask:
-    """Points of an interface that opened, closed, stuck, slipped or turned round."""
-    before, after = old.force, new.force
-    slipped = _slipping(old, rigid)
-    states = (before[:, 0] > 0) != (after[:, 0] > 0)
-    states |= slipped != _slipping(new, rigid)
-    states |= slipped & ((before[:, 1:] * after[:, 1:]).sum(axis=1) < 0)
-    return states
+    least = TOTAL_SHARE * sum(carried for _, carried in changes)
+    return any(shaken > max(INTERFACE_SHARE * carried, least) for shaken, carried in changes)
 
 
 def _slipping(memory: Memory, rigid: bool) -> Mask:
@@ -52,8 +36,3 @@ def _slipping(memory: Memory, rigid: bool) -> Mask:
         return memory.slipped
     closed = memory.force[:, 0] > 0
     return closed & bool(memory.slipped[closed].all())
-
-
-def _sizes(memory: Memory) -> Array:
-    """Magnitudes of point forces, N."""
-    return np.asarray(np.linalg.norm(memory.force, axis=1), dtype=np.float64)

@@ -27,7 +27,8 @@ from solver.contact.body_points import (
 )
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
-from solver.contact.kernels.nitsche import NitscheState, traction_pull
+from solver.contact.kernels.memory import after_step, squared_change, stored_energy
+from solver.contact.kernels.nitsche import NitscheState, TractionPull, augmented
 from solver.contact.memory import Dissipation, Memory
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
@@ -38,8 +39,6 @@ from solver.law.friction import (
     bounds_by_past,
     bounds_followed,
     new_pasts,
-    pasts_after,
-    points_that_slip,
 )
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Mask
@@ -113,10 +112,8 @@ class Interface:
             self.area = np.zeros(self.count)
             if isinstance(points, RigidPoints) and count is None:
                 self.area = points.area
-        self._weight_column, self._gamma_column = self.weight[:, None], self.inverse_gamma[:, None]
-        self._soft_column = self.softness[:, None]
+        self._gamma_column = self.inverse_gamma[:, None]
         self._pull_scale = self.theta * self.inverse_gamma
-        self._pull_column = self._pull_scale[:, None]
         self.beds: PointBeds | None = None
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
@@ -161,8 +158,7 @@ class Interface:
         """Augmented positions y = (g, s) - T/gamma_h of all points, (points, d), m."""
         if not isinstance(surface, NitscheState):
             return kinematics.place
-        scaled: Array = self._gamma_column * surface.traction
-        return kinematics.place - scaled @ kinematics.frame.T
+        return augmented(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame)
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of points without contact forces, by the owned unknowns of both bodies.
@@ -226,24 +222,19 @@ class Interface:
         return vectors, self.carrier.reaction(old, new, vectors)
 
     def traction_pull(
-        self,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        *,
-        traction_weight: float,
-        contact_weight: float,
-    ) -> Array:
-        """Vectors that the discrete gradient of the traction is multiplied by, (points, d).
+        self, force: Array, *, traction_weight: float, sign: float = 1.0
+    ) -> TractionPull:
+        """What the discrete gradient of the traction is multiplied by.
 
-        The traction weight is 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], 0 to
-        leave it out, the contact weight w_c; forces f are those at t_{n+1}.
+        Args:
+            force: Weighted point forces w_c f at t_{n+1}, with their sign.
+            traction_weight: 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], else 0 to
+                leave it out.
+            sign: 1, or -1 to subtract the term.
         """
-        assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
-        pressure = contact_weight * (force @ self.carrier.frame)
-        return traction_pull(
-            self._pull_scale, self.weight, pressure, old.traction, new.traction, traction_weight
-        )
+        old = sign * (1.0 - traction_weight) if traction_weight else 0.0
+        pressure = force @ self.carrier.frame
+        return TractionPull(self._pull_scale, self.weight, pressure, old, sign * traction_weight)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.
@@ -251,16 +242,16 @@ class Interface:
         For theta = 1 all that the law stores; for others all that any energy can: f.dT/gamma_h is
         half the change of f.T/gamma_h but for the circulation (f.dT - T.df)/(2 gamma_h).
         """
-        stored = 0.5 * float(np.vdot(memory.force, memory.force * self._soft_column))
-        if self.beds is not None:
-            stored += self.beds.energy(memory.compression)
-        if isinstance(memory.surface, NitscheState):
-            scaled = self._gamma_column * memory.surface.traction
-            if self.theta:
-                pulled = self._weight_column * memory.surface.traction
-                stored -= 0.5 * self.theta * float(np.vdot(pulled, scaled))
-            if self.theta != 1:
-                stored -= 0.5 * (1 - self.theta) * _work(memory.force, scaled, memory.kinematics)
+        stored = 0.0 if self.beds is None else self.beds.energy(memory.compression)
+        if not isinstance(memory.surface, NitscheState):
+            return stored
+        force, traction = memory.force, memory.surface.traction
+        stored += stored_energy(
+            force, traction, self.softness, self.weight, self.inverse_gamma, self.theta
+        )
+        if self.theta != 1:
+            scaled = self._gamma_column * traction
+            stored -= 0.5 * (1 - self.theta) * _work(force, scaled, memory.kinematics)
         return stored
 
     def theta_increment(self, old: Memory, new: Memory) -> float:
@@ -268,8 +259,9 @@ class Interface:
         if not self.theta:
             return 0.0
         assert isinstance(old.surface, NitscheState) and isinstance(new.surface, NitscheState)
-        change = new.surface.traction - old.surface.traction
-        return float(np.vdot(self._pull_column * change, self._weight_column * change))
+        return squared_change(
+            self._pull_scale * self.weight, old.surface.traction, new.surface.traction
+        )
 
     def remember(
         self,
@@ -282,19 +274,27 @@ class Interface:
     ) -> tuple[Memory, Dissipation]:
         """The memory after a step, and what friction, closing and opening of points dissipated.
 
-        Friction is minus the work of the tangential forces on the anchors. What contact takes is
-        the work of the point forces against y that is neither stored in the interface nor lost in
-        friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never negative. For others the
-        circulation of `energy` comes in, of either sign. Memory `old` is that at t_n, in the frame
-        of the step, all else is at t_{n+1}; the step (s) is infinite in equilibrium.
+        What contact takes is the work of the point forces against y that is neither stored in the
+        interface nor lost in friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never
+        negative. For others the circulation of `energy` comes in, of either sign. Memory `old` is
+        that at t_n, in the frame of the step, all else is at t_{n+1}; the step (s) is infinite in
+        equilibrium.
         """
         y_old, y = self.augmented(old.surface, old.kinematics), self.augmented(surface, kinematics)
-        closed = force[:, 0] > 0
-        anchor = y[:, 1:] + np.where(closed[:, None], force[:, 1:] * self._soft_column, 0.0)
-        friction = -float(np.vdot(force[:, 1:], anchor - old.anchor))
-        grown = (force - old.force) * self._soft_column
-        stored = 0.5 * float(np.vdot(grown, force + old.force))
-        contact = -float(np.vdot(force, y - y_old)) - stored - friction
+        anchor = np.empty_like(old.anchor)
+        past, friction, contact = after_step(
+            self._laws,
+            force,
+            y,
+            old.force,
+            y_old,
+            old.anchor,
+            old.past,
+            self.softness,
+            bounds,
+            step,
+            anchor,
+        )
         contact -= self.carrier.work_defect(old.kinematics, kinematics, force)
         compression, damping = old.compression, 0.0
         if self.beds is not None:
@@ -306,9 +306,6 @@ class Interface:
             after = self._gamma_column * surface.traction
             ends = _work(force, after, kinematics) + _work(old.force, before, old.kinematics)
             contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, kinematics))
-        way = np.sqrt(((anchor - old.anchor) ** 2).sum(axis=1))
-        slipped = points_that_slip(force, way, self.softness, bounds)
-        past = pasts_after(self._laws, old.past, closed, slipped, way / step, step)
         memory = Memory(surface, kinematics, force, anchor, old.may_touch, past, compression)
         return memory, Dissipation(friction, contact, damping)
 

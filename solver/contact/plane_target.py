@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, RigidPoints, SurfaceState
+from solver.contact.kernels.plane import places
 from solver.contact.projection import ContactKinematics, spread
 from solver.types import Array, Mask
 
@@ -67,6 +68,7 @@ class Plane:
         `platform` is one point of the platform that it belongs to; None for the ground.
         """
         self.frame, self.origin, self.points = frame, origin, platform
+        self._unmoved = np.zeros_like(origin)
 
     @classmethod
     def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
@@ -75,8 +77,9 @@ class Plane:
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
-        origin = self.origin if carrier is None else self.origin + carrier.position[0]
-        return ContactKinematics((position - origin) @ self.frame.T, self.frame, carrier)
+        shift = self._unmoved if carrier is None else carrier.position[0]
+        place = places(position, self.origin, shift, self.frame)
+        return ContactKinematics(place, self.frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, (m, d)."""

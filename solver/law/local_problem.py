@@ -74,6 +74,15 @@ def solve(
 
 
 @compiled
+def solve_points(W: Array, q: Array, bounds: Bounds, f: Array, counts: Indices) -> bool:
+    """As `solve`, with W (m, d, m, d), and q and f (m, d)."""
+    m, d = q.shape
+    states = np.empty(m, np.int64)
+    flat = W.reshape(d * m, d * m)
+    return solve(d, flat, q.reshape(d * m), bounds, f.reshape(d * m), states, counts)
+
+
+@compiled
 def _settle(local: Local, f: Array, states: Indices, counts: Indices) -> bool:
     """Newton's method, then the slower ones.
 
@@ -123,11 +132,8 @@ class LocalProblem:
         Raises:
             NoContactSolution: Where every method failed.
         """
-        m, d = q.shape
-        if not m:
-            return np.zeros_like(q)
-        flat, free = W.reshape(d * m, d * m), q.reshape(d * m)
-        force, states = start.flatten(), np.empty(m, dtype=np.int64)
-        if not solve(d, flat, free, bounds, force, states, self.counts):
+        m, force = len(start), start.copy()
+        whole, free = np.ascontiguousarray(W), np.ascontiguousarray(q)
+        if m and not solve_points(whole, free, bounds, force, self.counts):
             raise NoContactSolution(f"the local contact problem of {m} points did not settle")
-        return force.reshape(m, d)
+        return force

@@ -163,5 +163,5 @@ def impulse_correction(
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    found = correct_impulses(d, *flat, bounds, taken, local.counts)
-    return found._replace(q=found.q.reshape(m, d)) if found.found else None
+    found, q, contact, friction = correct_impulses(d, *flat, bounds, taken, local.counts)
+    return ImpulseCorrection(found, q.reshape(m, d), contact, friction) if found else None

@@ -77,11 +77,6 @@ class Compliance:
             )
         return self._gathered
 
-    def blocks(self, chosen: Indices) -> Array:
-        """Compliance among the points `chosen`, (m, m, d, d)."""
-        m, d = len(chosen), self.body.dimension
-        return self.among(chosen).matrix.reshape(m, d, m, d).transpose(0, 2, 1, 3)
-
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
         d = self.body.dimension

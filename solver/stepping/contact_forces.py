@@ -73,18 +73,11 @@ def add_contact_forces(
     the contact weight w_c, the sign 1, or -1 to subtract.
     """
     interface, before, after = link.interface, increment.before, increment
-    vectors, reaction = interface.point_forces(
-        before.kinematics, after.kinematics, (sign * contact_weight) * after.force
-    )
+    weighted = (sign * contact_weight) * after.force
+    vectors, reaction = interface.point_forces(before.kinematics, after.kinematics, weighted)
     pull = None
     if interface.theta:
-        pull = sign * interface.traction_pull(
-            before.surface,
-            after.surface,
-            after.force,
-            traction_weight=traction_weight,
-            contact_weight=contact_weight,
-        )
+        pull = interface.traction_pull(weighted, traction_weight=traction_weight, sign=sign)
     if link.body is not None:
         own = target[system.slices[link.body]]
         forces = PointForces(before.surface, after.surface, vectors, pull)

@@ -9,7 +9,17 @@ import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import polar_rotation
-from solver.contact.projection import ContactKinematics, in_frames
+from solver.contact.kernels.turned import (
+    add_compliance,
+    add_motion,
+    add_places,
+    free_step,
+    into_frame,
+    largest_change,
+    middle_shift,
+    point_vectors,
+)
+from solver.contact.projection import ContactKinematics
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance
 from solver.stepping.response import BodyRole, CandidateSet
@@ -26,12 +36,12 @@ class ElasticConfiguration(NamedTuple):
     Attributes:
         rotation: R, of the body, (d, d).
         middle: R_m, in the middle of the step, (d, d).
-        shift: S = (R^T R_m - I)/(w m), (d, d); None where the two are the same.
+        shift: S = (R^T R_m - I)/(w m), (d, d); 0 where the two are the same.
     """
 
     rotation: Array
     middle: Array
-    shift: Array | None
+    shift: Array
 
 
 class ElasticCoupling(NamedTuple):
@@ -69,16 +79,17 @@ class ElasticResponse:
         """
         self.body, self.compliance, self.sides, self._inertia = body, compliance, sides, inertia
         self._simple = len(sides) == 1 and not sides[0].carries
-        self._unturned = ElasticConfiguration(np.eye(body.dimension), np.eye(body.dimension), None)
+        self._unshifted = np.zeros((body.dimension, body.dimension))
+        unturned = np.eye(body.dimension)
+        self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
 
     def at(self, u: Array, start: Array | None) -> ElasticConfiguration:
         """The rotations R and R_m at a displacement."""
         rotation = self.body.rotation(u)
         if start is None:
-            return ElasticConfiguration(rotation, rotation, None)
+            return ElasticConfiguration(rotation, rotation, self._unshifted)
         middle = polar_rotation(start + rotation)
-        shift = np.asarray((rotation.T @ middle - self.body.identity) / self._inertia)
-        return ElasticConfiguration(rotation, middle, shift)
+        return ElasticConfiguration(rotation, middle, middle_shift(rotation, middle, self._inertia))
 
     def of_mass(self, u: Array) -> ElasticConfiguration:
         """The unturned body: its mass commutes with rotations."""
@@ -86,16 +97,22 @@ class ElasticResponse:
 
     def close(self, now: ElasticConfiguration, before: ElasticConfiguration) -> bool:
         """Whether neither rotation has changed to speak of."""
-        turned = np.abs(now.rotation - before.rotation).max()
-        return bool(max(turned, np.abs(now.middle - before.middle).max()) <= TURNED)
+        return (
+            largest_change(now.rotation, before.rotation) <= TURNED
+            and largest_change(now.middle, before.middle) <= TURNED
+        )
+
+    def at_rest(self) -> Array:
+        """No motion."""
+        return np.zeros((self.body.owned, self.body.dimension))
 
     def free(self, at: ElasticConfiguration, residual: Array) -> Array:
         """The free motion -K^-1 r."""
-        turned = residual.reshape(-1, self.body.dimension) @ at.middle
+        turned, total = self.at_rest(), np.empty(self.body.dimension)
+        into_frame(residual, at.middle, turned, total)
         free = self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
-        if at.shift is not None:
-            free += at.shift @ global_sum(self.body.comm, turned.sum(axis=0))
-        return np.negative(free, out=free)
+        free_step(free, at.shift, global_sum(self.body.comm, total))
+        return free
 
     def read(
         self,
@@ -109,12 +126,13 @@ class ElasticResponse:
         d = self.body.dimension
         for side, port in zip(self.sides, self.compliance.ports, strict=True):
             layer = port.layer.gather(free)
-            turned = frames[side.interface] @ at.rotation
+            frame = frames[side.interface]
             points = (port.read_rows @ layer.ravel()).reshape(-1, d)
             spots = side.spots(kinematics)
             if spots is not None:
                 points = spots.carried(points)
-            moved[side.own] += side.sign * in_frames(points, turned)
+            each = frame[None] if frame.ndim == 2 else frame
+            add_places(moved, side.first, side.sign, points, each, at.rotation)
 
     def couple(
         self, at: ElasticConfiguration, near: CandidateSet, weight: float, W: Array
@@ -123,18 +141,14 @@ class ElasticResponse:
         coupling = self._coupling(near)
         if not len(coupling.ports):
             return coupling
-        C: Any = self.compliance.blocks(coupling.ports)
-        if coupling.load is None:
-            if at.shift is not None:
-                C = C + at.shift
-        else:
-            C = np.tensordot(coupling.load, C, 1)
-            C = np.tensordot(C, coupling.load, ([1], [1])).transpose(0, 3, 1, 2)
-            if at.shift is not None:
-                total = coupling.load.sum(axis=1)
-                C += np.multiply.outer(np.outer(total, total), at.shift)
-        G, H = near.frames @ at.rotation, near.frames @ at.middle
-        W += weight * (G[:, None] @ C @ H.swapaxes(1, 2)[None]).transpose(0, 2, 1, 3)
+        count, d, load = len(coupling.ports), self.body.dimension, coupling.load
+        C: Any = self.compliance.among(coupling.ports).matrix.reshape(count, d, count, d)
+        share = np.ones(count)
+        if load is not None:
+            C = np.tensordot(np.tensordot(load, C, 1), load, ([2], [1]))
+            C, share = np.ascontiguousarray(C.swapaxes(2, 3)), load.sum(axis=1)
+        turns = at.rotation, at.middle
+        add_compliance(W, weight, near.frames, turns, C, share, at.shift)
         return coupling
 
     def _coupling(self, near: CandidateSet) -> ElasticCoupling:
@@ -168,18 +182,16 @@ class ElasticResponse:
         near: CandidateSet,
         force: Array,
         weight: float,
-    ) -> Array | None:
-        """Motion by forces at near points; None where the body has none of them."""
+        motion: Array,
+    ) -> None:
+        """Add what forces at near points do; nothing where the body has none of them."""
         if not len(coupling.ports):
-            return None
-        vectors = ((weight * force)[:, None, :] @ near.frames)[:, 0] @ at.middle
+            return
+        vectors = point_vectors(force, weight, near.frames, at.middle)
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
-        change = self.compliance.among(coupling.ports).responses @ vectors.ravel()
-        change = change.reshape(-1, self.body.dimension)
-        if at.shift is not None:
-            change += at.shift @ vectors.sum(axis=0)
-        return change
+        strain = self.compliance.among(coupling.ports).responses @ vectors.ravel()
+        add_motion(motion, strain, at.shift, vectors)
 
     def owned(self, at: ElasticConfiguration, motion: Array) -> Array:
         """A motion in space."""

@@ -49,7 +49,7 @@ class FrictionBounds:
         """Bounds of some points."""
         mu = joined([bounds.mu for bounds in self.bounds])
         cohesion = joined([bounds.cohesion for bounds in self.bounds])
-        return Bounds(mu[near], cohesion[near])
+        return Bounds(mu.take(near), cohesion.take(near))
 
     def tell(self, slip: Array) -> None:
         """Take the bounds that go with slips of all points in the step, (points, d-1), m."""

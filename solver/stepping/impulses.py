@@ -138,17 +138,12 @@ class VelocityImpulses:
     def _change(self, operator: MassOperator, impulse: Array) -> Array:
         """Change of the velocity of all owned unknowns by impulses (m, d) at the closed points."""
         parts = []
-        for response, own, at, coupling in zip(
-            self._responses,
-            self.system.slices,
-            operator.configurations,
-            operator.couplings,
-            strict=True,
+        for response, at, coupling in zip(
+            self._responses, operator.configurations, operator.couplings, strict=True
         ):
-            change = response.respond(at, coupling, operator.near, impulse, 1.0)
-            parts.append(
-                np.zeros(own.stop - own.start) if change is None else response.owned(at, change)
-            )
+            change = response.at_rest()
+            response.respond(at, coupling, operator.near, impulse, 1.0, change)
+            parts.append(response.owned(at, change))
         return joined(parts)
 
     def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:

@@ -74,13 +74,14 @@ class PointTable:
         return [link.interface.carrier.frame for link in self.links]
 
     def frames_at(self, chosen: Indices) -> Array:
-        """Frames at some of the points, (m, d, d)."""
+        """Frames at some of the points, whose numbers rise, (m, d, d)."""
         frames = self.frames
         d = frames[0].shape[-1]
         found = np.empty((len(chosen), d, d))
         for frame, part in zip(frames, self.own, strict=True):
-            inside = (chosen >= part.start) & (chosen < part.stop)
-            found[inside] = frame if frame.ndim == 2 else frame[chosen[inside] - part.start]
+            first, last = chosen.searchsorted((part.start, part.stop))
+            own = chosen[first:last] - part.start
+            found[first:last] = frame if frame.ndim == 2 else frame[own]
         return found
 
     def beds(self, memories: Sequence[Memory], step: float) -> Yielding | None:

@@ -116,10 +116,19 @@ class Response(Protocol[Configuration, Coupling]):
     def couple(self, at: Configuration, near: CandidateSet, weight: float, W: Array) -> Coupling:
         """Add `weight` times the compliance among near points to W (m, d, m, d)."""
 
+    def at_rest(self) -> Array:
+        """No motion."""
+
     def respond(
-        self, at: Configuration, coupling: Coupling, near: CandidateSet, force: Array, weight: float
-    ) -> Array | None:
-        """Motion by forces (m, d) at near points; None where it is zero."""
+        self,
+        at: Configuration,
+        coupling: Coupling,
+        near: CandidateSet,
+        force: Array,
+        weight: float,
+        motion: Array,
+    ) -> None:
+        """Add what `weight` times forces (m, d) at near points do to a motion."""
 
     def owned(self, at: Configuration, motion: Array) -> Array:
         """A motion as a correction of the owned unknowns."""
@@ -181,6 +190,10 @@ class DenseResponse:
         """The free motion -K^-1 r."""
         return self.body.replicate(-residual / self.tangent[self.body.own])
 
+    def at_rest(self) -> Array:
+        """No motion."""
+        return np.zeros(self.body.unknowns)
+
     def _at(
         self,
         at: DenseConfiguration,
@@ -225,9 +238,10 @@ class DenseResponse:
         near: CandidateSet,
         force: Array,
         weight: float,
-    ) -> Array | None:
-        """Motion by forces at near points, whose rows are the coupling."""
-        return weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
+        motion: Array,
+    ) -> None:
+        """Add what forces at near points do; the coupling is their rows."""
+        motion += weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
 
     def owned(self, at: DenseConfiguration, motion: Array) -> Array:
         """Those of all unknowns that this rank owns."""

@@ -148,16 +148,13 @@ class StepProblem:
         if len(near):
             delassus = self._delassus(near)
             new = self._solved(delassus, y)
-            change = new - self.force[near]
+            change = new - self.force.take(near, axis=0)
             self.force[near] = new
             weight = self._balance.contact_weight
             self.forces = max(self.forces, weight * math.sqrt(float(np.vdot(new, new))))
             for k, response in enumerate(self._tangents.responses):
-                answer = response.respond(
-                    self._configurations[k], delassus.couplings[k], delassus.near, change, weight
-                )
-                if answer is not None:
-                    free[k] += answer
+                at, coupling = self._configurations[k], delassus.couplings[k]
+                response.respond(at, coupling, delassus.near, change, weight, free[k])
         return joined(
             [
                 response.owned(at, motion)
@@ -262,7 +259,8 @@ class StepProblem:
     def _solved(self, delassus: Delassus, y: Array) -> Array:
         """Forces of the near points that obey the contact law after the free step to y."""
         points, near, W = self._points, delassus.near.number, delassus.W
-        force, q = free_values(
+        force, q = np.empty(W.shape[:2]), np.empty(W.shape[:2])
+        free_values(
             near,
             W,
             y,
@@ -272,6 +270,8 @@ class StepProblem:
             delassus.softening,
             self._held,
             points.round_off,
+            force,
+            q,
         )
         if self._beds is not None:
             q[:, 0] += self._beds.softness[near] * force[:, 0]

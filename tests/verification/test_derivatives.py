@@ -239,9 +239,7 @@ def test_theta_matrix(thing, theta):
         """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
         surface = thing.surface(s * v)
         nothing = np.zeros((points.count, 2))
-        pull = interface.traction_pull(
-            surface, surface, nothing, traction_weight=1.0, contact_weight=1.0
-        )
+        pull = interface.traction_pull(nothing, traction_weight=1.0)
         total = np.zeros(body.size)
         interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
         return total
@@ -255,7 +253,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     u0, u1 = thing.displacement(13, 0.1, 1e-2), thing.displacement(14, 0.15, 1e-2)
     old, new = thing.surface(u0), thing.surface(u1)
     force = np.random.default_rng(15).standard_normal((points.count, 2))
-    pull = interface.traction_pull(old, new, force, traction_weight=0.0, contact_weight=1.0)
+    pull = interface.traction_pull(force, traction_weight=0.0)
     vectors, reaction = interface.point_forces(
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )

@@ -30,8 +30,10 @@ def free_values(
     softening: Array,
     held: Array,
     round_off: Array,
-) -> tuple[Array, Array]:
-    """Guess of the forces of near points, and their free values q with y = q + W f, (m, d) each.
+    start: Array,
+    q: Array,
+) -> None:
+    """Fill in a guess of the forces of near points, and free values q with y = q + W f, (m, d).
 
     Args:
         near: Numbers of the points.
@@ -43,9 +45,11 @@ def free_values(
         softening: Of the near points, (m,), m/N: acts on what forces differ by from held ones.
         held: Forces of all points that they are compared with, (points, d), N.
         round_off: Of the gaps of all points, (points,), m.
+        start: The guess, (m, d), N.
+        q: The free values, (m, d), m.
     """
-    m, d = W.shape[:2]
-    start, q, pressed = np.empty((m, d)), np.empty((m, d)), False
+    m, d = q.shape
+    pressed = False
     for i in range(m):
         for k in range(d):
             start[i, k] = force[near[i], k]
@@ -62,4 +66,3 @@ def free_values(
                 q[i, k] -= anchor[p, k - 1]
         if not pressed and abs(q[i, 0]) < round_off[p]:  # nothing tells that such a gap is small
             q[i, 0] = 0.0
-    return start, q

@@ -46,13 +46,24 @@ class NitscheState(NamedTuple):
     """S N, second Piola-Kirchhoff stress on the normal, (e, d), Pa."""
 
 
+def new_state(rows: SurfaceRows) -> NitscheState:
+    """Room for what a surface knows of one configuration.
+
+    Compiled code fills it: arrays that it returns cost as much as filling them.
+    """
+    evaluations, (count, d) = len(rows.nodes), rows.reference.shape
+    place, each = (count, d), (evaluations, d)
+    return NitscheState(np.empty(place), np.empty(place), np.empty((*each, d)), np.empty(each))
+
+
 @compiled
-def evaluate(rows: SurfaceRows, displacement: Array) -> NitscheState:
-    """Positions and tractions for displacements of the nodes, (n, d)."""
+def evaluate(rows: SurfaceRows, displacement: Array, state: NitscheState) -> None:
+    """Fill in positions and tractions for displacements of the nodes, (n, d)."""
     nodes, values, gradients, point, share, stress_rows, reference = rows
+    position, traction, deformation, stress = state
     d = displacement.shape[1]
-    position, traction, twice = reference.copy(), np.zeros_like(reference), np.empty((d, d))
-    deformation, stress = np.zeros((len(nodes), d, d)), np.zeros((len(nodes), d))
+    twice = np.empty((d, d))
+    position[:], traction[:], deformation[:], stress[:] = reference, 0.0, 0.0, 0.0
     for e in range(len(nodes)):
         p, gradient = point[e], deformation[e]
         for a in range(nodes.shape[1]):
@@ -75,14 +86,31 @@ def evaluate(rows: SurfaceRows, displacement: Array) -> NitscheState:
         for i in range(d):
             for j in range(d):
                 traction[p, i] += share[e] * gradient[i, j] * stress[e, j]
-    return NitscheState(position, traction, deformation, stress)
 
 
 @compiled
-def traction_gradient(
-    rows: SurfaceRows, old: NitscheState, new: NitscheState, vector: Array, count: int
-) -> Array:
-    """Vectors (p, d) times the discrete gradient of the traction, as forces on n nodes, (n, d).
+def augmented(place: Array, traction: Array, inverse_gamma: Array, frame: Array) -> Array:
+    """Augmented positions y = (g, s) - T/gamma_h, (p, d), m.
+
+    Args:
+        place: (g, s), (p, d), m.
+        traction: T, (p, d), Pa.
+        inverse_gamma: 1/gamma_h, (p,), m/Pa.
+        frame: Rows normal and tangents, (d, d).
+    """
+    y = place.copy()
+    for p in range(len(y)):
+        for i in range(y.shape[1]):
+            for j in range(y.shape[1]):
+                y[p, i] -= inverse_gamma[p] * frame[i, j] * traction[p, j]
+    return y
+
+
+@compiled
+def add_traction_gradient(
+    rows: SurfaceRows, old: NitscheState, new: NitscheState, vector: Array, nodal: Array
+) -> None:
+    """Add vectors (p, d) times the discrete gradient of the traction to forces on nodes, (n, d).
 
     With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is
     exactly T_new - T_old: work against a traction is a difference of states (after Simo and Tarnow
@@ -90,7 +118,7 @@ def traction_gradient(
     """
     nodes, _, gradients, point, share, stress_rows, _ = rows
     d = vector.shape[1]
-    nodal, middle, outer = np.zeros((count, d)), np.empty((d, d)), np.empty((d, d))
+    middle, outer = np.empty((d, d)), np.empty((d, d))
     for e in range(len(nodes)):
         weighted = share[e] * vector[point[e]]
         outer[:] = 0.0
@@ -114,23 +142,31 @@ def traction_gradient(
             for j in range(d):
                 for i in range(d):
                     nodal[nodes[e, a], i] += gradients[e, a, j] * outer[j, i]
-    return nodal
+
+
+class TractionPull(NamedTuple):
+    """What the gradient of the traction is multiplied by: scale (w T - pressure), T averaged."""
+
+    scale: Array
+    """theta/gamma_h, (p,), m/Pa."""
+    weight: Array
+    """w, (p,), m or m2."""
+    pressure: Array
+    """w_c f as vectors in space, (p, d), N."""
+    old: float
+    """Weight of the traction at t_n: alpha_f, or 0 to leave the theta term out."""
+    new: float
+    """At t_{n+1}: 1 - alpha_f, or 0."""
 
 
 @compiled
-def traction_pull(
-    scale: Array, weight: Array, pressure: Array, old: Array, new: Array, new_weight: float
-) -> Array:
-    """Vectors that the gradient of the traction is multiplied by, (p, d).
-
-    Tractions are those at both ends of a step, Pa. The scale is theta/gamma_h, the weight w, m or
-    m2, the pressure w_c f as vectors in space, N; the new weight is 1 - alpha_f, or 0 to leave the
-    theta term out.
-    """
-    pull = np.empty_like(pressure)
-    old_weight = 1.0 - new_weight if new_weight != 0.0 else 0.0
-    for p in range(len(pull)):
-        for i in range(pull.shape[1]):
-            averaged = weight[p] * (new_weight * new[p, i] + old_weight * old[p, i])
-            pull[p, i] = scale[p] * (averaged - pressure[p, i])
-    return pull
+def add_traction_forces(
+    rows: SurfaceRows, old: NitscheState, new: NitscheState, pull: TractionPull, nodal: Array
+) -> None:
+    """Add a pull times the discrete gradient of the traction to forces on nodes, (n, d)."""
+    vector = np.empty_like(pull.pressure)
+    for p in range(len(vector)):
+        for i in range(vector.shape[1]):
+            averaged = pull.new * new.traction[p, i] + pull.old * old.traction[p, i]
+            vector[p, i] = pull.scale[p] * (pull.weight[p] * averaged - pull.pressure[p, i])
+    add_traction_gradient(rows, old, new, vector, nodal)

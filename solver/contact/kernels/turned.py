@@ -1,0 +1,170 @@
+"""Motions of a meshed body in the frame that turns with it; compiled.
+
+Nodes are rows of d numbers; a shift is the d x d matrix that moves all of them by what their forces
+make together.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.types import Array
+
+
+@compiled
+def into_frame(vectors: Array, rotation: Array, turned: Array, total: Array) -> None:
+    """Fill in R^T x of vectors x, one after another in (n d,), as rows (n, d), and their sum (d,).
+
+    Args:
+        vectors: x, (n d,).
+        rotation: R, (d, d).
+        turned: R^T x, (n, d).
+        total: Their sum, (d,).
+    """
+    d = len(total)
+    total[:] = 0.0
+    for n in range(len(turned)):
+        for j in range(d):
+            component = 0.0
+            for i in range(d):
+                component += vectors[d * n + i] * rotation[i, j]
+            turned[n, j] = component
+            total[j] += component
+
+
+@compiled
+def free_step(motion: Array, shift: Array, total: Array) -> None:
+    """Let a motion (n, d), K_0^-1 r, become -(K_0^-1 + S) r in place, with the sum of r, (d,)."""
+    d = len(total)
+    for j in range(d):
+        along = 0.0
+        for i in range(d):
+            along += shift[j, i] * total[i]
+        for n in range(len(motion)):
+            motion[n, j] = -(motion[n, j] + along)
+
+
+@compiled
+def point_vectors(force: Array, weight: float, frames: Array, rotation: Array) -> Array:
+    """`weight` times forces (m, d) in frames (m, d, d), as vectors in a turned frame, (m, d)."""
+    m, d = force.shape
+    vectors, space = np.zeros((m, d)), np.empty(d)
+    for p in range(m):
+        space[:] = 0.0
+        for k in range(d):
+            for i in range(d):
+                space[i] += weight * force[p, k] * frames[p, k, i]
+        for i in range(d):
+            for j in range(d):
+                vectors[p, j] += space[i] * rotation[i, j]
+    return vectors
+
+
+@compiled
+def add_motion(motion: Array, strain: Array, shift: Array, vectors: Array) -> None:
+    """Add to a motion (n, d) one with strain, (n d,), and the shift by forces, (m, d)."""
+    d = motion.shape[1]
+    for j in range(d):
+        along = 0.0
+        for p in range(len(vectors)):
+            for i in range(d):
+                along += shift[j, i] * vectors[p, i]
+        for n in range(len(motion)):
+            motion[n, j] += strain[d * n + j] + along
+
+
+@compiled
+def add_places(
+    moved: Array, first: int, sign: float, motions: Array, frame: Array, rotation: Array
+) -> None:
+    """Add motions of points in the frame of their body to their places over a carrier.
+
+    Args:
+        moved: Places of all points, (points, d), m.
+        first: Number of the first of these points.
+        sign: 1; -1 where the body carries the points.
+        motions: In the body's frame, (m, d), m.
+        frame: Rows normal and tangents, one for all points, (1, d, d), or one for each, (m, d, d).
+        rotation: R of the body, (d, d).
+    """
+    m, d = motions.shape
+    turned = np.empty((d, d))
+    for p in range(m):
+        if p < len(frame):
+            turned[:] = 0.0
+            for i in range(d):
+                for k in range(d):
+                    for j in range(d):
+                        turned[i, j] += frame[p, i, k] * rotation[k, j]
+        for i in range(d):
+            for j in range(d):
+                moved[first + p, i] += sign * turned[i, j] * motions[p, j]
+
+
+@compiled
+def add_compliance(
+    W: Array,
+    weight: float,
+    frames: Array,
+    turns: tuple[Array, Array],
+    C: Array,
+    share: Array,
+    shift: Array,
+) -> None:
+    """Add `weight` times the compliance of a turned body among points to W, (m, d, m, d).
+
+    Args:
+        W: What is added to, m/N.
+        weight: w_c.
+        frames: Rows normal and tangents at each point, (m, d, d).
+        turns: Rotations R and R_m of the body, (d, d) each.
+        C: Its compliance in the frame that turns with it, (m, d, m, d), m/N.
+        share: How much of each point's force the body gets, (m,).
+        shift: S, (d, d), m/N.
+    """
+    m, d = frames.shape[:2]
+    moved, pushed = np.zeros_like(frames), np.zeros_like(frames)
+    for p in range(m):
+        for i in range(d):
+            for k in range(d):
+                for j in range(d):
+                    moved[p, i, k] += frames[p, i, j] * turns[0][j, k]
+                    pushed[p, i, k] += frames[p, i, j] * turns[1][j, k]
+    half = np.empty((d, d))
+    for p in range(m):
+        for q in range(m):
+            half[:] = 0.0
+            for k in range(d):
+                for j in range(d):
+                    for n in range(d):
+                        own = C[p, k, q, n] + share[p] * share[q] * shift[k, n]
+                        half[k, j] += own * pushed[q, j, n]
+            for i in range(d):
+                for j in range(d):
+                    for k in range(d):
+                        W[p, i, q, j] += weight * moved[p, i, k] * half[k, j]
+
+
+@compiled
+def middle_shift(rotation: Array, middle: Array, inertia: float) -> Array:
+    """The shift S = (R^T R_m - I)/(w m), (d, d), m/N."""
+    d = len(rotation)
+    shift = np.zeros((d, d))
+    for i in range(d):
+        for j in range(d):
+            shift[i, j] = -1.0 if i == j else 0.0
+            for k in range(d):
+                shift[i, j] += rotation[k, i] * middle[k, j]
+            shift[i, j] /= inertia
+    return shift
+
+
+@compiled
+def largest_change(now: Array, before: Array) -> float:
+    """Largest change of the entries of a matrix."""
+    largest = 0.0
+    for i in range(now.shape[0]):
+        for j in range(now.shape[1]):
+            largest = max(largest, abs(now[i, j] - before[i, j]))
+    return largest
