@@ -17,6 +17,9 @@ NOTABLE = 0.02
 STEPS_A_CROSSING = 10.0
 """Steps in which sound crosses the height of a block, fewest that resolve its impacts."""
 
+STEPS_A_LANDING = 20.0
+"""Steps in a landing on a bed with dashpots, fewest that resolve it."""
+
 SUGGESTED_RATIO = 0.02
 """Ratio of critical damping at the first bending mode of a standing block, as suggested."""
 
@@ -91,7 +94,8 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     if not elastic:
         return found
     crossing = min(block.height / _wave_speed(block) for block in elastic)
-    coarse = not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING
+    resolving = min(_resolving_step(scene, block) for block in elastic)
+    coarse = not scene.time.adaptive and scene.time.step > resolving
     undamped = any(_is_undamped(scene, block) for block in elastic)
     if coarse:
         found.append(
@@ -104,6 +108,18 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
             f"step resolves what that loses{_remedy(scene)}"
         )
     return found
+
+
+def _resolving_step(scene: Scene, block: BlockSpec) -> float:
+    """Longest step that resolves the impacts of an elastic block, s.
+
+    On a soft bed with dashpots a block moves as a whole and its waves lose little.
+    """
+    crossing = block.height / _wave_speed(block) / STEPS_A_CROSSING
+    bed = scene.bed_of(block)
+    if bed is None or scene.contact.damping == 0:
+        return crossing
+    return max(crossing, bed.landing / STEPS_A_LANDING)
 
 
 def _is_undamped(scene: Scene, block: BlockSpec) -> bool:
