@@ -17,6 +17,9 @@ NOTABLE = 0.02
 STEPS_A_CROSSING = 10.0
 """Steps in which sound crosses the height of a block, fewest that resolve its impacts."""
 
+STEPS_A_LANDING = 20.0
+"""Steps in a landing on a bed with dashpots, fewest that resolve it."""
+
 SUGGESTED_RATIO = 0.02
 """Ratio of critical damping at the first bending mode of a standing block, as suggested."""
 
@@ -74,7 +77,8 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     if not _elastic(scene):
         return found
     crossing = min(map(_crossing_time, _elastic(scene)))
-    if not scene.time.adaptive and scene.time.step > crossing / STEPS_A_CROSSING:
+    resolving = min(_resolving_step(scene, block) for block in _elastic(scene))
+    if not scene.time.adaptive and scene.time.step > resolving:
         found.append(
             f"sound crosses a block in {crossing:.2g} s, so that steps of {scene.time.step:g} s do "
             f"not resolve its impacts and decide what these lose{_remedy(scene)}"
@@ -85,6 +89,18 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
             f"step resolves what that loses{_remedy(scene)}"
         )
     return found
+
+
+def _resolving_step(scene: Scene, block: BlockSpec) -> float:
+    """Longest step that resolves the impacts of an elastic block, s.
+
+    On a soft bed with dashpots a block moves as a whole and its waves lose little.
+    """
+    crossing = _crossing_time(block) / STEPS_A_CROSSING
+    bed = scene.bed_of(block)
+    if bed is None or scene.contact.damping == 0:
+        return crossing
+    return max(crossing, bed.landing / STEPS_A_LANDING)
 
 
 def _elastic(scene: Scene) -> list[BlockSpec]:

@@ -129,15 +129,14 @@ def _frictions(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _beds(scene: Scene) -> Lines:
-    """The bed below each block, and how long a block that lands on it is in contact."""
+    """The bed below each block, and how long landings on it take."""
     lines = []
     for block in scene.blocks:
         bed = scene.bed_of(block)
         if bed is not None:
             of = f" of {block.name}" if len(scene.blocks) > 1 else ""
-            half = math.pi * math.sqrt(block.shape.density * block.height / bed.stiffness)
             text = f"{bed.stiffness:.3g} Pa/m, damped by {100 * scene.contact.damping:g} %"
-            lines.append((f"bed{of}", f"{text} of critical; half a period is {half:.2g} s"))
+            lines.append((f"bed{of}", f"{text} of critical; landings take {bed.landing:.2g} s"))
     return lines
 
 

@@ -85,10 +85,12 @@ class Bed:
     Attributes:
         stiffness: k over the area, Pa/m.
         retardation: Dashpot over spring, s.
+        landing: How long a block that lands flat stays on it, half a period without damping, s.
     """
 
     stiffness: float
     retardation: float
+    landing: float
 
     @classmethod
     def damped(cls, stiffness: float, ratio: float, mass: float) -> Bed:
@@ -99,7 +101,8 @@ class Bed:
             ratio: Dashpot over 2 sqrt(k m).
             mass: m of the block over its bottom, kg/m2.
         """
-        return cls(stiffness, 2 * ratio * math.sqrt(mass / stiffness))
+        time = math.sqrt(mass / stiffness)
+        return cls(stiffness, 2 * ratio * time, math.pi * time)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

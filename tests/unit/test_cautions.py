@@ -66,7 +66,9 @@ def test_of_a_scene() -> None:
 
     assert told("damping.stiffness=3e-5") == []
     assert told('block.model="rigid"') == []
-    assert told("contact.damping=0.1") == []
+    assert told("contact.damping=0.1") == told("contact.damping=0.1", "time.step=1e-4") == []
+    (coarse,) = told("contact.damping=0.1", "time.step=2e-4")
+    assert "time.step" in coarse
     (undamped,) = told()
     assert "damping.stiffness" in undamped and "time.step" not in undamped
     (coarse,) = told("time.step=1e-3", "damping.stiffness=3e-5")

@@ -27,7 +27,7 @@ def test_columns_follow_the_interface() -> None:
     assert names[5:7] == ("top.angle_rad", "top.angular_velocity_rad_s")
     assert names[15] == "base.angle_rad"
     assert names[-2:] == ("energy.total_J", "energy.ledger_error_J")
-    assert len(names) == 5 + 2 * 10 + 12
+    assert len(names) == 5 + 2 * 10 + 13
 
 
 def test_columns_in_space_and_of_a_platform() -> None:
@@ -48,7 +48,7 @@ def test_columns_in_space_and_of_a_platform() -> None:
         "platform.velocity_second_m_s",
         "platform.acceleration_second_m_s2",
     )
-    assert len(names) == 5 + 2 + 20 + 6 + 12
+    assert len(names) == 5 + 2 + 20 + 6 + 13
     assert len(columns(["a"], platform=True)) == len(columns(["a"])) + 3
 
 

@@ -55,6 +55,8 @@ SCENES = {
     "stack": stack(2),
     "stack, theta -1": stack(2, theta=-1, gamma=10000.0),
     "stack in space": stack(3),
+    "a side joins, on a bed": tilted(damping=0.3),
+    "stack in space, on beds": stack(3, damping=0.3, stiffness=1e9),
 }
 
 
