@@ -114,10 +114,9 @@ class Tolerance:
     def used(self, *, rigid: float, vibration: float, changed: bool) -> float:
         """The share of what is allowed that a step used; above 1 it is refused.
 
-        Args:
-            rigid: Error of the motion as a whole, over half the diagonal.
-            vibration: Root of the mean square error of the points of a body, over the same length.
-            changed: Whether contact changed in the step.
+        `rigid` is the error of the motion as a whole, `vibration` the root of the mean square error
+        of the points of a body, both over half the diagonal; `changed`: contact changed in the
+        step.
         """
         bound = self.CHANGE * (1.0 if changed else self.CALM)
         return max(rigid / bound, vibration / self.VIBRATION) / self._tolerance

@@ -17,15 +17,12 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True)
 class StepError:
-    """Error of a step, over a length of the scene.
-
-    Attributes:
-        rigid: Of the motion of a body as a whole, the largest.
-        vibration: Of the points of a meshed body, root of the mean square, the largest.
-    """
+    """Error of a step, over a length of the scene."""
 
     rigid: float
+    """Of the motion of a body as a whole, the largest."""
     vibration: float
+    """Of the points of a meshed body, root of the mean square, the largest."""
 
 
 @dataclass(frozen=True, slots=True)
