@@ -123,6 +123,7 @@ def test_only_what_closed_forms_do_not_have_is_unknown() -> None:
         assert [name for name in history.columns if np.isnan(history[name]).any()] == [
             "newton_iterations",
             "contact_points_closed",
+            "energy.contact_damping_J",
             "energy.contact_J",
             "energy.numerical_J",
             "energy.ledger_error_J",
