@@ -82,6 +82,11 @@ class Foundation(Checked):
         """The size of the mesh in a few words; empty where nothing is meshed."""
         return ""
 
+    @property
+    def is_meshed(self) -> bool:
+        """Whether it deforms as a body."""
+        return bool(self.mesh_label)
+
     def in_dimension(self: Self, dimension: Dimension, thickness: float) -> Self:
         """The foundation under blocks of this thickness (m), nothing left open.
 

@@ -106,8 +106,8 @@ class PlateSpec(Foundation):
 
     @property
     def mesh_label(self) -> str:
-        """Numbers of its cells."""
-        return cells_in_words(self.cells)
+        """Numbers of its cells; a plate that is held altogether is not meshed."""
+        return "" if self.support == "fixed" else cells_in_words(self.cells)
 
     def in_dimension(self, dimension: Dimension, thickness: float) -> PlateSpec:
         """The plate in a scene of this dimension; `thickness`: of the blocks, m."""

@@ -11,9 +11,6 @@ from solver.errors import SceneError, not_applicable
 from solver.results.cautions import suggested_damping
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import nearest, shown, to_table
-from solver.scene.foundation.frame import FrameSpec
-from solver.scene.foundation.oscillator import OscillatorSpec
-from solver.scene.foundation.plate import PlateSpec
 
 Tables = dict[str, Any]
 """A scene as plain tables, changed in place."""
@@ -145,11 +142,9 @@ def _put_mesh(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> N
         if spec.model == "elastic":
             table_of(tables, spec)["cells"] = [_times(value, count) for count in spec.cells]
     foundation = scene.foundation
-    if isinstance(foundation, PlateSpec):
-        tables["foundation"]["cells"] = [_times(value, count) for count in foundation.cells]
-    elif isinstance(foundation, FrameSpec):
-        counts = to_table(foundation.cells)
-        tables["foundation"]["cells"] = {key: _times(value, n) for key, n in counts.items()}
+    if foundation.is_meshed:
+        finer = foundation.refined(lambda count: _times(value, count))
+        tables["foundation"]["cells"] = to_table(finer)["cells"]
 
 
 def _times(factor: float, count: int) -> int:
@@ -185,11 +180,11 @@ def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> 
     """E of a meshed floor over that of the block; where the floor is rigid, a plate is put in."""
     assert block.young is not None
     floor = scene.foundation
-    if isinstance(floor, FrameSpec) or (isinstance(floor, PlateSpec) and floor.support != "fixed"):
+    if floor.is_meshed:
         tables["foundation"]["young"] = value * block.young
         return
     standing = [spec for spec in scene.blocks if scene.carrier_of(spec) is None]
-    if isinstance(floor, OscillatorSpec) or len(standing) > 1:
+    if floor.on_spring or len(standing) > 1:
         raise not_applicable("--of floor", "meshed floors and rigid ones with one block on them")
     base = standing[0]
     if base.model == "rigid":

@@ -14,7 +14,6 @@ import numpy as np
 from solver.errors import SceneError, Statement
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown
-from solver.scene.foundation.ground import RigidSpec
 from solver.study.damping.axes import Axis, Tables
 from solver.types import Array
 
@@ -107,7 +106,9 @@ def time_for(scene: Scene, block: BlockSpec, impacts: int) -> float:
     """
     from solver.reference.housner import housner
 
-    still = scene.motion is None and isinstance(scene.foundation, RigidSpec)
+    still = (
+        scene.motion is None and not scene.foundation.is_meshed and not scene.foundation.on_spring
+    )
     free = scene.dimension == 2 and len(scene.blocks) == 1 and block.tilt and scene.gravity
     upright = not scene.gravity_tilt_deg and not block.angular_velocity and not any(block.velocity)
     if not (still and free and upright) or abs(block.tilt) >= block.shape.slenderness:
