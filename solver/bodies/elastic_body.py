@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import momenta, moved_on
+from solver.bodies.kernels.momenta import momenta, move_on
 from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
@@ -184,7 +184,9 @@ class ElasticBody:
         """
         if self.clamped:
             return u + dt * v
-        return moved_on(self.arm, u, motion.moved, turn(angle), dt * motion.velocity)
+        after, way = np.empty_like(u), dt * motion.velocity
+        move_on(self.arm, u, motion.moved, turn(angle), way, after)
+        return after
 
     def turned(self, force: Array, vector: Array) -> Array:
         """Nodal forces that turn with the body, by an angle or a rotation vector."""

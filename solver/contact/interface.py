@@ -28,7 +28,7 @@ from solver.contact.body_points import (
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
-from solver.contact.kernels.nitsche import NitscheState, TractionPull, augmented
+from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.memory import Dissipation, Memory
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
@@ -158,7 +158,9 @@ class Interface:
         """Augmented positions y = (g, s) - T/gamma_h of all points, (points, d), m."""
         if not isinstance(surface, NitscheState):
             return kinematics.place
-        return augmented(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame)
+        y = np.empty_like(kinematics.place)
+        augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
+        return y
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of points without contact forces, by the owned unknowns of both bodies.

@@ -78,7 +78,8 @@ class Plane:
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         shift = self._unmoved if carrier is None else carrier.position[0]
-        place = places(position, self.origin, shift, self.frame)
+        place = np.empty_like(position)
+        places(position, self.origin, shift, self.frame, place)
         return ContactKinematics(place, self.frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:

@@ -42,7 +42,7 @@ class GeneralizedAlpha:
     @property
     def damped(self) -> GeneralizedAlpha:
         """The scheme of steps after a change of contact; this one where nothing is damped."""
-        return self if self.rho_inf == 1 else replace(self, rho_inf=0.0)
+        return self if self.rho_inf in (0, 1) else replace(self, rho_inf=0.0)
 
     @property
     def alpha_m(self) -> float:

@@ -89,7 +89,9 @@ class ElasticResponse:
         if start is None:
             return ElasticConfiguration(rotation, rotation, self._unshifted)
         middle = polar_rotation(start + rotation)
-        return ElasticConfiguration(rotation, middle, middle_shift(rotation, middle, self._inertia))
+        shift = np.empty_like(rotation)
+        middle_shift(rotation, middle, self._inertia, shift)
+        return ElasticConfiguration(rotation, middle, shift)
 
     def of_mass(self, u: Array) -> ElasticConfiguration:
         """The unturned body: its mass commutes with rotations."""
@@ -187,7 +189,8 @@ class ElasticResponse:
         """Add what forces at near points do; nothing where the body has none of them."""
         if not len(coupling.ports):
             return
-        vectors = point_vectors(force, weight, near.frames, at.middle)
+        vectors = np.empty_like(force)
+        point_vectors(force, weight, near.frames, at.middle, vectors)
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
         strain = self.compliance.among(coupling.ports).responses @ vectors.ravel()

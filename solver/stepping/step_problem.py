@@ -233,7 +233,8 @@ class StepProblem:
         points = self._points
         if beyond is not None:
             y[beyond, 0] = points.size[beyond]
-        return candidates(y, points.reach, self._may_touch, self.force)
+        number = np.empty(len(y), dtype=np.int64)
+        return number[: candidates(y, points.reach, self._may_touch, self.force, number)]
 
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at candidate points."""

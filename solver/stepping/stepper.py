@@ -281,8 +281,7 @@ class Stepper:
         self, u: Array, v: Array, solution: StepSolution, dt: float, rubbed: float
     ) -> VelocityCorrection:
         """What contact at velocity level changes after a step in which friction took `rubbed`."""
-        closed = any((contact.force[:, 0] > 0).any() for contact in solution.contacts)
-        if self.velocity_solve and closed:
+        if self.velocity_solve and any((c.force[:, 0] > 0).any() for c in solution.contacts):
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
             correction = self._impulses.correct(u, v, solution.contacts, dt, rubbed)

@@ -70,6 +70,8 @@ class System:
 
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from, of those at the end of a step."""
+        if len(self.bodies) == 1:
+            return self.bodies[0].settled(u)
         parts = zip(self.bodies, self.slices, strict=True)
         return np.concatenate([body.settled(u[own]) for body, own in parts])
 

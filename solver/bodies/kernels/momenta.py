@@ -36,8 +36,8 @@ def momenta(
 
 
 @compiled
-def moved_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array) -> Array:
-    """Displacements (n d,) of a body that turns and moves on as a whole, its strains as they are.
+def move_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array, after: Array) -> None:
+    """Fill in displacements of a body that turns and moves on as a whole, its strains unchanged.
 
     Args:
         arm: Places of the nodes from the centre of the undeformed body, (n, d), m.
@@ -45,12 +45,13 @@ def moved_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array) -> Arr
         moved: That of the centre, (d,), m.
         turn: Rotation by which the body turns, (d, d).
         way: How far its centre moves, (d,), m.
+        after: Displacements after, (n d,), m.
     """
-    (n, d), after = arm.shape, u.copy()
+    n, d = arm.shape
+    after[:] = u
     for a in range(n):
         for i in range(d):
             after[d * a + i] += way[i]
             for j in range(d):
                 turned = turn[i, j] - (1.0 if i == j else 0.0)
                 after[d * a + i] += turned * (arm[a, j] + u[d * a + j] - moved[j])
-    return after

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
 
 
 @compiled
-def candidates(y: Array, reach: Array, may_touch: Mask, force: Array) -> Indices:
-    """Numbers of the points that may be in contact at augmented positions y, (points, d)."""
-    number, count = np.empty(len(y), np.int64), 0
+def candidates(y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices) -> int:
+    """Fill in numbers of points that may touch at augmented positions y, (points, d); how many."""
+    count = 0
     for p in range(len(y)):
         if (y[p, 0] < reach[p] and may_touch[p]) or force[p, 0] > 0.0:
             number[count] = p
             count += 1
-    return number[:count].copy()
+    return count
 
 
 @compiled

@@ -49,7 +49,7 @@ class NitscheState(NamedTuple):
 def new_state(rows: SurfaceRows) -> NitscheState:
     """Room for what a surface knows of one configuration.
 
-    Compiled code fills it: arrays that it returns cost as much as filling them.
+    Compiled code fills it, as all arrays here: each one that it returned would cost a microsecond.
     """
     evaluations, (count, d) = len(rows.nodes), rows.reference.shape
     place, each = (count, d), (evaluations, d)
@@ -89,21 +89,21 @@ def evaluate(rows: SurfaceRows, displacement: Array, state: NitscheState) -> Non
 
 
 @compiled
-def augmented(place: Array, traction: Array, inverse_gamma: Array, frame: Array) -> Array:
-    """Augmented positions y = (g, s) - T/gamma_h, (p, d), m.
+def augment(place: Array, traction: Array, inverse_gamma: Array, frame: Array, y: Array) -> None:
+    """Fill in augmented positions y = (g, s) - T/gamma_h, (p, d), m.
 
     Args:
         place: (g, s), (p, d), m.
         traction: T, (p, d), Pa.
         inverse_gamma: 1/gamma_h, (p,), m/Pa.
         frame: Rows normal and tangents, (d, d).
+        y: (p, d), m.
     """
-    y = place.copy()
+    y[:] = place
     for p in range(len(y)):
         for i in range(y.shape[1]):
             for j in range(y.shape[1]):
                 y[p, i] -= inverse_gamma[p] * frame[i, j] * traction[p, j]
-    return y
 
 
 @compiled

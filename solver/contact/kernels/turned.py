@@ -46,10 +46,13 @@ def free_step(motion: Array, shift: Array, total: Array) -> None:
 
 
 @compiled
-def point_vectors(force: Array, weight: float, frames: Array, rotation: Array) -> Array:
-    """`weight` times forces (m, d) in frames (m, d, d), as vectors in a turned frame, (m, d)."""
+def point_vectors(
+    force: Array, weight: float, frames: Array, rotation: Array, vectors: Array
+) -> None:
+    """Fill in `weight` times forces (m, d) in frames (m, d, d), as vectors in a turned frame."""
     m, d = force.shape
-    vectors, space = np.zeros((m, d)), np.empty(d)
+    space = np.empty(d)
+    vectors[:] = 0.0
     for p in range(m):
         space[:] = 0.0
         for k in range(d):
@@ -58,7 +61,6 @@ def point_vectors(force: Array, weight: float, frames: Array, rotation: Array) -
         for i in range(d):
             for j in range(d):
                 vectors[p, j] += space[i] * rotation[i, j]
-    return vectors
 
 
 @compiled
@@ -147,17 +149,15 @@ def add_compliance(
 
 
 @compiled
-def middle_shift(rotation: Array, middle: Array, inertia: float) -> Array:
-    """The shift S = (R^T R_m - I)/(w m), (d, d), m/N."""
+def middle_shift(rotation: Array, middle: Array, inertia: float, shift: Array) -> None:
+    """Fill in the shift S = (R^T R_m - I)/(w m), (d, d), m/N."""
     d = len(rotation)
-    shift = np.zeros((d, d))
     for i in range(d):
         for j in range(d):
             shift[i, j] = -1.0 if i == j else 0.0
             for k in range(d):
                 shift[i, j] += rotation[k, i] * middle[k, j]
             shift[i, j] /= inertia
-    return shift
 
 
 @compiled
