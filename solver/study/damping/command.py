@@ -7,7 +7,6 @@ import sys
 from contextlib import closing
 from copy import deepcopy
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,8 +81,6 @@ def run(options: argparse.Namespace) -> int:
 
     comm = MPI.COMM_WORLD
     abort_on_exceptions(comm)
-    if comm.size > 1:  # PETSc starts on all ranks together, also on the one that runs nothing
-        import_module("petsc4py.PETSc")
     if options.target is not None:
         from solver.study.damping.calibration import calibrate
 
