@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
+from importlib import import_module
 from typing import Protocol, TypeVar
 
 from solver.study.pool import side_by_side
@@ -37,6 +38,11 @@ def finished_cases(
     """
     from mpi4py import MPI
 
+    if MPI.COMM_WORLD.size > 1:
+        # PETSc starts on all ranks together, also on the first one, which runs nothing. Where it is
+        # missing, cases that need it say so.
+        with suppress(ImportError):
+            import_module("petsc4py.PETSc")
     tally = Tally(done + len(cases), done=done, quiet=quiet, rank=MPI.COMM_WORLD.rank)
     outcomes = side_by_side(function, cases, processes=processes)
     with closing(tally), closing(outcomes):

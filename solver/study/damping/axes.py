@@ -228,7 +228,7 @@ AXES = {
         Axis(
             name="mesh", key="cells of an edge over the scene's", unit="",
             meaning="numerical", limit="infinity", text="mesh of all bodies", put=_put_mesh,
-            values=_fixed(0.5, 1.0, 2.0),
+            values=_fixed(0.5, 1.0, 2.0, 4.0),
         ),
         Axis(
             name="gamma", key="contact.gamma", unit="", meaning="numerical",

@@ -142,7 +142,9 @@ class _Places:
             low, high = axes.get_xlim()
             ticks = [tick for tick in axes.get_xticks() if 1.5 * self._zero < tick <= high]
             powers = [f"$10^{{{round(math.log10(tick))}}}$" for tick in ticks]
+            minor = [tick for tick in axes.get_xticks(minor=True) if tick > self._values[1]]
             axes.set_xticks([self._zero, *ticks], ["0", *powers])
+            axes.set_xticks(minor, minor=True)
             axes.set_xlim(low, high)
 
 
@@ -164,7 +166,7 @@ def _histories(curves: Mapping[str, Angles]) -> Figure:
         axes.plot(time, np.degrees(angle), color=colour(number), linewidth=0.9, label=label)
     zero_line(axes)
     axes.set(xlabel="time (s)", ylabel="rocking angle (°)")
-    legend_above(figure, columns=5)
+    legend_above(figure, columns=3)
     return figure
 
 
