@@ -33,7 +33,7 @@ class RigidBlock:
     angular_velocity: Sequence[float] | Array | float = 0.0
     """rad/s: in the plane clockwise, in space a vector or 0."""
     restitution: float = 0.0
-    """e on what carries it and on the floor, in the plane; 0: it lands without rebound."""
+    """e on what carries it and on the floor; 0: it lands without rebound."""
 
     @property
     def centre(self) -> Array:

@@ -102,8 +102,8 @@ class BlockSpec(Checked):
     friction: NotNegative | FrictionSpec | None = None
     """Between it and what carries it; see [friction](#friction). Default: that of `[contact]`."""
     restitution: Annotated[float, Number(above=0, at_most=1)] | None = None
-    """e of impacts on what carries it; see [restitution](#restitution). Rigid blocks in the plane
-    only, where nothing is meshed. Default: impacts without rebound."""
+    """e of impacts on what carries it; see [restitution](#restitution). Rigid blocks only, where
+    nothing is meshed. Default: impacts without rebound."""
 
     def __post_init__(self) -> None:
         """Check the values."""

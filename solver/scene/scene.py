@@ -83,9 +83,8 @@ class Scene(Checked):
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
         for block in self.blocks:
-            if block.restitution is not None and not (self.is_rigid and self.dimension == 2):
-                where = f"{block.name}.restitution"
-                raise not_applicable(where, "scenes in the plane without a mesh only")
+            if block.restitution is not None and not self.is_rigid:
+                raise not_applicable(f"{block.name}.restitution", "scenes without a mesh only")
         self._check_bed()
         object.__setattr__(self, "time", self._filled_time())
         if next(self.strangers(), None) is not None:

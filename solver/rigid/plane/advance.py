@@ -14,6 +14,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.newton import OPEN
+from solver.rigid.bracket import next_length
 from solver.rigid.plane.contact import (
     TOUCHING,
     clear_points,
@@ -80,22 +81,6 @@ def reverses(system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, 
             if begin * end < 0.0 and abs(begin) > SLOW * dt * pull:
                 return i
     return -1
-
-
-@compiled
-def next_length(bracket: Array, length: float, value: float) -> float:
-    """One round of regula falsi (Illinois) for a value that falls from positive to negative.
-
-    The bracket has length and value at the lower and the upper end, and the side that moved last;
-    `value` is what the length that was tried last gave.
-    """
-    side = 1.0 if value > 0.0 else -1.0
-    moving, staying = (0, 2) if value > 0.0 else (2, 0)
-    bracket[moving], bracket[moving + 1] = length, value
-    if bracket[4] == side:
-        bracket[staying + 1] *= 0.5
-    bracket[4] = side
-    return bracket[0] + (bracket[2] - bracket[0]) * bracket[1] / (bracket[1] - bracket[3])
 
 
 @compiled

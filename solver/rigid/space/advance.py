@@ -6,10 +6,9 @@ import numpy as np
 
 from solver.history.columns import RowLayout
 from solver.law.compiled import compiled
-from solver.rigid.space.contact import contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import touched
+from solver.rigid.space.impact import HAIR, collide, gaps_after, step_to_impact
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
-from solver.rigid.space.motion import changes, mean_motion
 from solver.rigid.space.rows import RUN, record
 from solver.rigid.space.solve import solve
 from solver.rigid.space.step import take
@@ -26,8 +25,8 @@ GRAVE = 0.03
 LOOKING, TIMING, TIMED = 0, 1, 2
 """A step in which a point lands is solved once more without new contacts, to tell when."""
 
-HAIR = 1e-9
-"""Points nearer than this, relative to the largest half length, do not land: they are there."""
+CUTS = 5
+"""Impacts with a restitution that one step may be cut at; later ones are plastic."""
 
 
 @compiled
@@ -46,17 +45,11 @@ def _landing(model: SpaceModel, state: SpaceState, s: SpaceSolution, ground: Arr
 
     The state is that at its start, the ground's acceleration that at its end, m/s2.
     """
-    frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
-    points = contacts_of(model, state, frames, s.dt, ground)
-    old = touched(state, points)
-    mean, shift = mean_motion(state, frames, s.moved, s.turned)
-    rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
-    change = changes(points, rows, s.moved, s.turned)
     first = 1.0
-    for q in range(len(change)):
-        gap = points.gap[q]
-        if old[q] == 0 and gap > hair and change[q, 0] < -gap:
-            first = min(first, -gap / change[q, 0])
+    before, after = gaps_after(model, state, s, s.dt, ground)
+    for q in range(len(before)):
+        if after[q] < 0.0:
+            first = min(first, before[q] / (before[q] - after[q]))
     return first
 
 
@@ -88,15 +81,16 @@ def run(
     """As many steps as there are rows; times and the total at the start are left to the caller.
 
     A step is divided where a point lands within it, and halved where it fails, down to a smallest.
-    The state, the last angles `seen`, (n, 4), and the rows are changed in place. The ground's
-    accelerations, (steps + 1, 3), are linear in between; the shift is what their mean over each
-    step has beyond that of its ends, (steps, 3), m/s2.
+    Where a block has a restitution it is cut at the instant of an impact. The state, the last
+    angles `seen`, (n, 4), and the rows are changed in place. The ground's accelerations,
+    (steps + 1, 3), are linear in between; the shift is what their mean over each step has beyond
+    that of its ends, (steps, 3), m/s2.
 
     Returns:
         Number of steps that succeeded, number of rejected solutions.
     """
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
-    speed = state.velocity[-1].copy()
+    speed, bounces, cuts = state.velocity[-1].copy(), bool(np.any(model.restitution > 0.0)), 0
     rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0
     while k < len(rows):
         h, gained = min(h, dt - done), ground[k + 1] - ground[k]
@@ -104,6 +98,12 @@ def run(
         start, end = first + gained * (done / dt), first + gained * ((done + h) / dt)
         s = solve(model, state, h, start, end, phase != TIMING)
         rows[k, RUN.newton_iterations] += s.iterations
+        hits, lands = False, phase == LOOKING and s.settled and _lands(model, state, s)
+        if lands and bounces and cuts < CUTS:
+            hits, short = step_to_impact(model, state, h, start, gained / dt)
+            cuts = cuts + 1 if hits else CUTS
+            if hits:
+                s, end = short, start + gained * (short.dt / dt)
         if phase == TIMING:
             part = _landing(model, state, s, end) if s.settled else 1.0
             if part < 1 and part * h > GRAVE * dt:
@@ -113,16 +113,18 @@ def run(
             h, phase, rejected = 0.5 * h, LOOKING, rejected + 1
             if h < smallest:
                 break
-        elif phase == LOOKING and _lands(model, state, s):
+        elif lands and not hits:
             phase = TIMING
         else:
             _accept(model, state, s, start, end, tally)
-            done += h
+            if hits:
+                collide(model, state, end, tally)
+            done += s.dt
             if done > dt * (1 - 1e-9):
                 tally /= dt
                 gained = (state.velocity[-1] - speed) / dt
                 record(model, state, ground[k + 1], seen, tally, gained, layout, rows[k])
-                tally[:, :], done, k = 0.0, 0.0, k + 1
+                tally[:, :], done, k, cuts = 0.0, 0.0, k + 1, 0
                 speed[:] = state.velocity[-1]
             h, phase = dt - done, LOOKING
     return k, rejected

@@ -16,7 +16,7 @@ from solver.law.friction import (
     points_that_slip,
     remember_open,
 )
-from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceState
+from solver.rigid.space.model import BEARING, SpaceContacts, SpaceModel, SpaceState
 from solver.rigid.space.motion import REGULAR
 from solver.rigid.space.overlap import areas
 from solver.types import Array, Mask
@@ -35,11 +35,11 @@ def touched(state: SpaceState, contacts: SpaceContacts) -> Array:
 
 @compiled
 def recalled(state: SpaceState, contacts: SpaceContacts) -> Array:
-    """Forces (m, 3) of the last step, N; 0 where a point was away from its face."""
+    """Forces (m, 3) of the last step, N; 0 where a point was away from its face or just lands."""
     force, memory = np.zeros((len(contacts.body), 3)), state.memory
     for q in range(len(force)):
         k, slot = contacts.pair[q], contacts.slot[q]
-        if memory.face[k, slot] == contacts.face[q]:
+        if memory.face[k, slot] == contacts.face[q] and memory.force[k, slot, 0] > BEARING:
             force[q] = memory.force[k, slot]
     return force
 

@@ -15,6 +15,10 @@ AWAY = -1
 """Number of the face of a point that is near none."""
 
 
+BEARING = 1e-100
+"""Normal force in the memory of a point that has just landed, N: it bears, no force is known."""
+
+
 class SpaceModel(NamedTuple):
     """What does not change in a run. n blocks, k pairs."""
 
@@ -32,6 +36,8 @@ class SpaceModel(NamedTuple):
     """(n,) the pair of each block with what carries it."""
     law: FrictionLaws
     """(k,) friction of each pair."""
+    restitution: Array
+    """(k,) e of each pair; 0: its points land without rebound."""
     spring: Array
     """(2,) stiffness (N/m) and damping (N s/m) of the platform, alike along x and y."""
     gravity: Array

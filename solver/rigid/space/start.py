@@ -40,6 +40,7 @@ def model_of(
         lower=lower,
         carried=own,
         law=FrictionLaws.of([blocks[b].friction for b in upper]),
+        restitution=np.array([blocks[b].restitution for b in upper]),
         spring=np.array([base.stiffness, base.damping]),
         gravity=gravity,
         scheme=np.array([scheme.alpha_m, scheme.alpha_f, scheme.beta]),

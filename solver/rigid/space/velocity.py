@@ -15,7 +15,7 @@ from solver.types import Array
 
 
 @compiled
-def _spins(state: SpaceState, frames: Array) -> Array:
+def spins(state: SpaceState, frames: Array) -> Array:
     """Angular velocities of all bodies in space, rad/s."""
     spin = np.zeros_like(state.spin)
     for b in range(len(frames) - 1):
@@ -24,7 +24,7 @@ def _spins(state: SpaceState, frames: Array) -> Array:
 
 
 @compiled
-def _mobility(model: SpaceModel, frames: Array) -> tuple[Array, Array]:
+def mobility(model: SpaceModel, frames: Array) -> tuple[Array, Array]:
     """Velocities per impulse: of centres (n + 1, 3) and of rotations (n + 1, 3, 3)."""
     n = len(frames)
     yields, turning = np.zeros((n, 3)), np.zeros((n, 3, 3))
@@ -34,6 +34,17 @@ def _mobility(model: SpaceModel, frames: Array) -> tuple[Array, Array]:
         if b < n - 1:
             turning[b] = product(frames[b] / model.inertia[b], frames[b].T.copy())
     return yields, turning
+
+
+@compiled
+def push(
+    model: SpaceModel, state: SpaceState, frames: Array, impulses: tuple[Array, Array, Array]
+) -> None:
+    """Change the velocities by impulses and their moments on all bodies, as of `act`."""
+    yields, _ = mobility(model, frames)
+    state.velocity[:, :] += yields * impulses[0]
+    for b in range(len(frames) - 1):
+        state.spin[b] += to_body(frames[b], impulses[1][b]) / model.inertia[b]
 
 
 @compiled
@@ -50,15 +61,12 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution, tak
     frames = rotations(state.quaternion)
     shut = moved_on(shut, frames, state.place, 1.0)
     rows = rows_of(shut, frames, state.place)
-    yields, turning = _mobility(model, frames)
+    yields, turning = mobility(model, frames)
     W = compliance(shut, rows, yields, turning)
-    velocity = changes(shut, rows, state.velocity, _spins(state, frames)).reshape(3 * m)
+    velocity = changes(shut, rows, state.velocity, spins(state, frames)).reshape(3 * m)
     impulse, bounds = s.dt * s.force[kept], Bounds(s.mu[kept], s.dt * s.cohesion[kept], np.inf)
     found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, taken, state.settled)
     if found.found:
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
-        force, moment, _ = act(shut, rows, found.q.reshape((m, 3)), len(frames))
-        state.velocity[:, :] += yields * force
-        for b in range(len(frames) - 1):
-            state.spin[b] += to_body(frames[b], moment[b]) / model.inertia[b]
+        push(model, state, frames, act(shut, rows, found.q.reshape((m, 3)), len(frames)))

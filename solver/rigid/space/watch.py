@@ -7,7 +7,7 @@ import numpy as np
 from solver.law.compiled import compiled
 from solver.rigid.space.boxes import corner
 from solver.rigid.space.contact import rotations, rows_of
-from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
+from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import mean_motion
 from solver.rigid.space.rotation import cross, to_body, to_space
 from solver.rigid.space.rows import still_carried
@@ -31,6 +31,27 @@ def _lowest_corner_moves(
 
 
 @compiled
+def count_impulses(
+    model: SpaceModel,
+    state: SpaceState,
+    mean: Array,
+    contacts: SpaceContacts,
+    impulse: Array,
+    tally: Array,
+) -> None:
+    """Add the impulses of the points on their bodies, (m, 3) in space, N s, to the tally."""
+    n, frames = len(state.slip), rotations(state.quaternion)
+    for q in range(len(impulse)):
+        u = model.upper[contacts.pair[q]]
+        sign = 1.0 if contacts.body[q] == u else -1.0
+        presses = still_carried(model, state, frames, u)
+        push = to_body(mean[presses], sign * impulse[q])
+        tally[u] += push[np.array([2, 0, 1])]
+        if contacts.base[q] == n:
+            tally[n] -= impulse[q]
+
+
+@compiled
 def watch(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) -> None:
     """Before a step is taken: add its impulses on the blocks, and how they slip on their carriers.
 
@@ -41,15 +62,11 @@ def watch(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) 
     mean, shift = mean_motion(state, frames, s.moved, s.turned)
     along, _, _ = rows_of(s.contacts, mean, shift)
     slid, count = np.zeros((n, 3)), np.zeros(n)
+    count_impulses(model, state, mean, s.contacts, s.dt * s.pushed, tally)
     for q in range(len(s.mu)):
         u = model.upper[s.contacts.pair[q]]
         carrier = model.lower[model.carried[u]]
         sign = 1.0 if s.contacts.body[q] == u else -1.0
-        presses = still_carried(model, state, frames, u)
-        push = to_body(mean[presses], sign * s.pushed[q])
-        tally[u] += s.dt * push[np.array([2, 0, 1])]
-        if s.contacts.base[q] == n:
-            tally[n] -= s.dt * s.pushed[q]
         if s.contacts.pair[q] == model.carried[u] and s.force[q, 0] > 0:
             slid[u] += sign * to_body(mean[carrier], to_body(along[q], s.change[q]))
             count[u] += 1

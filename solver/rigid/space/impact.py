@@ -1,0 +1,151 @@
+"""Impacts of rigid blocks in space that have a restitution: `solver.law.impact`. Compiled.
+
+A step in which points land is cut at the instant when the first of them touches.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.law.friction import remember_open
+from solver.law.impact import impact, rebounds
+from solver.rigid.bracket import next_length
+from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
+from solver.rigid.space.friction import friction_at_start, touched
+from solver.rigid.space.model import (
+    BEARING,
+    SpaceContacts,
+    SpaceModel,
+    SpaceSolution,
+    SpaceState,
+)
+from solver.rigid.space.motion import act, changes, compliance, mean_motion
+from solver.rigid.space.rotation import cross, to_space
+from solver.rigid.space.solve import solve
+from solver.rigid.space.velocity import mobility, push, spins
+from solver.rigid.space.watch import count_impulses
+from solver.types import Array, Mask
+
+HAIR = 1e-9
+"""Points nearer than this, relative to the largest half length, do not land: they are there."""
+
+LOCATED = 1e-10
+"""A gap at which a point touches, relative to the same."""
+
+SMALLEST_PIECE = 1e-3
+"""Impacts closer to the ends of a step than this part of it are taken a hair late, or early."""
+
+LOCATING = 30
+"""Tries to find when a point touches."""
+
+
+@compiled
+def gaps_after(
+    model: SpaceModel, state: SpaceState, s: SpaceSolution, reach: float, ground: Array
+) -> tuple[Array, Array]:
+    """Gaps of the points that were clear, at the start and at the end of a step.
+
+    Args:
+        model: The bodies.
+        state: At its start.
+        s: The step; new contacts may be left out of it.
+        reach: Step that tells which points are near, s.
+        ground: Acceleration of the ground, m/s2.
+    """
+    frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
+    points = contacts_of(model, state, frames, reach, ground)
+    clear = (touched(state, points) == 0) & (points.gap > hair)
+    mean, shift = mean_motion(state, frames, s.moved, s.turned)
+    rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
+    change = changes(points, rows, s.moved, s.turned)
+    before = points.gap[clear]
+    return before, before + change[:, 0][clear]
+
+
+@compiled
+def step_to_impact(
+    model: SpaceModel, state: SpaceState, dt: float, start: Array, slope: Array
+) -> tuple[bool, SpaceSolution]:
+    """The step without new contacts at whose end the first point touches, if there is one.
+
+    Args:
+        model: The bodies.
+        state: At the start of the step.
+        dt: Longest step, s.
+        start: Acceleration of the ground at the start, m/s2.
+        slope: By how much it grows, m/s3.
+    """
+    size, length = np.max(model.half), dt
+    bracket = np.zeros(5)
+    s = solve(model, state, dt, start, start + dt * slope, False)
+    for k in range(LOCATING):
+        if not s.settled:
+            return False, s
+        before, after = gaps_after(model, state, s, dt, start + dt * slope)
+        if len(after) == 0 or (k == 0 and np.min(after) > 0.0):
+            return False, s
+        gap = np.min(after)
+        if abs(gap) <= LOCATED * size:
+            break
+        if k == 0:
+            bracket[1] = np.min(before)
+        length = next_length(bracket, length, gap)
+        s = solve(model, state, length, start, start + length * slope, False)
+    if length < SMALLEST_PIECE * dt or length > (1 - SMALLEST_PIECE) * dt:
+        length = dt if length > 0.5 * dt else SMALLEST_PIECE * dt
+        s = solve(model, state, length, start, start + length * slope, False)
+    return s.settled, s
+
+
+@compiled
+def _touch(state: SpaceState, points: SpaceContacts, lands: Mask) -> None:
+    """Points that land bear from now on, so that no later piece of the step leaves them out."""
+    memory = state.memory
+    for q in np.flatnonzero(lands):
+        k, slot = points.pair[q], points.slot[q]
+        if memory.face[k, slot] != points.face[q]:
+            memory.face[k, slot], memory.force[k, slot] = points.face[q], 0.0
+            remember_open(model.law, k, memory.past[k, slot], 0.0)
+        memory.force[k, slot, 0] = max(memory.force[k, slot, 0], BEARING)
+
+
+@compiled
+def collide(model: SpaceModel, state: SpaceState, ground: Array, tally: Array) -> None:
+    """Give the velocities a jump where points that touch approach each other, and book it.
+
+    Args:
+        model: The bodies.
+        state: At the impact; its velocities change.
+        ground: Acceleration of the ground, m/s2.
+        tally: Of the impulses, as of `watch`.
+    """
+    frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
+    points = contacts_of(model, state, frames, 0.0, ground)
+    touching = np.zeros(len(points.gap))
+    touching[points.gap <= hair] = 1.0
+    points = chosen(points, touching)
+    m = len(points.body)
+    if m == 0:
+        return
+    rows, spin = rows_of(points, frames, state.place), spins(state, frames)
+    velocity = changes(points, rows, state.velocity, spin)
+    place, slope = np.empty((m, 3)), np.empty((m, 3))
+    for q in range(m):
+        i, j = points.body[q], points.base[q]
+        place[q] = state.place[i] + to_space(frames[i], points.arm[q])
+        slope[q] = cross(rows[0][q, 0], spin[i] - spin[j])
+    restitution = model.restitution[points.pair]
+    asked = rebounds(restitution, points.pair, place, slope, velocity[:, 0].copy())
+    _touch(state, points, velocity[:, 0] < 0.0)
+    if not np.any(asked.speed > 0.0):
+        return
+    yields, turning = mobility(model, frames)
+    W = compliance(points, rows, yields, turning)
+    mu, _ = friction_at_start(model, state, frames, points)
+    found = impact(3, W, velocity.reshape(3 * m), asked, mu, state.settled)
+    impulses = act(points, rows, found.impulse.reshape((m, 3)), len(frames))
+    push(model, state, frames, impulses)
+    state.exchanged[1] += found.friction
+    state.exchanged[3] += found.contact
+    count_impulses(model, state, frames, points, impulses[2], tally)
