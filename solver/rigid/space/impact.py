@@ -99,7 +99,7 @@ def step_to_impact(
 
 
 @compiled
-def _touch(state: SpaceState, points: SpaceContacts, lands: Mask) -> None:
+def _touch(model: SpaceModel, state: SpaceState, points: SpaceContacts, lands: Mask) -> None:
     """Points that land bear from now on, so that no later piece of the step leaves them out."""
     memory = state.memory
     for q in np.flatnonzero(lands):
@@ -137,7 +137,7 @@ def collide(model: SpaceModel, state: SpaceState, ground: Array, tally: Array) -
         slope[q] = cross(rows[0][q, 0], spin[i] - spin[j])
     restitution = model.restitution[points.pair]
     asked = rebounds(restitution, points.pair, place, slope, velocity[:, 0].copy())
-    _touch(state, points, velocity[:, 0] < 0.0)
+    _touch(model, state, points, velocity[:, 0] < 0.0)
     if not np.any(asked.speed > 0.0):
         return
     yields, turning = mobility(model, frames)
