@@ -10,7 +10,12 @@ import numpy as np
 from benchmarks.error_runtime.ladders import Trial, ladder_of, with_step
 from benchmarks.error_runtime.measures import measures, scale_of
 from solver.errors import SceneError
-from solver.reference.answer import ROCKING, reference_history, reference_name
+from solver.reference.answer import (
+    ROCKING,
+    ROCKING_ON_PLATFORM,
+    reference_history,
+    reference_name,
+)
 from solver.results.summary import summarise
 from solver.scene import Scene
 from solver.types import Array
@@ -192,7 +197,7 @@ def _rigid_answer(scene: Scene, finest: Trial, every: float) -> dict[str, Refere
         name = reference_name(scene)
     except SceneError:
         return {}
-    rocks = name == ROCKING
+    rocks = name in (ROCKING, ROCKING_ON_PLATFORM)
     if finest.outcome.modes.get(scene.blocks[0].name) not in ("rest", "rock" if rocks else "slide"):
         return {}
     steps = (scene.time.step / rows for rows in (ROWS, ROWS / 2))

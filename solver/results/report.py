@@ -65,6 +65,8 @@ CAUSES = {
 
 def _losses(loss: Mapping[str, float]) -> str:
     """What was lost, and to what."""
+    if math.isnan(sum(loss.values())):
+        return "lost: not known"  # of a reference
     shares = loss_shares(loss)
     if not shares:
         return "lost: nothing"
