@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from solver.law.compiled import compiled
 from solver.types import Array
 
@@ -22,17 +24,14 @@ def momenta(
         directional_mass: Mass of each unknown in motion along each direction, (d, n d), kg.
         sums: The sums, (2 d + 1,) or in space (2 d + 3,).
     """
-    n, d = arm.shape
-    sums[:] = 0.0
+    d = arm.shape[1]
     for i in range(d):
-        for k in range(n * d):
-            sums[i] += directional_mass[i, k] * u[k]
-            sums[d + i] += directional_mass[i, k] * v[k]
+        sums[i] = np.sum(directional_mass[i] * u)
+        sums[d + i] = np.sum(directional_mass[i] * v)
     for axis in range(len(sums) - 2 * d):
         i, j = (1, 0) if d == 2 else ((axis + 1) % 3, (axis + 2) % 3)
-        for a in range(n):
-            along, across = arm[a, i] + u[d * a + i], arm[a, j] + u[d * a + j]
-            sums[2 * d + axis] += along * momentum[d * a + j] - across * momentum[d * a + i]
+        along, across = arm[:, i] + u[i::d], arm[:, j] + u[j::d]
+        sums[2 * d + axis] = np.sum(along * momentum[j::d] - across * momentum[i::d])
 
 
 @compiled
@@ -47,11 +46,10 @@ def move_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array, after: 
         way: How far its centre moves, (d,), m.
         after: Displacements after, (n d,), m.
     """
-    n, d = arm.shape
+    d = arm.shape[1]
     after[:] = u
-    for a in range(n):
-        for i in range(d):
-            after[d * a + i] += way[i]
-            for j in range(d):
-                turned = turn[i, j] - (1.0 if i == j else 0.0)
-                after[d * a + i] += turned * (arm[a, j] + u[d * a + j] - moved[j])
+    for i in range(d):
+        after[i::d] += way[i]
+        for j in range(d):
+            turned = turn[i, j] - (1.0 if i == j else 0.0)
+            after[i::d] += turned * (arm[:, j] + u[j::d] - moved[j])

@@ -1,5 +1,6 @@
 """Motions of a meshed body in the frame that turns with it; compiled.
 
+Loops run over directions and contact points, never over nodes: interpreted, those would take long.
 Nodes are rows of d numbers; a shift is the d x d matrix that moves all of them by what their forces
 make together.
 """
@@ -23,14 +24,11 @@ def into_frame(vectors: Array, rotation: Array, turned: Array, total: Array) -> 
         total: Their sum, (d,).
     """
     d = len(total)
-    total[:] = 0.0
-    for n in range(len(turned)):
-        for j in range(d):
-            component = 0.0
-            for i in range(d):
-                component += vectors[d * n + i] * rotation[i, j]
-            turned[n, j] = component
-            total[j] += component
+    turned[:] = 0.0
+    for j in range(d):
+        for i in range(d):
+            turned[:, j] += rotation[i, j] * vectors[i::d]
+        total[j] = np.sum(turned[:, j])
 
 
 @compiled
@@ -41,8 +39,7 @@ def free_step(motion: Array, shift: Array, total: Array) -> None:
         along = 0.0
         for i in range(d):
             along += shift[j, i] * total[i]
-        for n in range(len(motion)):
-            motion[n, j] = -(motion[n, j] + along)
+        motion[:, j] = -(motion[:, j] + along)
 
 
 @compiled
@@ -72,8 +69,7 @@ def add_motion(motion: Array, strain: Array, shift: Array, vectors: Array) -> No
         for p in range(len(vectors)):
             for i in range(d):
                 along += shift[j, i] * vectors[p, i]
-        for n in range(len(motion)):
-            motion[n, j] += strain[d * n + j] + along
+        motion[:, j] += strain[j::d] + along
 
 
 @compiled
