@@ -114,6 +114,7 @@ def test_every_axis_sets_what_it_says() -> None:
         "rho_inf": (0.5, lambda s: s.time.rho_inf, 0.5),
         "damped_steps": (8.0, lambda s: s.time.damped_steps, 8),
         "beta": (1e-4, lambda s: s.damping and s.damping.stiffness, 1e-4),
+        "contact": (0.2, lambda s: s.contact.damping, 0.2),
         "young": (5e9, lambda s: s.blocks[0].young, 5e9),
         "floor": (3.0, lambda s: s.to_dict()["foundation"]["young"], 1.5e11),
     }
@@ -460,7 +461,10 @@ def test_too_few_impacts_refuse_a_calibration(made_up: MadeUp, capsys: Captured)
         (("--target", "restitution=1.2"), '--target: got "restitution=1.2"'),
         (("--target", "history="), '--target: got "history="'),
         (("--target", "history=none.csv"), "none.csv (no such file or directory)"),
-        (("--target", "restitution=0.93", "--of", "mesh"), "--of: got mesh, allowed beta with"),
+        (
+            ("--target", "restitution=0.93", "--of", "mesh"),
+            "--of: got mesh, allowed beta or contact",
+        ),
         (("--target", "restitution=0.93", "--of", "beta=1,2,3"), "allowed beta=LEAST,LARGEST"),
         (("--target", "restitution=0.93", "--at", "mesh=1,2"), "--at: got mesh=1,2, allowed noth"),
     ],

@@ -107,6 +107,8 @@ def reason_not_to_run(words: list[str]) -> str:
         return "a synopsis"
     if words[:3] == ["rockslip", "study", "stability"] and "--random" not in words:
         return "takes minutes to an hour; tests/unit/test_stability.py runs single scenes"
+    if words[:3] == ["rockslip", "study", "damping"] and "--histories" not in words:
+        return "dozens of runs; tests/verification/test_study_damping.py has shorter ones"
     return ""
 
 
@@ -130,6 +132,10 @@ def shortened(words: list[str]) -> list[str]:
         at = words.index("--random") + 1
         words = [*words[:at], "1", *words[at + 1 :]]
         more = ("--force",)
+    elif task == "study damping":
+        words[3:4] = ["demos/free_rocking/scene.toml"]
+        coarse = ("block.cells=[1,2]", "time.end=0.2", "time.tolerance=1")
+        more = ("--impacts", "1", "-j", "1", "--force", "--set", *coarse)
     return [*words, *more]
 
 

@@ -176,6 +176,11 @@ def _beta_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
     return low, high
 
 
+def _contact_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
+    """From a fiftieth of the critical value to the critical value."""
+    return 0.02, 1.0
+
+
 def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
     """E of a meshed floor over that of the block; where the floor is rigid, a plate is put in."""
     assert block.young is not None
@@ -249,6 +254,12 @@ AXES = {
             name="beta", key="beta_R", unit="s", meaning="physical",
             text="stiffness-proportional damping", put=_put_beta, values=_betas,
             bounds=_beta_bounds,
+        ),
+        Axis(
+            name="contact", key="contact.damping", unit="", meaning="physical",
+            text="dashpots of contact over their critical value",
+            put=_set("contact", "damping"), values=_fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+            bounds=_contact_bounds,
         ),
         Axis(
             name="young", key="E", unit="Pa", meaning="physical",

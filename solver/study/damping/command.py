@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--of", metavar="NAME[=V1,V2,...]", nargs="+", action="extend", default=[],
         help="what is varied, such as beta=0,1e-5,1e-4: step, tolerance, mesh, gamma, rho_inf, "
-        "damped_steps, beta, young, floor; default all",
+        "damped_steps, beta, contact, young, floor; default all",
     )  # fmt: skip
     add(
         "--at", metavar="NAME=V1,V2,...", nargs="+", action="extend", default=[],
