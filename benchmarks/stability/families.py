@@ -7,7 +7,10 @@ import math
 from benchmarks.stability.matrix import StabilityCase, StabilityFamily, changed
 from benchmarks.stability.scenes import (
     BODIES,
+    DEFAULT_STEPS,
     FRAME,
+    IN_SPACE,
+    LANDING,
     MESHES,
     MODELS,
     MODULI,
@@ -261,6 +264,57 @@ FAMILIES: tuple[StabilityFamily, ...] = (
             "rigid, on its corner": {**RIGID, **ON_ITS_CORNER},
         },
         columns=over("contact.friction", (0.0, 0.1, 1.0, 10.0, 1000.0)),
+    ),
+    StabilityFamily(
+        name="default steps, E (Pa)",
+        base=changed(ROCK, DEFAULT_STEPS),
+        rows=over("damping.stiffness", (0.0, 1e-5, 1e-3)),
+        columns=MODULI,
+    ),
+    StabilityFamily(
+        name="default steps, friction mu",
+        base=changed(SHAKE, DEFAULT_STEPS),
+        rows={
+            "elastic": {},
+            "rigid": RIGID,
+            "stack": {"block": STACK["block"]},
+            "platform": {"foundation": PLATFORM},
+            "rollers": {"foundation": ROLLERS},
+            "frame": {"foundation": FRAME},
+        },
+        columns=over("contact.friction", (0.0, 0.1, 0.5, 10.0)),
+    ),
+    StabilityFamily(
+        name="bed (Pa/m)",
+        base=changed(ROCK, {"contact.damping": 0.1}),
+        rows={
+            "rocking": {},
+            "landing flat": LANDING,
+            "landing flat, default steps": {**LANDING, **DEFAULT_STEPS},
+            "no damping": {"contact.damping": 0.0},
+            "critical": {"contact.damping": 1.0},
+            "stack": {"block": STACK["block"], "motion": SINE},
+        },
+        columns=over("contact.stiffness", (3e7, 1e9, 1e11, 1e14)),
+    ),
+    StabilityFamily(
+        name="restitution of rigid blocks",
+        base=changed(ROCK, RIGID),
+        rows={
+            "rocking": {},
+            "rocking, space": IN_SPACE,
+            "on its corner": {**IN_SPACE, **ON_ITS_CORNER},
+            "landing flat": LANDING,
+            "landing flat, space": {**LANDING, **IN_SPACE, "block.velocity": [0.0, 0.0, -1.4]},
+            "stack": {"block": STACK["block"], "block.model": "rigid", "motion": SINE},
+        },
+        columns=over("block.restitution", (0.01, 0.3, 0.9, 0.95, 1.0)),
+    ),
+    StabilityFamily(
+        name="damping of one block, beta_R (s)",
+        base=STACK,
+        rows={"fixed steps": {}, "default steps": DEFAULT_STEPS},
+        columns=over("upper.damping", ({"stiffness": 1e-5}, {"stiffness": 1e-3, "mass": 10.0})),
     ),
 )
 

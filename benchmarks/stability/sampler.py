@@ -47,7 +47,22 @@ def _scene(seed: int, number: int) -> Tables:
             scene["motion"]["vertical"] = _motion(random, end)
     if random.random() < 0.5:
         scene["foundation"] = _foundation(random, dimension, blocks[0])
+    _add_later_keys(Random(f"{seed}:{number}:later"), scene)
     return scene
+
+
+def _add_later_keys(random: Random, scene: Tables) -> None:
+    """Keys that came after the first seeds were drawn, whose other values stay what they were."""
+    if random.random() < 0.3:
+        del scene["time"]["step"]
+    if random.random() < 0.15:
+        scene["contact"]["damping"] = random.uniform(0.0, 1.0)
+        scene["contact"]["stiffness"] = _log(random, 1e6, 1e14)
+    if random.random() < 0.15:
+        scene["block"][-1]["damping"] = {"stiffness": _log(random, 1e-7, 1e-1)}
+    if all(block["model"] == "rigid" for block in scene["block"]):
+        for block in scene["block"]:
+            block["restitution"] = _mixed(random, (1.0,), 0.01, 1.0)
 
 
 def _log(random: Random, low: float, high: float) -> float:

@@ -60,6 +60,9 @@ SPACE: Tables = {
 """A block in space, shaken along x and y."""
 
 RIGID: Changes = {"block.model": "rigid"}
+DEFAULT_STEPS: Changes = {"time.step": None}
+LANDING: Changes = {"block.tilt_deg": 0.0, "block.velocity": [0.0, -1.4]}
+"""Dropped flat from 0.1 m."""
 ON_ITS_CORNER: Changes = {"block.tilt_deg": 4.0, "block.tilt_direction_deg": 30.0}
 
 IN_SPACE: Changes = {"dimension": 3, "block.cells": None}

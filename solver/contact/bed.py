@@ -70,7 +70,7 @@ class PointBeds:
         self.retardation = bed.retardation
 
     def yielding(self, before: Array, step: float) -> Yielding:
-        """How the bed gives way.
+        """Offset and softness of the compressions at the end of a step.
 
         Args:
             before: Compression p_n, (points,), m.

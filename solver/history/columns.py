@@ -189,11 +189,16 @@ TABLE = (
     ),
     Column("energy.input_J", "J", "Work of the moving ground since the start."),
     Column("energy.friction_J", "J", "Dissipated by friction.", energy="dissipated"),
-    Column("energy.damping_J", "J", "Dissipated by dashpots and damping.", energy="dissipated"),
+    Column(
+        "energy.damping_J",
+        "J",
+        "Dissipated by material damping and the dashpot of the platform.",
+        energy="dissipated",
+    ),
     Column(
         "energy.contact_damping_J",
         "J",
-        "Dissipated by the dashpots of contact.",
+        "Dissipated by the dashpots of beds.",
         energy="dissipated",
     ),
     Column(

@@ -110,7 +110,8 @@ def followed(
 def remember(laws: FrictionLaws, k: int, past: Array, speed: float, slips: bool, dt: float) -> None:
     """Write what a closed point of surface k remembers of a step into its past.
 
-    Speed (m/s) and slip are those of the whole step; dt (s) is infinite in equilibrium.
+    Speed (m/s) and slip are those of the whole step; dt (s) is infinite in equilibrium. Laws, k and
+    dt are there for laws whose memory evolves in time.
     """
     past[RATE] = speed if slips else 0.0
     past[SLIPPED] = 1.0 if slips else 0.0

@@ -39,7 +39,7 @@ TRIES = 8
 
 
 class Rebounds(NamedTuple):
-    """What an impact of m touching points asks for."""
+    """Rebound speeds of m touching points, and which of them are pivots."""
 
     speed: Array
     """r of each point, m/s."""
@@ -55,7 +55,7 @@ class Impact(NamedTuple):
     contact: float
     """Energy taken in the normal directions, J."""
     friction: float
-    """In the tangential ones, J."""
+    """Energy taken in the tangential directions, J."""
 
 
 @compiled

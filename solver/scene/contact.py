@@ -54,7 +54,10 @@ class FrictionSpec(Checked):
 
     @property
     def has_reference(self) -> bool:
-        """Whether rigid-body references and the criteria of how a block begins know this law."""
+        """Whether rigid-body references and the criteria of how a block begins know this law.
+
+        They know all laws so far; a law whose coefficient has a memory would say no.
+        """
         return True
 
     @property

@@ -105,7 +105,7 @@ class ElasticResponse:
         )
 
     def at_rest(self) -> Array:
-        """No motion."""
+        """A motion of zero, to be added to."""
         return np.zeros((self.body.owned, self.body.dimension))
 
     def free(self, at: ElasticConfiguration, residual: Array) -> Array:

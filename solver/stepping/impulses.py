@@ -117,14 +117,21 @@ class VelocityImpulses:
             change=self._change(operator, found.q),
             contact=found.contact,
             friction=found.friction,
-            reversal=slip_reversal(force[closed, 1:], after[:, 1:]),
+            reversal=self._reversal(closed, force[closed, 1:], after[:, 1:]),
         )
+
+    def _reversal(self, closed: Indices, friction: Array, velocity: Array) -> float:
+        """The largest slip reversal of an interface, m/s; rows are those of closed points."""
+        ends = np.cumsum([link.interface.count for link in self.links])
+        parts = np.searchsorted(closed, ends[:-1])
+        pairs = zip(np.split(friction, parts), np.split(velocity, parts), strict=True)
+        return max(slip_reversal(*pair) for pair in pairs)
 
     def _held_by_beds(self, closed: Indices, velocity: Array, W: Array) -> tuple[Array, Array]:
         """Velocities and W of closed points for which normal impulses on beds stay as they are.
 
-        A bed takes no impulse: its points go on with the velocity that they have. Their normal rows
-        act on no other row, nor any on them.
+        A bed transmits no impulse: its points go on with the velocity that they have. Their normal
+        rows act on no other row, nor any on them.
         """
         on_bed = joined(
             [np.full(link.interface.count, link.interface.beds is not None) for link in self.links]

@@ -22,7 +22,7 @@ class StepError:
     Attributes:
         rigid: Of the motion of a body as a whole, the largest.
         vibration: Of the points of a meshed body, root of the mean square, the largest.
-        reversal: Of bodies whose slip turned round within the step.
+        reversal: Of slips that turned round within the step, the largest.
     """
 
     rigid: float

@@ -117,7 +117,7 @@ class Response(Protocol[Configuration, Coupling]):
         """Add `weight` times the compliance among near points to W (m, d, m, d)."""
 
     def at_rest(self) -> Array:
-        """No motion."""
+        """A motion of zero, to be added to."""
 
     def respond(
         self,
@@ -191,7 +191,7 @@ class DenseResponse:
         return self.body.replicate(-residual / self.tangent[self.body.own])
 
     def at_rest(self) -> Array:
-        """No motion."""
+        """A motion of zero, to be added to."""
         return np.zeros(self.body.unknowns)
 
     def _at(

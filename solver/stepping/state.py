@@ -28,7 +28,7 @@ class State:
         spring: Energy of springs to the ground, J.
         turning: How bodies turned at the start of the last step; None before the first.
         changed: Whether contact changed in the step that led here.
-        reversal: Speed at which what slipped in that step now slips back, m/s.
+        reversal: Speed at which what slipped in that step now slips back, the largest, m/s.
         damped_until: Time until which steps are damped since contact changed, s.
         motions: What `rigid_motion` found for u and v, by the number of the body.
     """

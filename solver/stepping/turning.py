@@ -45,7 +45,7 @@ class Turning(NamedTuple):
 
     @property
     def halves(self) -> list[Array]:
-        """The same up to the middle of the step."""
+        """Angles, or rotation vectors, by which bodies turn up to the middle of the step, rad."""
         return [0.5 * angle for angle in self.angles]
 
 

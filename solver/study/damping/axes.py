@@ -138,6 +138,8 @@ def _put_damped_steps(tables: Tables, scene: Scene, block: BlockSpec, value: flo
 
 def _put_mesh(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
     """The numbers of cells of all meshed bodies, times a factor."""
+    if not value > 0:
+        raise SceneError("--of mesh", shown(value), "factors > 0")
     for spec in scene.blocks:
         if spec.model == "elastic":
             table_of(tables, spec)["cells"] = [_times(value, count) for count in spec.cells]

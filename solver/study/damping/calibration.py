@@ -54,14 +54,16 @@ def calibrate(options: argparse.Namespace, comm: Any) -> int:
         wanted=target.wanted,
         restitution=target.restitution,
     )
-    while values := comm.bcast(search.ask()):
-        cases = [plan.base.case((plan.axis, value)) for value in values]
-        run_cases(cases, rows, plan.folder, options)
-        for value, case in zip(values, cases, strict=True):
-            row = comm.bcast(rows.get(case.key))
-            search.tell(_trial(plan, value, row))
-    if comm.rank == 0:
-        _write(plan, search)
+    try:
+        while values := comm.bcast(search.ask()):
+            cases = [plan.base.case((plan.axis, value)) for value in values]
+            run_cases(cases, rows, plan.folder, options)
+            for value, case in zip(values, cases, strict=True):
+                row = comm.bcast(rows.get(case.key))
+                search.tell(_trial(plan, value, row))
+    finally:
+        if comm.rank == 0 and search.made:
+            _write(plan, search)
     if not search.within_reach:
         least, largest = search.reach
         got = f"{target.restitution:.4g}"
@@ -177,7 +179,7 @@ def _cells(plan: CalibrationPlan, search: Search) -> list[list[str]]:
     """The table in words, the heading first."""
     kind = "difference of peaks" if _peaks(plan) else "difference"
     rows = [[plan.axis.label, "restitution", kind]]
-    for trial in search.trials:
+    for trial in search.made:
         mark = " *" if search.within_reach and trial is search.best else ""
         value = f"{trial.value:g}{mark}"
         rows.append([value, f"{trial.restitution:.4f}", f"{search.error(trial):.4f}"])

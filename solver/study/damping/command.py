@@ -141,7 +141,12 @@ def claimed(options: argparse.Namespace, base: BaseScene) -> Path:
     folder: Path = options.output or Path(options.scene.stem + ".damping")
     if folder.exists() and options.scene.resolve().parent == folder.resolve():
         raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
-    settings = {"version": VERSION, "scene": base.scene.to_dict(), "files": _digests(base)}
+    settings = {
+        "version": VERSION,
+        "scene": base.scene.to_dict(),
+        "block": base.block.name,
+        "files": _digests(base),
+    }
     FOLDER.claim(folder, settings, force=options.force, resume=options.resume)
     return folder
 

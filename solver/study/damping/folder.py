@@ -14,8 +14,12 @@ from solver.types import Array
 
 FOLDER = StudyFolder(
     kind="study of damping",
-    same="the same scene",
-    files=("damping.*", "histories_*.png", "calibration.*", "calibrated.toml", "summary.json"),
+    same="the same scene and block",
+    files=(
+        *("damping.csv", "damping.md", "damping*.png", "histories_*.png"),
+        *("calibration.csv", "calibration.md", "calibration.png", "calibrated.toml"),
+        "summary.json",
+    ),
 )
 
 HEADING = "time_s,angle_rad"

@@ -52,7 +52,7 @@ class Target:
         return self.peaks or (self.restitution,)
 
     def of(self, row: Mapping[str, Any]) -> tuple[float, ...] | None:
-        """The same numbers of a run; None where it has too few impacts."""
+        """The numbers of a run that the target has, too; None where it has too few impacts."""
         found = Restitution.of(row, self.impacts)
         if found.mean is None or not found.complete:
             return None
