@@ -314,7 +314,10 @@ FAMILIES: tuple[StabilityFamily, ...] = (
         name="damping of one block, beta_R (s)",
         base=STACK,
         rows={"fixed steps": {}, "default steps": DEFAULT_STEPS},
-        columns=over("upper.damping", ({"stiffness": 1e-5}, {"stiffness": 1e-3, "mass": 10.0})),
+        columns={
+            "1e-05": {"upper.damping": {"stiffness": 1e-5}},
+            "0.001, lambda_R 10": {"upper.damping": {"stiffness": 1e-3, "mass": 10.0}},
+        },
     ),
 )
 
