@@ -13,12 +13,32 @@ CELL_STEPS = 20000
 """Cells times steps of a scene: what keeps it short."""
 
 
-def draw(count: int, seed: int) -> list[StabilityCase]:
-    """The first so many random scenes of a seed; a scene does not depend on how many follow it."""
+def draw(count: int, seed: int, *, later_keys: bool = True) -> list[StabilityCase]:
+    """The first so many random scenes of a seed; a scene does not depend on how many follow it.
+
+    Without `later_keys` they have none of the keys that came after the first seeds were drawn.
+    """
+    make = _with_later_keys if later_keys else _scene
     return [
-        StabilityCase(family=f"random, seed {seed}", row=str(k), column="", tables=_scene(seed, k))
+        StabilityCase(family=f"random, seed {seed}", row=str(k), column="", tables=make(seed, k))
         for k in range(count)
     ]
+
+
+def _with_later_keys(seed: int, number: int) -> Tables:
+    """One random scene with keys of its own besides: default steps, beds, damping, restitution."""
+    scene, random = _scene(seed, number), Random(f"{seed}:{number}:later")
+    if random.random() < 0.3:
+        del scene["time"]["step"]
+    if random.random() < 0.15:
+        scene["contact"]["damping"] = random.uniform(0.0, 1.0)
+        scene["contact"]["stiffness"] = _log(random, 1e6, 1e14)
+    if random.random() < 0.15:
+        scene["block"][-1]["damping"] = {"stiffness": _log(random, 1e-7, 1e-1)}
+    if all(block["model"] == "rigid" for block in scene["block"]):
+        for block in scene["block"]:
+            block["restitution"] = _mixed(random, (1.0,), 0.01, 1.0)
+    return scene
 
 
 def _scene(seed: int, number: int) -> Tables:
@@ -47,22 +67,7 @@ def _scene(seed: int, number: int) -> Tables:
             scene["motion"]["vertical"] = _motion(random, end)
     if random.random() < 0.5:
         scene["foundation"] = _foundation(random, dimension, blocks[0])
-    _add_later_keys(Random(f"{seed}:{number}:later"), scene)
     return scene
-
-
-def _add_later_keys(random: Random, scene: Tables) -> None:
-    """Keys that came after the first seeds were drawn, whose other values stay what they were."""
-    if random.random() < 0.3:
-        del scene["time"]["step"]
-    if random.random() < 0.15:
-        scene["contact"]["damping"] = random.uniform(0.0, 1.0)
-        scene["contact"]["stiffness"] = _log(random, 1e6, 1e14)
-    if random.random() < 0.15:
-        scene["block"][-1]["damping"] = {"stiffness": _log(random, 1e-7, 1e-1)}
-    if all(block["model"] == "rigid" for block in scene["block"]):
-        for block in scene["block"]:
-            block["restitution"] = _mixed(random, (1.0,), 0.01, 1.0)
 
 
 def _log(random: Random, low: float, high: float) -> float:

@@ -47,14 +47,18 @@ def test_the_matrix_is_large_and_names_are_unique() -> None:
 
 
 def test_few_scenes_of_the_matrix_are_refused() -> None:
-    """Only soft ones and those of a small gamma; all others can be read."""
+    """Only soft ones, those of a small gamma or a soft bed; all others can be read."""
     refused = []
     for case in matrix():
         try:
             parse_scene(case.tables)
         except SceneError as error:
             refused.append((case.family, error.where))
-    assert {where for _, where in refused} == {"block.young", "contact.gamma"}
+    assert {where for _, where in refused} == {
+        "block.young",
+        "contact.gamma",
+        "contact.stiffness",
+    }
     assert 10 < len(refused) < 25
 
 
@@ -73,8 +77,10 @@ def test_changes() -> None:
 def test_random_scenes_depend_on_seed_and_number_alone() -> None:
     assert draw(8, 3)[:4] == draw(4, 3)
     assert draw(4, 3) != draw(4, 4)
-    counts = Counter(_word(case) for case in draw(200, 3))
+    counts = Counter(_word(case) for case in draw(200, 3, later_keys=False))
     assert counts["fine"] > 120
+    counts = Counter(_word(case) for case in draw(200, 3))
+    assert counts["fine"] > 100, "more keys, more to refuse"
 
 
 def _word(case: StabilityCase) -> str:
@@ -100,7 +106,7 @@ def test_random_scenes_that_gained_energy(
     step. In the last a block lands on one that turns by 9 degrees in the step.
     """
     monkeypatch.setattr(limits, "LARGEST_CONTACT_ENERGY", math.inf)
-    verdict = judge(draw(number + 1, seed)[number], 60.0)
+    verdict = judge(draw(number + 1, seed, later_keys=False)[number], 60.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
 
@@ -119,7 +125,7 @@ def test_random_scenes_that_did_not_converge(seed: int, number: int, end: float)
     A corner that contact pushes off an edge and that falls back; a soft, nearly incompressible
     strip on its edge; no gravity, where open and jammed contact are solutions alike.
     """
-    case = draw(number + 1, seed)[number]
+    case = draw(number + 1, seed, later_keys=False)[number]
     verdict = judge(replace(case, tables=changed(case.tables, {"time.end": end})), 600.0)
     assert (verdict.verdict, verdict.reason) == ("holds", "")
     assert verdict.energy_gain < 1e-6
