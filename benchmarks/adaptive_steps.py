@@ -111,7 +111,7 @@ def answer(case: str, made: Scene) -> Answer:
     shape = next(block for block in made.blocks if block.name == "block").shape
     turns = peaks(run.history["time_s"], run.history["block.angle_rad"], shape.slenderness)
     return Answer(
-        [impact["restitution"] for impact in found[:4]],
+        [impact["restitution"] for impact in found[:4] if impact["restitution"] is not None],
         [impact["time_s"] for impact in found[1:5]],
         [angle for _, angle in turns[1:4]],
         cost["steps"],
