@@ -15,12 +15,12 @@ class RigidMotion(NamedTuple):
     moved: NDArray[np.float64]
     """Displacement of its centre of mass, (d,), m."""
     velocity: NDArray[np.float64]
-    """Of that centre, (d,), m/s."""
+    """Velocity of the centre of mass, (d,), m/s."""
     spin: NDArray[np.float64]
     """Angular velocity, rad/s: (1,), clockwise; in space (3,), by the right-hand rule; empty where
     it cannot turn."""
     rotation: NDArray[np.float64]
-    """That fits its displacement best, (d, d)."""
+    """Rotation that fits its displacement best, (d, d)."""
 
 
 def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -26,9 +26,9 @@ class MovingBlock(NamedTuple):
     inertia: Array
     """About the centre, in space the principal moments, kg m2, (1,) or (3,)."""
     centre: Array
-    """m, (d,)."""
+    """Position of the centre, m, (d,)."""
     velocity: Array
-    """Of the centre, m/s, (d,)."""
+    """Velocity of the centre, m/s, (d,)."""
     angles: Array
     """The angle, (1,); in space the lean and the rotation vector, (4,), rad."""
     spin: Array

@@ -49,6 +49,12 @@ def housner_restitution(shape: Block) -> float:
     return 1 - 1.5 * math.sin(shape.slenderness) ** 2
 
 
+def rests(shape: Block, gravity: float, velocity: float) -> bool:
+    """Whether an upright block has too little angular velocity (1/s) left to go on."""
+    barrier = shape.frequency(gravity) ** 2 * (1 - math.cos(shape.slenderness))
+    return velocity**2 / 2 <= RESTING_ENERGY * barrier
+
+
 def housner(
     shape: Block,
     *,
@@ -88,7 +94,7 @@ def housner(
     time, angle, velocity, overturned = 0.0, tilt, 0.0, False
     while time < end and not overturned:
         side = math.copysign(1, angle or velocity)
-        if angle == 0 and block.at_rest(velocity):
+        if angle == 0 and rests(shape, gravity, velocity):
             recorder.rest(time, 0.0)
             time, side, velocity = *block.uplift(time), 0.0
             if time >= end:
@@ -127,12 +133,6 @@ class _RigidBlock:
     def down(self, time: float) -> float:
         """Gravity and the ground's acceleration upwards: g + a_v, m/s^2."""
         return self.gravity + self.vertical(time)
-
-    def at_rest(self, velocity: float) -> bool:
-        """True if the upright block has too little velocity left to go on."""
-        square = self.shape.frequency(self.gravity) ** 2
-        barrier = square * (1 - math.cos(self.shape.slenderness))
-        return velocity**2 / 2 <= RESTING_ENERGY * barrier
 
     def uplift(self, time: float) -> tuple[float, float]:
         """When the block at rest begins to rock, and to which side; at the end if never."""

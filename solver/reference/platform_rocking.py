@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from geometry.block import Block
-from solver.reference.housner import RESTING_ENERGY, RockingReference
+from solver.reference.housner import RockingReference, rests
 from solver.reference.phases import Acceleration, Recorder, event, output_times, solve, still
 from solver.reference.platform import BEYOND
 from solver.scene import Platform
@@ -108,7 +108,7 @@ def rocking_on_platform(
         if len(phase.t_events[0]):
             impacts.append(time)
             left = ratio * state[1]
-            state = pair.turned(state, 0.0, 0.0 if pair.at_rest(left) else left)
+            state = pair.turned(state, 0.0, 0.0 if rests(shape, gravity, left) else left)
         elif len(phase.t_events[1]):
             overturned, state = True, pair.turned(state, side * math.pi / 2, 0.0)
     turning, under = pair.accelerations(recorder.time, recorder.states)
@@ -153,12 +153,6 @@ class _Pair:
         """By how much it exceeds what uplifts the block, times a factor near one, m/s^2."""
         limit = (self.gravity + self.vertical(time)) * math.tan(self.shape.slenderness)
         return abs(self._needed(state)) - factor * limit
-
-    def at_rest(self, velocity: float) -> bool:
-        """True if the upright block has too little velocity left to go on."""
-        square = self.shape.frequency(self.gravity) ** 2
-        barrier = square * (1 - math.cos(self.shape.slenderness))
-        return velocity**2 / 2 <= RESTING_ENERGY * barrier
 
     def side(self, time: float, state: Array) -> float:
         """To which side the block leans from here on, +1 or -1; 0: it stands, or lies."""

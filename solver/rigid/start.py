@@ -29,7 +29,7 @@ class RigidBlock:
     pose: Pose
     """From its own frame, origin at the bottom centre, to where it stands; level 0: the ground."""
     velocity: Sequence[float] | Array | float = 0.0
-    """Of the centre, relative to the ground, m/s; 0: it rests."""
+    """Velocity of the centre, relative to the ground, m/s; 0: it rests."""
     angular_velocity: Sequence[float] | Array | float = 0.0
     """rad/s: in the plane clockwise, in space a vector or 0."""
     restitution: float = 0.0

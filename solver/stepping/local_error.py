@@ -47,7 +47,7 @@ class _Past:
     dt: float = 0.0
     """Length of the last step, s."""
     dt_before: float = 0.0
-    """Of the one before it, s."""
+    """Length of the step before the last one, s."""
 
 
 class LocalError:

@@ -33,7 +33,7 @@ OUTLINE = 1e-6
 
 
 class SpaceCrossings(NamedTuple):
-    """Of ends of edges. Those that touch as points of a face have zeros here."""
+    """Crossings of edges, by their ends. Those that touch as points of a face have zeros here."""
 
     way: Array
     """(ENDS, 3) direction of the upper edge, in its body."""

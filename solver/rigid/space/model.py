@@ -75,7 +75,7 @@ class SpaceState(NamedTuple):
     inertia_force: Array
     """p, the inertia of the platform against its spring, N, (2,)."""
     memory: SpaceMemory
-    """Of the contact points."""
+    """What the contact points remember."""
     slip: Array
     """(n, 2) slip on what carries the block, m."""
     settled: Indices

@@ -36,7 +36,7 @@ EVENING = 0.9
 they were not, a block that slides straight on would begin to turn."""
 
 ROUND_OFF = 1e-15
-"""Of increments, relative to the largest half length."""
+"""Round-off of increments, relative to the largest half length."""
 
 
 @compiled

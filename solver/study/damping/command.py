@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene
+from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 
 if TYPE_CHECKING:
@@ -46,12 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--impacts", type=int, default=IMPACTS, metavar="N", help=f"that count, default {IMPACTS}")
     add("--block", metavar="NAME", help="whose impacts count; default the first with a mesh")
     add("--histories", action="store_true", help="run to the scene's end and draw the angles, too")
-    add("-j", dest="processes", type=int, metavar="N", help="processes; default one a processor")
-    add("-o", "--output", metavar="DIR", type=Path, help="default SCENE's name + .damping")
-    add("-q", "--quiet", action="store_true", help="say nothing but errors")
-    again = parser.add_mutually_exclusive_group()
-    again.add_argument("--force", action="store_true", help="write over an earlier study")
-    again.add_argument("--resume", action="store_true", help="go on with an earlier study")
+    add_study_options(parser, "study", ".damping")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,8 +114,7 @@ def base_scene(options: argparse.Namespace) -> BaseScene:
 
     if options.impacts < 1:
         raise SceneError("--impacts", f"{options.impacts}", "a whole number > 0")
-    if options.processes is not None and options.processes < 1:
-        raise SceneError("-j", f"{options.processes}", "a whole number > 0")
+    check_processes(options.processes)
     path: Path = options.scene
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene
+from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 
 if TYPE_CHECKING:
@@ -46,12 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--tail", type=float, default=0.0, metavar="S", help="go on after the motion, s; default 0")
     add("--reference", action="store_true", help="the rigid-body answer beside each run")
     add("--keep", action="store_true", help="keep all files of each run, in DIR/runs")
-    add("-j", dest="processes", type=int, metavar="N", help="processes; default one a processor")
-    add("-o", "--output", metavar="DIR", type=Path, help="default SCENE's name + .suite")
-    add("-q", "--quiet", action="store_true", help="say nothing but errors")
-    again = parser.add_mutually_exclusive_group()
-    again.add_argument("--force", action="store_true", help="write over an earlier suite")
-    again.add_argument("--resume", action="store_true", help="go on with an earlier suite")
+    add_study_options(parser, "suite", ".suite")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,8 +140,7 @@ def _check_numbers(options: argparse.Namespace) -> None:
     """Refuse numbers out of range."""
     if not 0 <= options.tail < 1e6:
         raise SceneError("--tail", f"{options.tail:g}", "0 <= tail < 1e6 s")
-    if options.processes is not None and options.processes < 1:
-        raise SceneError("-j", f"{options.processes}", "a whole number > 0")
+    check_processes(options.processes)
 
 
 def _settings(
