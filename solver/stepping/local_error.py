@@ -38,16 +38,16 @@ class _Past:
     """Displacement at t_n, m."""
     rigid: Array
     """Velocities of the bodies as a whole at t_n, m/s."""
-    rigid_change: Array | None = None
-    """Their mean accelerations in the last step, m/s2; None before the first."""
-    mean: Array | None = None
-    """Mean velocities of all points in the last step, m/s; None likewise."""
-    change: Array | None = None
-    """Accelerations between the last two steps, m/s2; None before the second."""
+    rigid_change: Array
+    """Their mean accelerations in the last step, m/s2; 0 before the first."""
+    mean: Array
+    """Mean velocities of all points in the last step, m/s; before the first, those at its start."""
+    change: Array
+    """Accelerations between the last two steps, m/s2; 0 before the second."""
     dt: float = 0.0
-    """Length of the last step, s."""
+    """Length of the last step, s; 0 before the first."""
     dt_before: float = 0.0
-    """Length of the step before the last one, s."""
+    """Length of the step before the last one, s; 0 likewise."""
 
 
 class LocalError:
@@ -62,30 +62,39 @@ class LocalError:
     A slip that turns round within a step leaves no such trace, since friction has the old direction
     in all of it. It moves back at the end with a velocity v that friction has not opposed: as an
     error, dt v/12.
+
+    Before the start nothing accelerates. What is let go, or meets its support as it starts, does so
+    in the first step, which is judged like every other.
     """
 
     def __init__(self, system: System, state: State, size: float):
         """Start at a state; errors are referred to a length R, m."""
         self._system, self._size = system, size
-        self._past = _Past(u=state.u, rigid=self._rigid_velocity(state))
+        rigid = self._rigid_velocity(state)
+        self._past = _Past(
+            u=state.u,
+            rigid=rigid,
+            rigid_change=np.zeros_like(rigid),
+            mean=state.v,
+            change=np.zeros_like(state.v),
+        )
         self._tried = self._past
 
     def of(self, new: State, dt: float) -> StepError:
-        """Error of the step of length `dt` (s) that led to `new`; 0 where too few came before."""
+        """Error of the step of length `dt` (s) that led to `new`."""
         past, third = self._past, dt**3 / 12 / self._size
         rigid, mean = self._rigid_velocity(new), np.asarray((new.u - past.u) / dt)
         rigid_change = np.asarray((rigid - past.rigid) / dt)
-        change: Array | None = None
-        errors = np.array([0.0, 0.0, dt * new.reversal / 12 / self._size])
-        if past.rigid_change is not None and past.mean is not None:
-            jerk = (rigid_change - past.rigid_change) / ((dt + past.dt) / 2)
-            errors[0] = third * np.abs(jerk).max()
-            change = np.asarray((mean - past.mean) / ((dt + past.dt) / 2))
-            if past.change is not None:
-                third_difference = (change - past.change) / (
-                    (dt + 2 * past.dt + past.dt_before) / 4
-                )
-                errors[1] = third * self._mean_square_root(np.asarray(third_difference))
+        change = np.asarray((mean - past.mean) / ((dt + past.dt) / 2))
+        jerk = (rigid_change - past.rigid_change) / ((dt + past.dt) / 2)
+        third_difference = (change - past.change) / ((dt + 2 * past.dt + past.dt_before) / 4)
+        errors = np.array(
+            [
+                third * np.abs(jerk).max(),
+                third * self._mean_square_root(np.asarray(third_difference)),
+                dt * new.reversal / 12 / self._size,
+            ]
+        )
         self._tried = _Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
         if self._system.comm.size > 1:  # all ranks decide by the same digits
             self._system.comm.Bcast(errors, root=0)
