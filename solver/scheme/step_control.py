@@ -100,7 +100,7 @@ class Tolerance:
     """Error of the rigid motion in a step in which contact changes, over the tolerance."""
     CALM = 100.0
     """Factor of that error in all other steps."""
-    VIBRATION = 2.3e-4
+    VIBRATION = 2.6e-4
     """Error of the vibration in a step, over the tolerance."""
     GROWTH = 8.0
     """By what the error grows when the step doubles."""
