@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
@@ -22,11 +22,20 @@ from solver.run.simulate import RunContext
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.local_error import Judge, LocalError
-from solver.stepping.state import Exchange
+from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
 
 MACHINE_CODE = "solver.law.local_problem"
 """Module whose compiled functions solve local problems."""
+
+
+class _Ahead(NamedTuple):
+    """A step that was looked ahead to: its start, its length (s), and what it gave."""
+
+    start: State
+    dt: float
+    new: State
+    exchange: Exchange
 
 
 class MeshedRun:
@@ -55,8 +64,9 @@ class MeshedRun:
         self._judge = None
         if scene.time.tolerance is not None:  # adaptive
             size = min(block.shape.half_diagonal for block in scene.blocks)
-            error = LocalError(self._stepper.system, self.state, size)
-            self._judge = Judge(error, Tolerance(scene.time.tolerance))
+            error = LocalError(self._stepper.system, size)
+            self._judge = Judge(error, Tolerance(scene.time.tolerance), self.state)
+        self._ahead: _Ahead | None = None
         self._row: list[float] = []
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
@@ -86,7 +96,7 @@ class MeshedRun:
                 break
             step = ladder.step
             try:
-                new, exchange = self._stepper.advance(self.state, step)
+                new, exchange = self._advance(self.state, step)
             except StepFailed as trouble:
                 where = f"at t = {self.state.time:.6g} s with a step of {step:.3g} s"
                 self._log(f"step rejected {where}: {trouble}")
@@ -94,12 +104,17 @@ class MeshedRun:
                     continue
                 status, reason = "not converged", f"{where}: {trouble}"
                 break
+            new = replace(new, time=ladder.then)
             judge = self._judge
-            if judge and not judge.accepts(new, step) and ladder.shorten(judge.halvings):
+            if (
+                judge
+                and not judge.accepts(new, step, self._following)
+                and ladder.shorten(judge.halvings)
+            ):
                 continue
             self._damped += self.state.is_damped(step)
             ladder.accept(climb=judge is None or judge.climbs())
-            self.state = replace(new, time=ladder.time)
+            self.state = new
             reason = self._record(desk, exchange, step)
             if reason:
                 break
@@ -110,6 +125,22 @@ class MeshedRun:
         self._last_row(desk)
         desk.files.snapshot(self.state.time)
         return status, reason
+
+    def _advance(self, start: State, dt: float) -> tuple[State, Exchange]:
+        """A step from a state; one that was looked ahead to is not solved twice."""
+        ahead, self._ahead = self._ahead, None
+        if ahead and ahead.start is start and ahead.dt == dt:
+            return ahead.new, ahead.exchange
+        return self._stepper.advance(start, dt)
+
+    def _following(self, start: State, dt: float) -> State | None:
+        """Look ahead to the state a step after another; None if the step fails."""
+        try:
+            new, exchange = self._stepper.advance(start, dt)
+        except StepFailed:
+            return None
+        self._ahead = _Ahead(start, dt, new, exchange)
+        return new
 
     def _record(self, desk: RunContext, exchange: Exchange, step: float) -> str:
         """Write down a step that succeeded; returns why the run ends with it, if it does."""

@@ -51,6 +51,11 @@ class Ladder:
         return self._ticks * self._tick
 
     @property
+    def then(self) -> float:
+        """Time at the end of that step, s."""
+        return (self._now + self._ticks) * self._tick
+
+    @property
     def _ticks(self) -> int:
         """Ticks in the present step."""
         return 1 << (self.depth - self._level)

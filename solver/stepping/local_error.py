@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -31,7 +32,7 @@ class StepError:
 
 
 @dataclass(frozen=True, slots=True)
-class _Past:
+class Past:
     """What earlier steps leave for the estimate."""
 
     u: Array
@@ -67,22 +68,24 @@ class LocalError:
     in the first step, which is judged like every other.
     """
 
-    def __init__(self, system: System, state: State, size: float):
-        """Start at a state; errors are referred to a length R, m."""
+    def __init__(self, system: System, size: float):
+        """Refer errors to a length R, m."""
         self._system, self._size = system, size
+
+    def start(self, state: State) -> Past:
+        """What there is before the first step, from a state."""
         rigid = self._rigid_velocity(state)
-        self._past = _Past(
+        return Past(
             u=state.u,
             rigid=rigid,
             rigid_change=np.zeros_like(rigid),
             mean=state.v,
             change=np.zeros_like(state.v),
         )
-        self._tried = self._past
 
-    def of(self, new: State, dt: float) -> StepError:
-        """Error of the step of length `dt` (s) that led to `new`."""
-        past, third = self._past, dt**3 / 12 / self._size
+    def of(self, past: Past, new: State, dt: float) -> tuple[StepError, Past]:
+        """Error of the step of length `dt` (s) that led to `new`, and what it leaves itself."""
+        third = dt**3 / 12 / self._size
         rigid, mean = self._rigid_velocity(new), np.asarray((new.u - past.u) / dt)
         rigid_change = np.asarray((rigid - past.rigid) / dt)
         change = np.asarray((mean - past.mean) / ((dt + past.dt) / 2))
@@ -95,14 +98,10 @@ class LocalError:
                 dt * new.reversal / 12 / self._size,
             ]
         )
-        self._tried = _Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
         if self._system.comm.size > 1:  # all ranks decide by the same digits
             self._system.comm.Bcast(errors, root=0)
-        return StepError(*map(float, errors))
-
-    def accept(self) -> None:
-        """The step that was judged last is taken."""
-        self._past = self._tried
+        left = Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
+        return StepError(*map(float, errors)), left
 
     def _mean_square_root(self, motion: Array) -> float:
         """Root of the mean square of a motion over the mass of a meshed body, the largest."""
@@ -125,22 +124,36 @@ class LocalError:
 
 
 class Judge:
-    """Says which steps are good enough, and when longer ones may be tried."""
+    """Says which steps are good enough, and when longer ones may be tried.
 
-    def __init__(self, error: LocalError, tolerance: Tolerance):
-        """Compare an error with a tolerance."""
+    A change of contact that falls on the very end of a step leaves nothing in its own error, and
+    all of it in that of the next step. So a step in which contact changes is judged by the step
+    after it as well, of the same length.
+    """
+
+    def __init__(self, error: LocalError, tolerance: Tolerance, start: State):
+        """Compare an error with a tolerance, from a state on."""
         self._estimate, self._tolerance = error, tolerance
+        self._past = self._tried = error.start(start)
         self._used = 0.0
 
-    def accepts(self, new: State, dt: float) -> bool:
-        """Whether the step of length `dt` (s) that led to `new` is good enough."""
-        error = self._estimate.of(new, dt)
-        self._used = self._tolerance.used(
-            rigid=error.rigid,
-            vibration=error.vibration,
-            reversal=error.reversal,
-            changed=new.changed,
-        )
+    def accepts(
+        self, new: State, dt: float, following: Callable[[State, float], State | None]
+    ) -> bool:
+        """Whether a step is good enough.
+
+        Args:
+            new: Where it led.
+            dt: Its length, s.
+            following: Gives the state a step of a length (s) after another; None if it fails.
+        """
+        self._used, self._tried = self._share(self._past, new, dt, changed=new.changed)
+        if self._used <= 1.0 and new.changed:
+            after = following(new, dt)
+            if after is not None:
+                later, _ = self._share(self._tried, after, dt, changed=True, rigid_alone=True)
+                if later > self._tolerance.GROWTH:
+                    self._used = later / self._tolerance.GROWTH
         return self._used <= 1.0
 
     @property
@@ -150,5 +163,18 @@ class Judge:
 
     def climbs(self) -> bool:
         """The step that was judged last is taken: whether one twice as long may follow."""
-        self._estimate.accept()
+        self._past = self._tried
         return self._tolerance.climbs(self._used)
+
+    def _share(
+        self, past: Past, new: State, dt: float, *, changed: bool, rigid_alone: bool = False
+    ) -> tuple[float, Past]:
+        """Share of what is allowed that a step used, and what it leaves to the next."""
+        error, left = self._estimate.of(past, new, dt)
+        used = self._tolerance.used(
+            rigid=error.rigid,
+            vibration=0.0 if rigid_alone else error.vibration,
+            reversal=0.0 if rigid_alone else error.reversal,
+            changed=changed,
+        )
+        return used, left
