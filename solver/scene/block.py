@@ -97,7 +97,7 @@ class BlockSpec(Checked):
     "gauss"`."""
     damping: DampingSpec | None = None
     """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`; without that
-    table elastic blocks have [2 % of critical damping](#damping)."""
+    table elastic blocks have [2 % of critical damping](#default-damping)."""
     refinement: Annotated[float, Number(at_least=1)] = 1.0
     """Longest cell edges over those at the bottom corners, along each direction."""
     friction: NotNegative | FrictionSpec | None = None

@@ -55,7 +55,7 @@ class Scene(Checked):
     """`[contact]`, below. Default: its defaults."""
     damping: DampingSpec | None = None
     """`[damping]`, below, of bodies that do not have their own. Default: elastic blocks have [2 %
-    of critical](#damping), and meshed foundations none."""
+    of critical](#default-damping), and meshed foundations none."""
     motion: MotionSpec | None = None
     """`[motion]`, below; the ground is still without it. Default: -."""
     time: TimeSpec
