@@ -216,6 +216,8 @@ def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> 
         "cells": [*cells, along[0]],
         **({"thickness": sides[1]} if scene.dimension == 3 else {}),
     }
+    if scene.damping is None and base.damping is not None:  # else it has that of [damping]
+        tables["foundation"]["damping"] = to_table(base.damping)
 
 
 def _youngs(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
