@@ -85,9 +85,9 @@ def _damping(block: BlockSpec, scene: Scene) -> Lines:
     if not given:
         return [("  damping", "none")]
     frequency = block.bending_frequency(scene.dimension)
-    mode = f"first bending mode, {frequency / (2 * math.pi):.3g} Hz"
-    ratio = f"{100 * damping.ratio(frequency):.2g} % of critical at its {mode}"
-    return [("  damping", f"{', '.join(given)}: {ratio}")]
+    ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
+    mode = f"{frequency / (2 * math.pi):.3g} Hz, its first bending mode as a slender cantilever"
+    return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
 
 
 def _start(block: BlockSpec) -> Lines:
