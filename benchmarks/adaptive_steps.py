@@ -72,7 +72,7 @@ def scene(case: str, damping: float) -> dict[str, Any]:
     with SCENE.open("rb") as stream:
         made: dict[str, Any] = tomllib.load(stream)
     (block,) = made["block"]
-    made["damping"]["stiffness"] = damping
+    made["damping"] = {"stiffness": damping}
     made["time"] = {"end": 2.0 if case == "H/B 8" else 1.6}
     made["output"] = {"fields": "none"}
     block["name"] = "block"

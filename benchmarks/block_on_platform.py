@@ -60,6 +60,7 @@ def scene_of(point: dict[str, Any]) -> Scene:
             "foundation": PLATFORMS[point["platform"]],
             "contact": {"friction": point["friction"]},
             "motion": {"kind": "sine", "amplitude_g": 0.4, "period": 0.6, "cycles": 6},
+            "damping": {"stiffness": 0.0},
             "time": {"end": 6.0, "step": point["step"]},
         }
     )

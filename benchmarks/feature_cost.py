@@ -89,6 +89,7 @@ def scenes(dimension: int) -> dict[str, dict[str, Any]]:
         "block": [block],
         "contact": sliding,
         "motion": SINE,
+        "damping": {"stiffness": 0.0},
         "time": {"end": STEPS * 1e-3, "step": 1e-3},
     }
     without = {key: value for key, value in plain.items() if key != "motion"}

@@ -115,6 +115,7 @@ def run_all(folder: Path, end: float) -> None:
         "block": [BLOCK],
         "contact": {"friction": 0.1},
         "motion": SHAKEN,
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": 2e-3},
         "output": {"every": 0.06},
     }

@@ -70,6 +70,7 @@ def scene_of(model: str, motion: SyntheticSpec, step: float, end: float) -> Scen
             "block": [block],
             "foundation": foundation,
             "contact": {"friction": FRICTION},
+            "damping": {"stiffness": 0.0},
             "time": {"end": end, "step": step},
             "output": {"fields": "none", "every": end},
         }

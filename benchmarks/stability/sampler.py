@@ -59,8 +59,8 @@ def _scene(seed: int, number: int) -> Tables:
         scene["gravity"] = random.choice([0.0, 0.1, 100.0])
     if random.random() < 0.1:
         scene["gravity_tilt_deg"] = random.uniform(-45.0, 45.0)
-    if random.random() < 0.3:
-        scene["damping"] = {"stiffness": _log(random, 1e-7, 1e-1)}
+    damped = random.random() < 0.3
+    scene["damping"] = {"stiffness": _log(random, 1e-7, 1e-1) if damped else 0.0}
     if random.random() < 0.6:
         scene["motion"] = _motion(random, end)
         if random.random() < 0.3:

@@ -27,6 +27,7 @@ SINE = {"kind": "sine", "amplitude_g": 0.5, "period": 0.4}
 ROCK: Tables = {
     "block": [{**BLOCK, "tilt_deg": 3.0}],
     "contact": {"friction": 0.7},
+    "damping": {"stiffness": 0.0},
     "time": {"end": 0.6, "step": 1e-3},
 }
 """Free rocking over two impacts."""
@@ -35,6 +36,7 @@ SHAKE: Tables = {
     "block": [BLOCK],
     "contact": {"friction": 0.3},
     "motion": SINE,
+    "damping": {"stiffness": 0.0},
     "time": {"end": 0.8, "step": 1e-3},
 }
 """Two periods of a shaken ground, on which the block slides and rocks."""
@@ -46,6 +48,7 @@ STACK: Tables = {
     ],
     "contact": {"friction": 0.4},
     "motion": {**SINE, "amplitude_g": 0.6},
+    "damping": {"stiffness": 0.0},
     "time": {"end": 0.6, "step": 1e-3},
 }
 """Two blocks on a shaken ground: the upper one rocks and slides on the lower one."""
@@ -55,6 +58,7 @@ SPACE: Tables = {
     "block": [{**BLOCK, "cells": [3, 3, 6]}],
     "contact": {"friction": 0.5},
     "motion": {**SINE, "second": {**SINE, "amplitude_g": 0.3, "period": 0.3}},
+    "damping": {"stiffness": 0.0},
     "time": {"end": 0.3, "step": 1e-3},
 }
 """A block in space, shaken along x and y."""

@@ -20,9 +20,6 @@ STEPS_A_CROSSING = 10.0
 STEPS_A_LANDING = 20.0
 """Steps in a landing on a bed with dashpots, fewest that resolve it."""
 
-SUGGESTED_RATIO = 0.02
-"""Ratio of critical damping at the first bending mode of a standing block, as suggested."""
-
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
     """The losses of impacts among those of a run, such as `damping_J`: all but friction, J."""
@@ -47,15 +44,6 @@ def _crossing_time(block: BlockSpec) -> float:
     return block.height / block.material("stress").wave_speed
 
 
-def suggested_damping(block: BlockSpec) -> float:
-    """beta_R (s) that damps the first bending mode of a standing block by 2 % of critical.
-
-    2 xi/omega with omega = 3.516 c sqrt(I/A)/H^2 of a cantilever; two digits.
-    """
-    frequency = 3.516 / math.sqrt(12) * block.width / (block.height * _crossing_time(block))
-    return float(f"{2 * SUGGESTED_RATIO / frequency:.1e}")
-
-
 def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
     """Cautions about a run of meshed blocks, by its losses and the scale of its balance, J."""
     share = unresolved_share(loss)
@@ -76,6 +64,8 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
         found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
     if not _elastic(scene):
         return found
+    if _overruled(scene):
+        found.append("[damping] applies to no body: each block has its own damping")
     crossing = min(map(_crossing_time, _elastic(scene)))
     resolving = min(_resolving_step(scene, block) for block in _elastic(scene))
     if not scene.time.adaptive and scene.time.step > resolving:
@@ -108,6 +98,12 @@ def _elastic(scene: Scene) -> list[BlockSpec]:
     return [block for block in scene.blocks if block.model == "elastic"]
 
 
+def _overruled(scene: Scene) -> bool:
+    """Whether nothing has the damping of `[damping]`, as in the copy of a scene without one."""
+    own = all(block.damping is not None for block in _elastic(scene))
+    return scene.damping is not None and own and not scene.foundation.is_meshed
+
+
 def _undamped(scene: Scene) -> list[BlockSpec]:
     """The elastic blocks whose strain nothing damps, nor their contact."""
     if scene.contact.damping > 0:
@@ -122,6 +118,6 @@ def _remedy(scene: Scene) -> str:
     if not scene.time.adaptive:
         changes.append("leave out time.step, so that steps are adaptive")
     if undamped := _undamped(scene):
-        most = max(map(suggested_damping, undamped))
+        most = max(block.default_damping(scene.dimension).stiffness for block in undamped)
         changes.append(f"give damping.stiffness, for 2 % of critical {most:g}")
     return f": {', and '.join(changes)}" if changes else ""

@@ -72,7 +72,22 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     if block.restitution is not None:
         text = f"{block.restitution:g}, instead of {text}"
     lines.append(("  restitution", f"{text} (Housner 1963)"))
-    return lines + _start(block)
+    return lines + _damping(block, scene) + _start(block)
+
+
+def _damping(block: BlockSpec, scene: Scene) -> Lines:
+    """Damping of an elastic block, and what it means for its first bending mode."""
+    damping = scene.damping_of(block)
+    if block.model != "elastic" or damping is None:
+        return []
+    parts = [(damping.mass, "lambda_R", "1/s"), (damping.stiffness, "beta_R", "s")]
+    given = [f"{name} {value:g} {unit}" for value, name, unit in parts if value]
+    if not given:
+        return [("  damping", "none")]
+    frequency = block.bending_frequency(scene.dimension)
+    ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
+    mode = f"{frequency / (2 * math.pi):.3g} Hz, its first bending mode as a slender cantilever"
+    return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
 
 
 def _start(block: BlockSpec) -> Lines:

@@ -12,7 +12,7 @@ from solver.errors import SceneError, missing_key, not_applicable
 from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
 from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
-from solver.scene.damping import DampingSpec
+from solver.scene.damping import DampingSpec, bending_frequency, default_stiffness
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import (
     Cell,
@@ -96,7 +96,8 @@ class BlockSpec(Checked):
     """Polynomial degree of the displacement. Tetrahedra of degree 2 need `contact.points =
     "gauss"`."""
     damping: DampingSpec | None = None
-    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`."""
+    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`; without that
+    table elastic blocks have [2 % of critical damping](#default-damping)."""
     refinement: Annotated[float, Number(at_least=1)] = 1.0
     """Longest cell edges over those at the bottom corners, along each direction."""
     friction: NotNegative | FrictionSpec | None = None
@@ -162,6 +163,19 @@ class BlockSpec(Checked):
         """The material of an elastic block; ValueError for a rigid one."""
         young, poisson = self.elasticity
         return Material(young=young, poisson=poisson, density=self.shape.density, plane=plane)
+
+    def bending_frequency(self, dimension: Dimension) -> float:
+        """First natural frequency (rad/s) of bending of an elastic block that is held at its base.
+
+        In space it bends across its narrower side. ValueError for a rigid block.
+        """
+        narrower = self.width if dimension == 2 else min(self.width, self.thickness)
+        wave_speed = self.material("stress").wave_speed  # that of a bar, in every state of stress
+        return bending_frequency(narrower, self.height, wave_speed)
+
+    def default_damping(self, dimension: Dimension) -> DampingSpec:
+        """The damping of an elastic block where nothing is said; ValueError for a rigid one."""
+        return DampingSpec(stiffness=default_stiffness(self.bending_frequency(dimension)))
 
     @property
     def mesh_label(self) -> str:

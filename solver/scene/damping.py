@@ -2,10 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from solver.scene.checking import Checked
 from solver.scene.ranges import NotNegative
+
+DEFAULT_RATIO = 0.02
+"""Ratio of critical damping at the first bending mode of a standing elastic block, by default."""
+
+CANTILEVER = 3.516
+"""omega H^2 over c sqrt(I/A) in the first bending mode of a cantilever (Euler and Bernoulli)."""
+
+
+def bending_frequency(width: float, height: float, wave_speed: float) -> float:
+    """Natural frequency (rad/s) of a standing block held at its base, in its first bending mode.
+
+    That of a slender cantilever. Shear, which it leaves out, lowers the frequency of a block in
+    plane stress: by 1 % where H/B is 8, by 4 % where it is 4, by 14 % where it is 2.
+
+    Args:
+        width: In the plane of bending, m.
+        height: H, m.
+        wave_speed: c = sqrt(E/rho), m/s.
+    """
+    return CANTILEVER / math.sqrt(12) * (width / height) * (wave_speed / height)
+
+
+def default_stiffness(frequency: float) -> float:
+    """beta_R = 2 xi/omega (s) of the default ratio at a frequency (rad/s), to two digits."""
+    stiffness = 2 * DEFAULT_RATIO / frequency if frequency else math.inf
+    return float(f"{stiffness:.1e}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,3 +43,7 @@ class DampingSpec(Checked):
     """lambda_R, 1/s."""
     stiffness: NotNegative = 0.0
     """beta_R, s."""
+
+    def ratio(self, frequency: float) -> float:
+        """Ratio of critical damping of a mode by its natural frequency, rad/s."""
+        return (self.mass / frequency + self.stiffness * frequency) / 2

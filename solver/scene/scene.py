@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, Literal
 
@@ -54,7 +54,8 @@ class Scene(Checked):
     contact: ContactSpec = field(default_factory=ContactSpec)
     """`[contact]`, below. Default: its defaults."""
     damping: DampingSpec | None = None
-    """`[damping]`, below, of bodies that do not have their own. Default: -."""
+    """`[damping]`, below, of bodies that do not have their own. Default: elastic blocks have [2 %
+    of critical](#default-damping), and meshed foundations none."""
     motion: MotionSpec | None = None
     """`[motion]`, below; the ground is still without it. Default: -."""
     time: TimeSpec
@@ -92,6 +93,7 @@ class Scene(Checked):
 
             refuse_overlaps(self)
         refuse_beyond(self, self.known_shaking)
+        object.__setattr__(self, "blocks", tuple(self._damped(block) for block in self.blocks))
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
@@ -132,6 +134,15 @@ class Scene(Checked):
         except SceneError as error:
             raise error.under(block.name) from None
         return filled
+
+    def _damped(self, block: BlockSpec) -> BlockSpec:
+        """A block with the default damping, if it is elastic and nothing is said about damping."""
+        if block.model != "elastic" or self.damping is not None or block.damping is not None:
+            return block
+        try:
+            return replace(block, damping=block.default_damping(self.dimension))
+        except SceneError as error:  # beyond the range of numbers
+            raise error.under(f"{block.name}.damping") from None
 
     def _filled_time(self) -> TimeSpec:
         """Time stepping with nothing left open."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 from scenes import BLOCK
 
@@ -13,7 +11,6 @@ from solver.results.cautions import (
     cautions_of_run,
     cautions_of_scene,
     loss_shares,
-    suggested_damping,
     unresolved_share,
 )
 
@@ -39,7 +36,8 @@ def test_friction_is_no_loss_of_impacts() -> None:
     ("lost", "overrides", "words"),
     [
         (loss(9.0, 1.0), (), ()),
-        (loss(0.0, 1.0), (), ("100 %", "damping.stiffness")),
+        (loss(0.0, 1.0), ("damping.stiffness=0",), ("100 %", "damping.stiffness")),
+        (loss(0.0, 1.0), ("time.step=1e-3",), ("100 %", "time.step")),
         (loss(7.0, 3.0), ("damping.stiffness=3e-5", "time.step=1e-3"), ("30 %", "time.step")),
         (loss(0.0, 1e-3), (), ()),  # too little to be judged
         (loss(0.0, 1.0), ('block.model="rigid"',), ()),  # that loss is Housner's
@@ -64,13 +62,15 @@ def test_of_a_scene() -> None:
         asked = scene(*overrides)
         return cautions_of_scene(asked, read_ground(asked))
 
-    assert told("damping.stiffness=3e-5") == []
+    assert told() == told("damping.stiffness=3e-5") == []
     assert told('block.model="rigid"') == []
-    assert told("contact.damping=0.1") == told("contact.damping=0.1", "time.step=1e-4") == []
-    (coarse,) = told("contact.damping=0.1", "time.step=2e-4")
+    on_dashpots = ("damping.stiffness=0", "contact.damping=0.1")
+    assert told(*on_dashpots) == told(*on_dashpots, "time.step=1e-4") == []
+    (coarse,) = told(*on_dashpots, "time.step=2e-4")
     assert "time.step" in coarse
-    (undamped,) = told()
-    assert "damping.stiffness" in undamped and "time.step" not in undamped
+    for nothing in ("damping.stiffness=0", "block.damping={}"):
+        (undamped,) = told(nothing)
+        assert "2 % of critical 3.7e-05" in undamped and "time.step" not in undamped
     (coarse,) = told("time.step=1e-3", "damping.stiffness=3e-5")
     assert "time.step" in coarse
     assert told("time.step=1e-5", "damping.stiffness=3e-5") == []
@@ -79,11 +79,9 @@ def test_of_a_scene() -> None:
     assert "before its motion does at 3 s" in early
 
 
-def test_the_suggested_damping_is_two_percent_of_critical() -> None:
-    """A cantilever of the paper's block bends at 174 times a second, by Euler and Bernoulli."""
-    block = scene().blocks[0]
-    assert block.young is not None
-    radius = block.width / math.sqrt(12)
-    frequency = 3.516 * math.sqrt(block.young / block.shape.density) * radius / block.height**2
-    assert frequency / (2 * math.pi) == pytest.approx(174, rel=0.01)
-    assert suggested_damping(block) * frequency / 2 == pytest.approx(0.02, rel=0.05)
+def test_damping_that_no_body_has() -> None:
+    """The copy of a scene has the default written out for each block: [damping] changes nothing."""
+    copy = parse_scene(scene().to_dict(), overrides=["damping.stiffness=1e-4"])
+    assert copy.damping_of(copy.blocks[0]) == scene().blocks[0].damping
+    (unused,) = cautions_of_scene(copy, read_ground(copy))
+    assert unused == "[damping] applies to no body: each block has its own damping"

@@ -19,7 +19,8 @@ from solver.cli import main
 from solver.errors import SceneError
 from solver.reference.housner import housner
 from solver.results.rocking import impacts as impacts_of
-from solver.scene import BlockSpec, Scene
+from solver.scene import BlockSpec, DampingSpec, Scene
+from solver.scene.foundation import PlateSpec
 from solver.study.damping import calibration, command
 from solver.study.damping.axes import AXES
 from solver.study.damping.case import BaseScene, DampingCase, time_for, watched
@@ -132,6 +133,31 @@ def test_damping_of_the_block_itself_is_what_is_varied() -> None:
     assert scene.blocks[0].damping is not None and scene.damping is not None
     assert (scene.blocks[0].damping.mass, scene.blocks[0].damping.stiffness) == (0.5, 2e-5)
     assert scene.damping.stiffness == 3.7e-5
+
+
+def test_the_default_damping_is_that_of_the_block_in_what_is_varied() -> None:
+    """It does not follow E, so that one parameter varies at a time; a floor put in has it, too."""
+    text = SCENE.replace("[damping]\nstiffness = 3.7e-5\n", "")
+    own = base(text)
+    default = own.scene.blocks[0].damping
+    assert "damping" not in own.tables and default == DampingSpec(stiffness=3.7e-5)
+    for *changes, wanted in (
+        ((AXES["young"], 5e9), 3.7e-5),
+        ((AXES["beta"], 1e-4), 1e-4),
+        ((AXES["beta"], 1e-4), (AXES["young"], 5e9), 1e-4),
+        ((AXES["young"], 5e9), (AXES["beta"], 1e-4), 1e-4),
+        ((AXES["beta"], 1e-4), (AXES["floor"], 3.0), 1e-4),
+    ):
+        scene = own.case(*changes).scene
+        assert scene.blocks[0].damping == DampingSpec(stiffness=wanted)
+        assert scene.damping is None
+        if isinstance(scene.foundation, PlateSpec):
+            assert scene.damping_of(scene.foundation) == DampingSpec(stiffness=wanted)
+    assert own.case((AXES["beta"], 3.7e-5)).key == own.case((AXES["young"], 5e10)).key
+    assert own.case((AXES["young"], 5e10)).key == own.case().key
+    damped = base(SCENE).case((AXES["floor"], 3.0)).scene
+    assert isinstance(damped.foundation, PlateSpec)
+    assert damped.damping_of(damped.foundation) == DampingSpec(stiffness=3.7e-5)
 
 
 def test_equal_scenes_are_run_once() -> None:

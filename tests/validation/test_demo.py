@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from solver.results.cautions import suggested_damping
+from solver.scene import DampingSpec
 
 DEMO = Path(__file__).parents[2] / "demos" / "free_rocking" / "free_rocking.py"
 
@@ -49,8 +49,8 @@ def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
     assert (block.young, block.poisson, block.cells, block.tilt_deg) == (5e10, 0.2, (6, 16), 3.0)
     assert (scene.plane, scene.contact.friction, scene.contact.points) == ("strain", 0.7, "nodes")
     assert (scene.time.end, scene.time.adaptive, scene.time.rho_inf) == (3.0, True, 0.8)
-    assert scene.damping is not None
-    assert scene.damping.stiffness == suggested_damping(block), "2 % of critical"
+    assert scene.damping is None
+    assert block.damping == DampingSpec(stiffness=3.7e-5), "2 % of critical"
 
 
 def test_what_it_compares_with_is_housner_s_block(demo: ModuleType) -> None:

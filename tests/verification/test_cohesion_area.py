@@ -36,6 +36,7 @@ def slips(engine: str, pull: float, share: float) -> bool:
         "dimension": 3 if engine == "space" else 2,
         "block": blocks,
         "motion": {"kind": "rectangular", "amplitude_g": pull, "duration": 1.0},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.03, "step": 1e-3},
         "output": {"fields": "none"},
     }

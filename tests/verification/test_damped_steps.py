@@ -20,6 +20,7 @@ def thrown(young: float, speed: float, step: float, *overrides: str) -> Scene:
         {
             "block": [SQUAT | {"young": young, "velocity": [0.0, speed]}],
             "contact": {"friction": 0.3},
+            "damping": {"stiffness": 0.0},
             "time": {"end": 0.4, "step": step},
         },
         overrides=overrides,

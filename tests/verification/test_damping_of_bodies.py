@@ -55,7 +55,7 @@ def test_that_of_a_frame_is_its_own() -> None:
     assert np.array_equal(
         lost(on_rigid), lost(run({"model": "rigid"}, foundation=FRAME, damping=GIVEN))
     )
-    frame = run(foundation=FRAME | {"damping": GIVEN})
+    frame = run({"damping": {}}, foundation=FRAME | {"damping": GIVEN})
     both = run({"damping": GIVEN}, foundation=FRAME | {"damping": GIVEN})
     assert np.diff(lost(frame)).min() >= 0.0 and lost(frame)[-1] > 0.0
     assert np.array_equal(lost(both), lost(run(foundation=FRAME, damping=GIVEN)))

@@ -42,6 +42,7 @@ def rocking(law: Any) -> dict[str, Any]:
     return {
         "block": [block("a", 0.25, 1.0, tilt_deg=3.0, friction=0.7)],
         "contact": {"friction": law},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.35, "step": 1e-3},
     }
 
@@ -60,6 +61,7 @@ def sliding(law: Any) -> dict[str, Any]:
         "block": [block("a", 0.4, 0.3)],
         "contact": {"friction": law},
         "motion": PUSH,
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.5, "step": 1e-3},
     }
 
@@ -75,6 +77,7 @@ def on_an_oscillator(law: Any) -> dict[str, Any]:
         "contact": {"friction": law},
         "foundation": platform,
         "motion": PUSH,
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.5, "step": 1e-3},
     }
 
@@ -85,6 +88,7 @@ def stack(law: Any) -> dict[str, Any]:
         "block": [block("a", 0.6, 0.4), block("b", 0.4, 0.3, on="a", friction=0.2)],
         "contact": {"friction": law},
         "motion": PUSH,
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.5, "step": 1e-3},
     }
 

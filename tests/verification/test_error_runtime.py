@@ -31,6 +31,7 @@ SLIDING = {
     ],
     "contact": {"friction": 0.3},
     "motion": {"kind": "half_sine", "amplitude_g": 0.5, "duration": 0.2},
+    "damping": {"stiffness": 0.0},
     "time": {"end": 0.4, "step": 2e-3},
 }
 
@@ -94,6 +95,7 @@ def test_elastic_rocking_has_a_rigid_reference_for_the_first_impact_alone():
     elastic = {"width": 0.25, "height": 1.0, "mass": 503.0, "tilt_deg": 3.0, "cells": [2, 3]}
     elastic |= {"young": 5e10, "poisson": 0.2}
     scene = {"block": [elastic], "contact": {"friction": 0.7}, "time": {"end": 0.5, "step": 4e-3}}
+    scene["damping"] = {"stiffness": 0.0}
     findings = study(parse_scene(scene), names=["mesh"], rungs=3, repeat=1)
     sources = {measure: reference.source for measure, reference in findings.references.items()}
     assert sources["block.first_impact_s"] == "rigid block, Housner 1963"

@@ -39,6 +39,7 @@ def test_a_body_that_touches_without_loads(
                 "gravity": 0.0,
                 "block": [size | mesh],
                 "contact": {"friction": 0.5, "points": "gauss"},
+                "damping": {"stiffness": 0.0},
                 "time": {"end": 1.0, "step": STEP},
             }
         )

@@ -56,6 +56,7 @@ def scene(foundation: dict[str, Any], end: float, step: float, **more: Any) -> S
         "block": [SQUAT | more.pop("block", {})],
         "foundation": foundation,
         "contact": {"friction": more.pop("friction", 0.2)},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": step},
     }
     return parse_scene(tables | more)

@@ -29,6 +29,7 @@ def scene(*overrides: str) -> Scene:
     tables = {
         "block": [BLOCK],
         "contact": {"friction": 0.7},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 3.0, "step": 1e-3, "rho_inf": 0.8},
     }
     return parse_scene(tables, overrides=overrides)
@@ -246,6 +247,7 @@ def test_digits_last_far_from_the_origin() -> None:
     timing = {"end": 0.5, "step": 1e-3}
     contact = {"friction": 0.5}
     tables = {"block": [block], "contact": contact, "time": timing, "gravity": 0.0}
+    tables["damping"] = {"stiffness": 0.0}
     history = simulate(parse_scene(tables)).history
     moving = history["energy.kinetic_J"][0]
     assert np.abs(ledger_error(history)).max() < 1e-13 * moving

@@ -40,6 +40,7 @@ def scene(friction: float | dict[str, Any], end: float, step: float, **more: Any
     tables = {
         "block": [block],
         "contact": {"friction": friction},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": step},
     }
     return parse_scene(tables | more)

@@ -37,6 +37,7 @@ def scene(engine: str, end: float = 0.5, **upper: Any) -> Scene:
         "dimension": 3 if engine == "space" else 2,
         "block": [lower, top],
         "contact": {"friction": 0.3},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": 1e-3},
         "output": {"fields": "none"},
     }

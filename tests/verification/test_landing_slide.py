@@ -43,6 +43,7 @@ def landing(engine: str, speed: float, step: float) -> dict[str, Any]:
     return tables | {
         "block": [size | {"velocity": velocity}],
         "contact": {"friction": MU},
+        "damping": {"stiffness": 0.0},
         "time": {"end": END, "step": step},
         "output": {"fields": "none"},
     }

@@ -13,6 +13,7 @@ def compliance(**changes: object) -> float:
         "block": [{**block, **changes}],
         "gravity_tilt_deg": 10.0,
         "contact": {"friction": 1000.0},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 1e-3, "step": 1e-3},
     }
     return MeshedRun(parse_scene(scene), lambda line: None).state.strain
@@ -37,6 +38,7 @@ def test_a_soft_strip_on_its_edge_keeps_its_step() -> None:
     scene = {
         "block": [{**block, "cell": "triangle", "degree": 2, "tilt_deg": 84.0}],
         "contact": {"friction": 1.0},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.05, "step": 2e-3},
     }
     result = simulate(parse_scene(scene))

@@ -54,6 +54,7 @@ def scene(platform: str, friction: float, end: float, *overrides: str) -> Scene:
             "foundation": PLATFORMS[platform],
             "contact": {"friction": friction},
             "motion": {"kind": "sine", "amplitude_g": 0.4, "period": 0.6, "cycles": 6},
+            "damping": {"stiffness": 0.0},
             "time": {"end": end, "step": 5e-4},
         },
         overrides=overrides,
@@ -139,6 +140,7 @@ def test_one_pulse_of_a_rigid_base() -> None:
             "block": [BLOCK],
             "contact": {"friction": 0.3},
             "motion": {"kind": "half_sine", "amplitude_g": 0.5, "duration": 0.5},
+            "damping": {"stiffness": 0.0},
             "time": {"end": 0.75, "step": 5e-4},
         }
     )

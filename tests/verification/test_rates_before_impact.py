@@ -24,6 +24,7 @@ def scene(step: float, **block) -> Scene:
     return parse_scene({
         "block": [{"width": 0.25, "height": 1.0, "mass": 503.0, "tilt_deg": 3.0} | block],
         "contact": {"friction": 0.7},
+        "damping": {"stiffness": 0.0},
         "time": {"end": END, "step": step},
     })  # fmt: skip
 

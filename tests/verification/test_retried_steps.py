@@ -28,6 +28,7 @@ def tilted(**contact: Any) -> Scene:
         {
             "block": [BLOCK | {"cells": [2, 3], "tilt_deg": 29.9}],
             "contact": {"friction": 0.5} | contact,
+            "damping": {"stiffness": 0.0},
             "time": {"end": 1.0, "step": 2e-3},
         }
     )
@@ -44,6 +45,7 @@ def stack(dimension: int, **contact: Any) -> Scene:
             "block": [lower, upper],
             "contact": {"friction": 0.2} | contact,
             "motion": {"kind": "sine", "amplitude_g": 0.6, "period": 0.2, "cycles": 2},
+            "damping": {"stiffness": 0.0},
             "time": {"end": 1.0, "step": 1e-3},
         }
     )

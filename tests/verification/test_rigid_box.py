@@ -144,6 +144,7 @@ def run(*blocks: dict[str, Any], end: float, folder: Path | None = None, **table
         "dimension": 3,
         "block": list(blocks),
         "contact": {"friction": 0.5},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": 1e-3},
         "output": {"fields": "none"},
     }

@@ -38,6 +38,7 @@ def scene(noise: Path, step: float, model: str, dimension: int = 2, **others: An
         "block": [block],
         "contact": {"friction": 0.0},
         "motion": motion,
+        "damping": {"stiffness": 0.0},
         "time": {"end": WHOLE, "step": step},
     }
     return parse_scene(content | others)

@@ -32,6 +32,7 @@ def scene(*overrides: str) -> Scene:
         ],
         "contact": {"friction": 0.7},
         "motion": {"kind": "sine", "amplitude_g": 0.2, "period": PERIOD},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 10.0, "step": 1e-3},
     }
     return parse_scene(tables, overrides=overrides)

@@ -30,6 +30,7 @@ def scene(*, end: float, friction: float = 0.3, block: Any = None, **tables: Any
         "dimension": 3,
         "block": [BLOCK | (block or {})],
         "contact": {"friction": friction},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": 1e-3},
     }
     return parse_scene(content | tables)

@@ -55,6 +55,7 @@ def scene(*blocks: dict[str, Any], end: float, friction: float, **tables: Any) -
         "dimension": 3,
         "block": list(blocks),
         "contact": {"friction": friction},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": 1e-3},
     }
     return parse_scene(content | tables)
@@ -81,6 +82,7 @@ def in_the_plane() -> list[float]:
         "plane": "stress",
         "block": [SLENDER | {"tilt_deg": 3.0, "cells": [3, 6]}],
         "contact": {"friction": 0.7},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.84, "step": 1e-3},
     }
     return impacts(simulate(parse_scene(content)))

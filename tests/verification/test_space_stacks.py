@@ -180,6 +180,7 @@ def stack(upper: dict[str, Any], *, end: float, lower: dict[str, Any] = CUBE, **
         "dimension": 3,
         "block": [lower | {"name": "lower"}, upper | {"name": "upper", "on": "lower"}],
         "contact": {"friction": 0.7},
+        "damping": {"stiffness": 0.0},
         "time": {"end": end, "step": 4e-3},
     }
     return parse_scene(content | more)

@@ -33,6 +33,7 @@ def thrown(
                 "angular_velocity": spin,
             }
         ],
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.5, "step": dt, "rho_inf": rho_inf},
         "output": {"fields": "none"},
     }

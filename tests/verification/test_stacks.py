@@ -52,6 +52,7 @@ def stack(models: tuple[str, ...], *overrides: str, slender: bool = False, **mor
         "block": blocks,
         "contact": {"friction": 0.25},
         "motion": {"kind": "sine", "amplitude_g": 0.6, "period": 0.5},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.4, "step": 2e-3},
     }
     return parse_scene(tables | more, overrides=overrides)
@@ -185,6 +186,7 @@ def test_a_heavy_rigid_block_on_a_light_stiff_one() -> None:
         "block": [light, heavy],
         "contact": {"friction": 1.5},
         "motion": {"kind": "sine", "amplitude_g": 0.1, "period": 0.5},
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.32, "step": 0.016},
     }
     result = simulate(parse_scene(tables))
@@ -215,6 +217,7 @@ def test_rigid_blocks_that_stick_to_each_other_on_a_plate() -> None:
             **{"kind": "ricker", "amplitude_g": 6.0, "duration": 0.18},
             "vertical": {"kind": "half_sine", "amplitude_g": 2.0, "duration": 0.14},
         },
+        "damping": {"stiffness": 0.0},
         "time": {"end": 0.1, "step": 6e-4},
     }
     result = simulate(parse_scene(tables))

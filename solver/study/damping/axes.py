@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from solver.errors import SceneError, not_applicable
-from solver.results.cautions import suggested_damping
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import nearest, shown, to_table
 
@@ -155,12 +154,15 @@ def _times(factor: float, count: int) -> int:
 
 
 def _put_young(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
-    """Young's modulus of the block, Pa."""
-    table_of(tables, block)["young"] = value
+    """Young's modulus of the block, Pa; its damping stays, also where that is the default."""
+    own = table_of(tables, block)
+    own["young"] = value
+    if block.damping is not None:
+        own.setdefault("damping", to_table(block.damping))
 
 
 def _put_beta(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
-    """beta_R of the block where it has damping of its own, else that of `[damping]`, s."""
+    """beta_R of `[damping]` where the block has that, else that of the block itself, s."""
     own = table_of(tables, block)
     owner = own if block.damping is not None else tables
     owner["damping"] = dict(owner.get("damping", {})) | {"stiffness": value}
@@ -168,13 +170,14 @@ def _put_beta(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> N
 
 def _betas(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
     """None, and three decades around 2 % of critical damping, s."""
-    decade = 10.0 ** math.floor(math.log10(suggested_damping(block)))
+    decade = 10.0 ** math.floor(math.log10(block.default_damping(scene.dimension).stiffness))
     return tuple(float(f"{ratio * decade:.3g}") for ratio in BETAS)
 
 
 def _beta_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
     """From 0.5 % to 10 % of critical damping, s."""
-    low, high = (float(f"{ratio * suggested_damping(block):.1e}") for ratio in BETA_BOUNDS)
+    usual = block.default_damping(scene.dimension).stiffness
+    low, high = (float(f"{ratio * usual:.1e}") for ratio in BETA_BOUNDS)
     return low, high
 
 
@@ -213,6 +216,8 @@ def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> 
         "cells": [*cells, along[0]],
         **({"thickness": sides[1]} if scene.dimension == 3 else {}),
     }
+    if scene.damping is None and base.damping is not None:  # else it has that of [damping]
+        tables["foundation"]["damping"] = to_table(base.damping)
 
 
 def _youngs(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
