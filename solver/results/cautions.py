@@ -119,5 +119,5 @@ def _remedy(scene: Scene) -> str:
         changes.append("leave out time.step, so that steps are adaptive")
     if undamped := _undamped(scene):
         most = max(block.default_damping(scene.dimension).stiffness for block in undamped)
-        changes.append(f"give damping.stiffness, for 2 % of critical {most:g}")
+        changes.append(f"give damping.stiffness, for 2 % of critical {most:.3g}")
     return f": {', and '.join(changes)}" if changes else ""

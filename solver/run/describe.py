@@ -81,7 +81,7 @@ def _damping(block: BlockSpec, scene: Scene) -> Lines:
     if block.model != "elastic" or damping is None:
         return []
     parts = [(damping.mass, "lambda_R", "1/s"), (damping.stiffness, "beta_R", "s")]
-    given = [f"{name} {value:g} {unit}" for value, name, unit in parts if value]
+    given = [f"{name} {value:.3g} {unit}" for value, name, unit in parts if value]
     if not given:
         return [("  damping", "none")]
     frequency = block.bending_frequency(scene.dimension)

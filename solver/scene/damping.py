@@ -30,9 +30,8 @@ def bending_frequency(width: float, height: float, wave_speed: float) -> float:
 
 
 def default_stiffness(frequency: float) -> float:
-    """beta_R = 2 xi/omega (s) of the default ratio at a frequency (rad/s), to two digits."""
-    stiffness = 2 * DEFAULT_RATIO / frequency if frequency else math.inf
-    return float(f"{stiffness:.1e}")
+    """beta_R = 2 xi/omega (s) of the default ratio at a frequency, rad/s."""
+    return 2 * DEFAULT_RATIO / frequency if frequency else math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

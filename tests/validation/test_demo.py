@@ -12,8 +12,6 @@ from typing import Any
 
 import pytest
 
-from solver.scene import DampingSpec
-
 DEMO = Path(__file__).parents[2] / "demos" / "free_rocking" / "free_rocking.py"
 
 Captured = pytest.CaptureFixture[str]
@@ -50,7 +48,7 @@ def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
     assert (scene.plane, scene.contact.friction, scene.contact.points) == ("strain", 0.7, "nodes")
     assert (scene.time.end, scene.time.adaptive, scene.time.rho_inf) == (3.0, True, 0.8)
     assert scene.damping is None
-    assert block.damping == DampingSpec(stiffness=3.7e-5), "2 % of critical"
+    assert block.damping == block.default_damping(2)
 
 
 def test_what_it_compares_with_is_housner_s_block(demo: ModuleType) -> None:

@@ -46,12 +46,12 @@ def first_frequency(asked: Scene) -> float:
 @pytest.mark.parametrize(
     ("slenderness", "plane", "cells", "degree", "share"),
     [
-        (12, "strain", [6, 72], 2, 0.0204),
-        (8, "stress", [6, 48], 2, 0.0203),
-        (4, "stress", [8, 32], 2, 0.0194),
-        (4, "strain", [8, 32], 2, 0.0198),
-        (4, "strain", [6, 16], 1, 0.0201),  # the demo's mesh
-        (3, "strain", [8, 24], 2, 0.0194),
+        (12, "strain", [6, 72], 2, 0.0203),
+        (8, "stress", [6, 48], 2, 0.0198),
+        (4, "stress", [8, 32], 2, 0.01917),
+        (4, "strain", [8, 32], 2, 0.01955),
+        (4, "strain", [6, 16], 1, 0.0198),  # the demo's mesh
+        (3, "strain", [8, 24], 2, 0.01895),
         (2, "strain", [8, 16], 2, 0.0175),  # shear bends a squat block, too
         (1, "strain", [8, 8], 2, 0.0134),
     ],
@@ -59,14 +59,14 @@ def first_frequency(asked: Scene) -> float:
 def test_the_mesh_has_two_percent_of_critical(
     slenderness: float, plane: str, cells: list[int], degree: int, share: float
 ) -> None:
-    """Within 4 % of it where H/B is 4 and more; less damping where a block is squat."""
+    """Within 4.5 % of it where H/B is 4 and more; less damping where a block is squat."""
     asked = scene(slenderness, cells, plane=plane, block={"degree": degree})
     damping = asked.blocks[0].damping
     assert damping is not None
     found = damping.ratio(first_frequency(asked))
     assert found == pytest.approx(share, abs=6e-5)
     if slenderness >= 4:
-        assert found == pytest.approx(0.02, rel=0.04)
+        assert found == pytest.approx(0.02, rel=0.045)
 
 
 def test_so_it_has_in_space_across_its_narrower_side() -> None:
@@ -103,8 +103,10 @@ def test_a_scene_that_says_nothing_is_damped_and_zero_is_none() -> None:
 
 def test_the_copy_of_a_scene_gives_the_same_run() -> None:
     """So does a scene in which the number stands."""
-    result = completed(rocking())
-    for same in (parse_scene(rocking().to_dict()), rocking(damping={"stiffness": 3.7e-5})):
+    asked = rocking()
+    result, default = completed(asked), asked.blocks[0].default_damping(2)
+    stated = rocking(damping={"stiffness": default.stiffness})
+    for same in (parse_scene(asked.to_dict()), stated):
         other = completed(same)
         for column in result.history.columns:
             assert np.array_equal(result.history[column], other.history[column], equal_nan=True)
