@@ -285,6 +285,19 @@ FAMILIES: tuple[StabilityFamily, ...] = (
         columns=over("contact.friction", (0.0, 0.1, 0.5, 10.0)),
     ),
     StabilityFamily(
+        name="default steps and damping, E (Pa)",
+        base=changed(SHAKE, {**DEFAULT_STEPS, "damping": None}),
+        rows={
+            "shaken": {},
+            "landing flat": {**LANDING, "motion": None},
+            "stack": {"block": STACK["block"]},
+            "platform": {"foundation": PLATFORM},
+            "rollers": {"foundation": ROLLERS},
+            "frame": {"foundation": FRAME},
+        },
+        columns=over("block.young", (1e7, 1e9, 1e11, 1e13)),
+    ),
+    StabilityFamily(
         name="bed (Pa/m)",
         base=changed(ROCK, {"contact.damping": 0.1}),
         rows={
