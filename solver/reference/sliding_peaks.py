@@ -26,7 +26,7 @@ class Peaks(NamedTuple):
     shear: float
     """|k u + c v|, the base shear, N."""
     slip: float
-    """Of the block on the platform, m."""
+    """Of the block on the platform, m; without friction only at the ends of the stretches."""
 
 
 class Stretches(NamedTuple):
