@@ -141,8 +141,19 @@ def test_it_refuses(words: list[str], said: str, tmp_path: Path, capsys: Capture
 
 
 def test_an_inclined_scene_is_refused() -> None:
-    with pytest.raises(SceneError):
-        cells_of(load_scene(SCENE, ["foundation={kind='ground'}"]), chosen([]))
+    with pytest.raises(SceneError, match="inclined"):
+        cells_of(load_scene(SCENE, ["gravity_tilt_deg=5"]), chosen([]))
+
+
+def test_a_motion_that_also_shakes_upwards_is_refused(tmp_path: Path, capsys: Captured) -> None:
+    """The closed form would leave the vertical motion out."""
+    file = tmp_path / "motion.csv"
+    file.write_text("0 0\n0.1 1\n0.2 -1\n0.3 0\n")
+    record = "kind='record', units='m/s2'"
+    upwards = f"motion={{{record}, vertical={{{record}, file='{file}'}}}}"
+    words = ["--motions", str(file), "--set", upwards, "--of", "friction=0.1", "-q", "-j", "1"]
+    assert main(["study", "inertia", str(SCENE), "-o", str(tmp_path / "out"), *words]) == 3
+    assert "is no motion given by samples along x alone" in capsys.readouterr().err
 
 
 WORDS = ["--of", "period=0.25,0.5", "friction=0.1,0.3", "--count", "12", "-q", "-j", "1"]

@@ -15,6 +15,7 @@ from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from solver.scene import Scene
     from solver.study.inertia.cells import Grid, Structure
     from solver.study.inertia.findings import Finding, Line
     from solver.study.inertia.folder import Runs
@@ -120,7 +121,6 @@ def prepare(options: argparse.Namespace) -> Plan:
     from solver import VERSION
     from solver.scene import parse_scene, read_text, scene_to_toml, set_values
     from solver.scene.overrides import read_toml
-    from solver.study.inertia.cells import cells_of, chosen, tables_of
     from solver.study.inertia.folder import FOLDER, known_runs
     from solver.study.inertia.runs import ladder
     from solver.study.suite.motions import find_motions
@@ -135,16 +135,8 @@ def prepare(options: argparse.Namespace) -> Plan:
         options.motions, tables.pop("motion", None), count=count, seed=options.seed
     )
     scene = parse_scene(tables, folder=path.parent, source=path.name)
-    axes = chosen(options.of)
-    grid = cells_of(scene, axes)
     by = tuple(sorted(set(options.by), reverse=True))
-    if "aspect" in axes and not by:
-        raise SceneError("--of", "aspect", "it with --by rigid or elements: sliding has no height")
-    if "elements" in by and len(grid.cells) > MOST_CELLS:
-        raise SceneError("--by", f"elements, {len(grid.cells)} cells", f"at most {MOST_CELLS}")
-    for cell in grid.cells:
-        for how in by or ("rigid",):
-            parse_scene(tables_of(tables, cell, "rigid" if how == "rigid" else "elastic"))
+    grid = _grid(options, scene, tables, by)
     frictions: dict[Structure, set[float]] = {}
     for cell in grid.cells:
         frictions.setdefault(cell.structure, set()).add(cell.friction)
@@ -166,6 +158,25 @@ def prepare(options: argparse.Namespace) -> Plan:
         text=scene_to_toml(scene),
         runs=known_runs(folder),
     )
+
+
+def _grid(
+    options: argparse.Namespace, scene: Scene, tables: dict[str, Any], by: Sequence[str]
+) -> Grid:
+    """The cells that the command line asks for; those that no way can compute are refused."""
+    from solver.scene import parse_scene
+    from solver.study.inertia.cells import cells_of, chosen, tables_of
+
+    axes = chosen(options.of)
+    grid = cells_of(scene, axes)
+    if "aspect" in axes and not by:
+        raise SceneError("--of", "aspect", "it with --by rigid or elements: sliding has no height")
+    if "elements" in by and len(grid.cells) > MOST_CELLS:
+        raise SceneError("--by", f"elements, {len(grid.cells)} cells", f"at most {MOST_CELLS}")
+    for cell in grid.cells:
+        for how in by or ("rigid",):
+            parse_scene(tables_of(tables, cell, "rigid" if how == "rigid" else "elastic"))
+    return grid
 
 
 def _check_numbers(options: argparse.Namespace) -> None:

@@ -47,7 +47,9 @@ def code(closed: bool) -> str:
 
     root = Path(__file__).parents[2]
     folders = [root / name for name in (_CLOSED if closed else _BLOCKS)]
-    return f"{VERSION}-{digest(folders if closed else [*folders, root.parent / 'geometry'])}"
+    sources = digest(folders if closed else [*folders, root.parent / "geometry"])
+    own = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+    return f"{VERSION}-{_hash([sources, own])[:12]}"
 
 
 def _hash(said: Any) -> str:
@@ -195,9 +197,9 @@ def _ground(task: ClosedTask, motion: SuiteMotion) -> Any:
 
     content = content_of(motion)
     if content not in _GROUNDS:
-        along = scene_of(_case(motion, task.tables, task.folder))[1].along
-        if not isinstance(along, SampledMotion):
-            raise Statement(motion.name, "is no motion given by samples")
+        along, *others = scene_of(_case(motion, task.tables, task.folder))[1].parts
+        if not isinstance(along, SampledMotion) or any(others):
+            raise Statement(motion.name, "is no motion given by samples along x alone")
         _GROUNDS[content] = along
     return _GROUNDS[content]
 

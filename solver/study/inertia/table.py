@@ -60,7 +60,7 @@ def interval(portion: Portion) -> str:
 
 def markdown(title: str, findings: Sequence[Finding], failed: Sequence[str]) -> str:
     """The table in Markdown, with what failed."""
-    count = f"{findings[0].motions} motions; λ is by the mean of peaks unless it says geometric."
+    count = f"Motions: {findings[0].motions}. λ is by the mean of peaks unless it says geometric."
     lines = [f"# {title}", "", count, "", *in_markdown(words(findings))]
     lines += ["", *(f"- failed: {name}" for name in failed)] if failed else []
     return "\n".join(lines) + "\n"
