@@ -56,7 +56,7 @@ def runs_machine_code() -> bool:
 
 #: Folders, beside this one's, whose sources make compiled functions that call one another, and the
 #: columns of the history, whose places are constants in them.
-_FOLDERS = ("bodies/kernels", "contact/kernels", "history", "law", "rigid")
+_FOLDERS = ("bodies/kernels", "contact/kernels", "history", "law", "reference/kernels", "rigid")
 
 
 def digest(folders: Sequence[Path]) -> str:

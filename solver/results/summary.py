@@ -92,7 +92,7 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     if motion.slip.shape[1] == 2:
         known["residual_slip_second_m"] = float(motion.slip[-1, 1])
     if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
-        known["mass_ratio_felt"] = _mass_ratio_felt(block, scene, history)
+        known["friction_mass_ratio"] = _friction_mass_ratio(block, scene, history)
     return known | {
         "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
@@ -108,11 +108,11 @@ def _free_acceleration(scene: Scene, motion: BlockMotion) -> Array | None:
     return rocking_acceleration(motion.angle, motion.shape, along, down)
 
 
-def _mass_ratio_felt(block: BlockSpec, scene: Scene, history: History) -> float:
-    """The part of a block's mass that its platform feels along x.
+def _friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> float:
+    """The mass whose inertia force is nearest to the friction of a block, over the block's mass.
 
-    The mass that would, moving with the platform, give a friction force nearest to that of the
-    block in the mean square over time, over the block's own mass: 1 where it sticks.
+    Nearest in the mean square over time, if it moved with the platform: 1 where the block sticks.
+    It is no measure of drift, and not the lambda of `rockslip study inertia`.
     """
     acceleration = history["base.acceleration_m_s2"] + history["platform.acceleration_m_s2"]
     mass, step = block.shape.mass, history["step_s"]

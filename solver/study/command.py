@@ -14,11 +14,13 @@ def studies() -> dict[str, ModuleType]:
     """
     from solver.study import error_runtime, stability
     from solver.study.damping import command as damping
+    from solver.study.inertia import command as inertia
     from solver.study.suite import command as suite
 
     return {
         "damping": damping,
         "error-runtime": error_runtime,
+        "inertia": inertia,
         "stability": stability,
         "suite": suite,
     }

@@ -161,7 +161,7 @@ def test_platform_and_the_mass_that_it_feels() -> None:
             **moving,
         )
         summary = summary_of(scene, history)
-        assert summary["blocks"]["block"]["mass_ratio_felt"] == pytest.approx(ratio)
+        assert summary["blocks"]["block"]["friction_mass_ratio"] == pytest.approx(ratio)
     assert summary["platform"]["peak_drift_m"] == pytest.approx(np.max(np.abs(drift)))
     assert summary["platform"]["residual_drift_m"] == pytest.approx(drift[-1])
     assert f"peak drift {1e3 * np.max(np.abs(drift)):.4g} mm" in report(summary)

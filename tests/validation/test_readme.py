@@ -126,6 +126,12 @@ def shortened(words: list[str]) -> list[str]:
         synthetic = "synthetic" in words or "--motions" not in words
         more = (*TINY_STUDY, "-j", "1", *(("--count", "1") if synthetic else ()))
         more += () if "--resume" in words else ("--force",)
+    elif task == "study inertia":
+        for option in ("--count", "--within"):
+            if option in words:
+                at = words.index(option)
+                words = [*words[:at], *words[at + 2 :]]
+        more = (*TINY_STUDY, "--motions", "a.AT2", "-j", "1", "--force")
     elif task == "study error-runtime":
         more = (*TINY_STUDY, "--rungs", "2", "--repeat", "1", "--force")
     elif task == "study stability":

@@ -1,0 +1,1 @@
+"""The portion of the live load that counts as inertia."""

@@ -1,0 +1,171 @@
+"""What lambda is asked for: structures, friction, shapes; and the axes over which they vary."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from typing import Any
+
+from solver.errors import SceneError, Statement
+from solver.excitation.numbers import number_in
+from solver.scene import Platform, Scene, parse_scene
+from solver.scene.checking import nearest, shown
+
+AXES = {
+    "period": "period T of the empty structure (s)",
+    "friction": "friction coefficient μ",
+    "friction_over_pga": "μ g/PGA",
+    "mass_ratio": "mass ratio",
+    "damping_ratio": "damping ratio ξ",
+    "aspect": "height over width of the blocks, H/B",
+}
+"""Names of the axes, and what they are called in pictures."""
+
+DEFAULT = (
+    "period=0.25,0.5,0.75,1,1.5,2",
+    "friction=0.05,0.1,0.15,0.2,0.25,0.3,0.4,0.5",
+)
+"""The map of a command line that names no axis: 48 cells."""
+
+ALLOWED = f"NAME=V1,V2,... of {', '.join(AXES)}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Structure:
+    """The empty structure and its live load, as far as sliding depends on them."""
+
+    mass_ratio: float
+    """m_L/m_P."""
+    period: float
+    """T, s."""
+    damping_ratio: float
+    """xi."""
+    gravity: float
+    """m/s^2."""
+    dynamic: float
+    """mu_d/mu_s."""
+    unit_pga: bool
+    """Whether all motions are scaled to a peak of 1 g."""
+
+    def platform(self) -> Platform:
+        """A structure of 1 kg, so that the live load is `mass_ratio` kg."""
+        return Platform.on_spring(
+            1.0, period=self.period, stiffness=None, damping_ratio=self.damping_ratio
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One place of a map."""
+
+    values: tuple[tuple[str, float], ...]
+    """Names and values of the axes."""
+    structure: Structure
+    friction: float
+    """mu, or mu g/PGA."""
+    aspect: float | None
+    """H/B where the map sets it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grid:
+    """A map: axes, their values, the cells in the order of the table."""
+
+    axes: tuple[tuple[str, tuple[float, ...]], ...]
+    cells: tuple[Cell, ...]
+
+
+def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
+    """Axes and values of a command line."""
+    found: dict[str, tuple[float, ...]] = {}
+    for word in words or DEFAULT:
+        name, equals, text = (part.strip() for part in word.partition("="))
+        if name not in AXES:
+            raise SceneError("--of", shown(word), ALLOWED, nearest(name, list(AXES)))
+        numbers = [number_in(part) for part in text.split(",")] if equals else []
+        values = tuple(number for number in numbers if number is not None)
+        good = len(values) == len(numbers) == len(set(values)) and min(values, default=0) > 0
+        if not good or name in found:
+            raise SceneError("--of", shown(word), f"{ALLOWED}, positive numbers, each name once")
+        found[name] = tuple(sorted(values))
+    if {"friction", "friction_over_pga"} <= found.keys():
+        raise SceneError("--of", "friction and friction_over_pga", "one of them")
+    return found
+
+
+def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
+    """The structure of a scene and the friction under its live load; what does not fit is refused.
+
+    Only a single spring, a horizontal base and Coulomb's friction without cohesion have the closed
+    form that lambda is followed by.
+    """
+    platform = scene.platform() if scene.foundation.kind == "oscillator" else None
+    if platform is None:
+        raise SceneError("foundation.kind", shown(scene.foundation.kind), '"oscillator"')
+    standing = [block for block in scene.blocks if scene.carrier_of(block) is None]
+    laws = {scene.friction_of(block) for block in standing}
+    if len(laws) > 1:
+        raise Statement("contact.friction", "differs between the blocks on the platform")
+    law = laws.pop()
+    if law.decay or law.cohesion or not law.static > 0:
+        raise Statement("contact.friction", "needs to be positive, without decay and cohesion here")
+    if scene.gravity_vector[0]:
+        raise Statement("scene", "is inclined, for which the study has no closed form")
+    structure = Structure(
+        mass_ratio=scene.carried_mass / platform.mass,
+        period=platform.period,
+        damping_ratio=platform.damping_ratio,
+        gravity=scene.gravity,
+        dynamic=law.dynamic / law.static,
+        unit_pga=unit_pga,
+    )
+    return structure, law.static
+
+
+def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> Grid:
+    """Every combination of the values of the axes; what they do not name is the scene's."""
+    unit_pga = "friction_over_pga" in axes
+    base, friction = structure_of(scene, unit_pga=unit_pga)
+    made = []
+    for combination in itertools.product(*axes.values()):
+        values = dict(zip(axes, combination, strict=True))
+        structure = replace(
+            base,
+            mass_ratio=values.get("mass_ratio", base.mass_ratio),
+            period=values.get("period", base.period),
+            damping_ratio=values.get("damping_ratio", base.damping_ratio),
+        )
+        made.append(
+            Cell(
+                values=tuple(values.items()),
+                structure=structure,
+                friction=values.get("friction_over_pga", values.get("friction", friction)),
+                aspect=values.get("aspect"),
+            )
+        )
+    return Grid(axes=tuple(axes.items()), cells=tuple(made))
+
+
+def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, Any]:
+    """The scene of a cell as plain tables; `model`: of all blocks."""
+    made, structure = deepcopy(dict(tables)), cell.structure
+    masses = [block.shape.mass for block in parse_scene(dict(tables)).blocks]
+    made["foundation"] = {
+        "kind": "oscillator",
+        "mass_ratio": structure.mass_ratio,
+        "period": structure.period,
+        "damping_ratio": structure.damping_ratio,
+    }
+    law = {"static": cell.friction, "dynamic": structure.dynamic * cell.friction}
+    made.setdefault("contact", {})["friction"] = law
+    for block, mass in zip(made["block"], masses, strict=True):
+        block["model"] = model
+        if block.get("on", "foundation") == "foundation":
+            block.pop("friction", None)
+        if cell.aspect is not None:
+            block["height"] = cell.aspect * block["width"]
+            block["mass"] = mass
+            block.pop("density", None)
+    return made

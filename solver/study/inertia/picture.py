@@ -1,0 +1,170 @@
+"""Pictures of the study: lambda over the map, base shear, and where the roots come from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from solver.pictures.style import (
+    DASHES,
+    GREY,
+    colour,
+    legend_above,
+    new_figure,
+    save,
+    zero_line,
+)
+from solver.study.inertia.cells import AXES
+from solver.study.inertia.codes import CODE_VALUES
+from solver.study.inertia.findings import CLOSED, Finding, Line
+from solver.study.inertia.table import number
+
+MOST_LINES = 6
+"""Structures whose curves of drift are drawn."""
+
+DARK = 0.55
+"""Above it the numbers of a map are white."""
+
+Value = Callable[[Finding], tuple[float, float, float] | None]
+"""A value of a cell and the ends of its interval; None: there is none."""
+
+
+def of_lambda(finding: Finding) -> tuple[float, float, float] | None:
+    """Lambda by the mean of peaks."""
+    portion = finding.arithmetic
+    if portion.value is None or portion.low is None or portion.high is None:
+        return None
+    return portion.value, min(portion.low, portion.value), max(portion.high, portion.value)
+
+
+def of_shear(finding: Finding) -> tuple[float, float, float] | None:
+    """Base shear over that with the whole live load fixed."""
+    ratio = finding.shear_over_fixed
+    return ratio, ratio, ratio
+
+
+def curves_picture(findings: Sequence[Finding], value: Value, label: str, file: Path) -> Path:
+    """Draw a value against the last axis, a curve for each value of the first; returns the file."""
+    return save(lambda: _curves(findings, value, label), file)
+
+
+def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
+    figure = new_figure(3.8)
+    axes = figure.subplots()
+    names = [name for name, _ in findings[0].cell.values]
+    first = names[0] if len(names) > 1 else None
+    heights = dict.fromkeys(f.cell.values[0][1] if first else None for f in findings)
+    for place, height in enumerate(heights):
+        for by in dict.fromkeys(f.by for f in findings):
+            chosen = [
+                f
+                for f in findings
+                if f.by == by and (height is None or f.cell.values[0][1] == height)
+            ]
+            word = f"{first} {height:g}" if height is not None else by
+            _curve(axes, chosen, value, place, word if by == CLOSED or height is None else None)
+    if value is of_lambda:
+        _code_lines(axes)
+        zero_line(axes)
+    axes.set(xlabel=AXES[names[-1]], ylabel=label)
+    if any(f.by != CLOSED for f in findings):
+        others = " and ".join(dict.fromkeys(f.by for f in findings if f.by != CLOSED))
+        axes.plot([], [], "o", markerfacecolor="none", color=GREY, label=others)
+    legend_above(figure, columns=4)
+    return figure
+
+
+def _curve(axes: Axes, chosen: Sequence[Finding], value: Value, place: int, label: Any) -> None:
+    """One curve with its intervals; engines besides the closed form are rings."""
+    known = [(f.cell.values[-1][1], found) for f in chosen if (found := value(f)) is not None]
+    if not known:
+        return
+    at = np.array([x for x, _ in known])
+    middle, low, high = np.array([found for _, found in known]).T
+    closed = chosen[0].by == CLOSED
+    at = at * (1 + 0.006 * (place - 2.5))  # bars of several curves stay apart
+    axes.errorbar(
+        at, middle, yerr=np.array([middle - low, high - middle]), color=colour(place),
+        linestyle="-" if closed else "none", marker="o", markersize=3 if closed else 7,
+        markerfacecolor=colour(place) if closed else "none",
+        capsize=2 if closed and np.any(high > low) else 0, elinewidth=0.7 if closed else 0,
+        linewidth=1.0, label=label,
+    )  # fmt: skip
+
+
+def _code_lines(axes: Axes) -> None:
+    """The values of codes, named at the right."""
+    for value in CODE_VALUES:
+        axes.axhline(value.portion, color=GREY, linewidth=0.8, linestyle=DASHES, zorder=1)
+        axes.annotate(
+            f"{value.portion:g} {value.name}", (1.0, value.portion),
+            xycoords=("axes fraction", "data"), xytext=(0, 2), textcoords="offset points",
+            ha="right", va="bottom", fontsize="small", color=GREY,
+        )  # fmt: skip
+
+
+def map_picture(findings: Sequence[Finding], file: Path) -> Path:
+    """Draw a map of lambda with a number in each cell; returns the file."""
+    return save(lambda: _map(findings), file)
+
+
+def _map(findings: Sequence[Finding]) -> Figure:
+    across, up = (name for name, _ in findings[0].cell.values[-2:])
+    columns = sorted({f.cell.values[-2][1] for f in findings})
+    rows = sorted({f.cell.values[-1][1] for f in findings})
+    shade = np.full((len(rows), len(columns)), np.nan)
+    figure = new_figure(1.2 + 0.34 * len(rows))
+    axes = figure.subplots()
+    for f in findings:
+        i, j = rows.index(f.cell.values[-1][1]), columns.index(f.cell.values[-2][1])
+        value = f.arithmetic.value
+        shade[i, j] = np.nan if value is None else value
+        half = f.arithmetic.half_width
+        text = number(value) if value is None else f"{number(value)} ±{half:.2f}"
+        dark = value is not None and value > DARK
+        axes.text(j, i, text, ha="center", va="center", fontsize=7, color="w" if dark else "k")
+    image = axes.imshow(shade, origin="lower", aspect="auto", cmap="Blues", vmin=0, vmax=1)
+    axes.set_xticks(range(len(columns)), [f"{value:g}" for value in columns])
+    axes.set_yticks(range(len(rows)), [f"{value:g}" for value in rows])
+    axes.grid(visible=False)
+    axes.set(xlabel=AXES[across], ylabel=AXES[up])
+    figure.colorbar(image, ax=axes, label="λ", fraction=0.05, pad=0.02)
+    return figure
+
+
+def roots_picture(lines: Sequence[Line], findings: Sequence[Finding], file: Path) -> Path:
+    """Draw mean drift against lambda, with the drifts of the cells met on it; returns the file."""
+    return save(lambda: _roots(lines, findings), file)
+
+
+def _roots(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
+    """A curve for each structure: dots are the roots reported, rings the others."""
+    figure = new_figure(3.8)
+    axes = figure.subplots()
+    for place, line in enumerate(lines[:MOST_LINES]):
+        curve = line.mean_curve
+        fixed = float(line.peaks[:, 0, 0].mean())
+        structure = line.structure
+        name = f"T {structure.period:g} s, mass ratio {structure.mass_ratio:g}"
+        axes.plot(curve.portions, curve.drifts / fixed, color=colour(place), label=name)
+        for f in findings:
+            if f.cell.structure != structure or f.by != CLOSED:
+                continue
+            for root in f.arithmetic.roots:
+                reported = f.arithmetic.value is not None and abs(root - f.arithmetic.value) < 1e-9
+                axes.plot(
+                    root, f.drift_over_fixed, "o", color=colour(place),
+                    markersize=4 if reported else 6,
+                    markerfacecolor=colour(place) if reported else "none",
+                )  # fmt: skip
+    axes.set(
+        xlabel="portion of the live load that is fixed, λ", ylabel="mean drift / that of λ = 1"
+    )
+    axes.set_ylim(0, None)
+    legend_above(figure, columns=3)
+    return figure

@@ -1,0 +1,308 @@
+"""The study of inertia: roots, the one reported, what is refused, what it leaves, going on."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rockslip import load_scene
+from solver.cli import main
+from solver.errors import SceneError
+from solver.study.inertia.cells import cells_of, chosen
+from solver.study.inertia.codes import CODE_VALUES
+from solver.study.inertia.portion import Curve, grid, portions, resampled
+from solver.study.inertia.runs import RATIO, TOP, ladder
+
+pytestmark = pytest.mark.serial
+
+ROOT = Path(__file__).parents[2]
+SCENE = ROOT / "demos" / "suite" / "scene.toml"
+
+Captured = pytest.CaptureFixture[str]
+
+LEFT = {"inertia.csv", "inertia.md", "inertia.html", "summary.json"}
+
+
+def curve() -> Curve:
+    """Rises to 0.5, falls to 0.8, rises on."""
+    return Curve(np.array([-0.5, 0.5, 0.8, 1.5]), np.array([0.0, 1.0, 0.7, 1.4]))
+
+
+def test_all_roots_are_found() -> None:
+    assert curve().roots(0.8) == pytest.approx([0.3, 0.7, 0.9])
+    assert curve().roots(0.5) == pytest.approx([0.0])
+    assert curve().roots(1.0) == pytest.approx([0.5, 1.1])  # a turning point is a root
+    assert curve().roots(2.0).size == 0
+    assert curve().turns() == pytest.approx([0.5, 0.8])
+
+
+def test_the_reported_root_is_followed_from_one() -> None:
+    own = curve()
+    assert own.followed(np.array([0.9, 0.8, 0.71])) == pytest.approx([1.0, 0.9, 0.81])
+    # Below the fold at 0.8 its branch has ended: the nearest root, and then on from there.
+    assert own.followed(np.array([0.8, 0.6, 0.8])) == pytest.approx([0.9, 0.1, 0.3])
+    found = own.followed(np.array([0.9, 1.5, 1.2]))
+    assert math.isnan(found[1])
+    assert (found[0], found[2]) == pytest.approx((1.0, 1.3))
+
+
+def test_portions_of_a_straight_curve() -> None:
+    """D = 1 + lambda of all motions: no scatter, arithmetic and geometric means agree."""
+    drifts = np.tile(1 + grid(), (5, 1))
+    targets = np.tile([2.0, 1.25, 0.9, 3.0], (5, 1))
+    for geometric in (False, True):
+        found = portions(drifts, targets, resampled(5), geometric=geometric)
+        values = [portion.value for portion in found]
+        assert values[:3] == pytest.approx([1.0, 0.25, -0.1], abs=1e-4)
+        assert values[3] is None
+        assert (found[1].low, found[1].high) == pytest.approx((0.25, 0.25), abs=1e-4)
+        assert found[3].without == 1.0
+        assert found[3].half_width == math.inf
+
+
+def test_the_interval_is_that_of_the_mean() -> None:
+    """D = lambda of all motions, targets that scatter: 1.645 standard errors to both sides."""
+    count = 200
+    targets = np.random.default_rng(1).normal(0.6, 0.2, count)
+    drifts = np.tile(np.where(grid() > 0, grid(), 0.0), (count, 1))
+    (_, portion) = portions(
+        drifts, np.stack([np.ones(count), targets], axis=1), resampled(count), geometric=False
+    )
+    error = 1.645 * targets.std() / math.sqrt(count)
+    assert portion.value == pytest.approx(targets.mean(), abs=1e-6)
+    assert portion.low == pytest.approx(targets.mean() - error, abs=0.15 * error)
+    assert portion.high == pytest.approx(targets.mean() + error, abs=0.15 * error)
+
+
+def test_a_load_that_changes_nothing_has_no_portion() -> None:
+    drifts = np.tile(1 + 1e-3 * grid(), (5, 1))
+    (portion,) = portions(drifts, np.ones((5, 1)), resampled(5), geometric=False)
+    assert (portion.value, portion.roots) == (None, ())
+
+
+def test_friction_goes_down_from_infinity() -> None:
+    found = ladder([0.1, 0.3])
+    assert found[0] == math.inf
+    assert found[1] == RATIO**TOP
+    assert found == sorted(found, reverse=True)
+    assert found[-1] == 0.1
+    assert 0.3 in found
+    assert max(a / b for a, b in itertools.pairwise(found[1:])) <= RATIO * (1 + 1e-12)
+
+
+def test_cells_are_all_combinations() -> None:
+    scene = load_scene(SCENE)
+    grid_of_cells = cells_of(scene, chosen([]))
+    assert len(grid_of_cells.cells) == 48
+    cells = cells_of(scene, chosen(["mass_ratio=1,0.5", "period=1"])).cells
+    assert [cell.values for cell in cells] == [
+        (("mass_ratio", 0.5), ("period", 1.0)),
+        (("mass_ratio", 1.0), ("period", 1.0)),
+    ]
+    assert cells[0].structure.period == 1.0
+    assert cells[0].friction == 0.2
+    assert cells[0].structure.damping_ratio == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--of", "perod=1"], "did you mean 'period'?"),
+        (["--of", "period=1,1"], "--of: got "),
+        (["--of", "period=0"], "positive numbers"),
+        (["--of", "friction=0.1", "friction_over_pga=1"], "one of them"),
+        (["--of", "aspect=1"], "sliding has no height"),
+        (["--by", "elements"], "at most 12"),
+        (["--within", "2"], "0 < W < 1"),
+        (["-j", "0"], "a whole number > 0"),
+        (["--set", "contact.friction.static=0.2", "contact.friction.decay=1"], "contact.friction"),
+        (["--set", "foundation={kind='rigid'}"], "foundation.kind"),
+    ],
+)
+def test_it_refuses(words: list[str], said: str, tmp_path: Path, capsys: Captured) -> None:
+    folder = tmp_path / "out"
+    assert main(["study", "inertia", str(SCENE), "-o", str(folder), *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not folder.exists()
+
+
+def test_an_inclined_scene_is_refused() -> None:
+    with pytest.raises(SceneError, match="inclined"):
+        cells_of(load_scene(SCENE, ["gravity_tilt_deg=5"]), chosen([]))
+
+
+def test_a_motion_that_also_shakes_upwards_is_refused(tmp_path: Path, capsys: Captured) -> None:
+    """The closed form would leave the vertical motion out."""
+    file = tmp_path / "motion.csv"
+    file.write_text("0 0\n0.1 1\n0.2 -1\n0.3 0\n")
+    record = "kind='record', units='m/s2'"
+    upwards = f"motion={{{record}, vertical={{{record}, file='{file}'}}}}"
+    words = ["--motions", str(file), "--set", upwards, "--of", "friction=0.1", "-q", "-j", "1"]
+    assert main(["study", "inertia", str(SCENE), "-o", str(tmp_path / "out"), *words]) == 3
+    assert "is no motion given by samples along x alone" in capsys.readouterr().err
+
+
+WORDS = ["--of", "period=0.25,0.5", "friction=0.1,0.3", "--count", "12", "-q", "-j", "1"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small study."""
+    pytest.importorskip("matplotlib")
+    made = tmp_path_factory.mktemp("inertia") / "out"
+    assert main(["study", "inertia", str(SCENE), "-o", str(made), *WORDS]) == 0
+    return made
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """What a study leaves, without what it works with."""
+    return {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()}
+
+
+def test_what_it_leaves(folder: Path) -> None:
+    assert contents(folder).keys() >= LEFT | {"lambda.png", "map_closed_form.png", "roots.png"}
+    with (folder / "inertia.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [(row["period_s"], row["friction"]) for row in rows] == [
+        ("0.25", "0.1"), ("0.25", "0.3"), ("0.5", "0.1"), ("0.5", "0.3")
+    ]  # fmt: skip
+    for row in rows:
+        low, value, high = (float(row[k]) for k in ("lambda_low", "lambda", "lambda_high"))
+        assert low <= value <= high
+        assert float(row["base_shear_over_fixed"]) < 1 < float(row["base_shear_over_bare"])
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["motions"] == 12
+    assert summary["cells"][0]["roots"] == pytest.approx([float(rows[0]["lambda"])])
+
+
+class Page(HTMLParser):
+    """Collects what a page refers to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open, self.sources, self.cells, self.text = list[str](), list[str](), 0, ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.sources += [str(values[key]) for key in ("src", "href") if key in values]
+        self.cells += tag == "td"
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_the_page_stands_alone(folder: Path) -> None:
+    page = Page()
+    page.feed((folder / "inertia.html").read_text(encoding="utf-8"))
+    assert page.open == []
+    assert len(page.sources) == 4
+    assert all(source.startswith("data:image/png;base64,iVBOR") for source in page.sources)
+    assert page.cells == 4 * 12
+    assert "rockslip study inertia scene.toml --of period=0.25,0.5" in page.text
+    assert 'kind = "oscillator"' in page.text
+    for value in CODE_VALUES:
+        assert value.source in page.text
+
+
+def test_it_goes_on_with_what_is_missing(folder: Path, tmp_path: Path) -> None:
+    """Half of its runs removed: the same files to the byte, and nothing else is computed anew."""
+    again = tmp_path / "out"
+    (again / "cases").mkdir(parents=True)
+    (again / "settings.json").write_bytes((folder / "settings.json").read_bytes())
+    files = sorted((folder / "cases").iterdir())
+    for file in files[::2]:
+        (again / "cases" / file.name).write_bytes(file.read_bytes())
+    kept = {file: file.stat().st_mtime_ns for file in (again / "cases").iterdir()}
+    assert main(["study", "inertia", str(SCENE), "-o", str(again), *WORDS, "--resume"]) == 0
+    assert contents(again) == contents(folder)
+    assert all(file.stat().st_mtime_ns == before for file, before in kept.items())
+    assert {file.name for file in (again / "cases").iterdir()} == {file.name for file in files}
+
+
+def test_a_smaller_map_computes_nothing_anew(folder: Path, tmp_path: Path) -> None:
+    """Another map in the same folder takes the runs that there are."""
+    again = tmp_path / "out"
+    (again / "cases").mkdir(parents=True)
+    for name in ("settings.json", *(f"cases/{f.name}" for f in (folder / "cases").iterdir())):
+        (again / name).write_bytes((folder / name).read_bytes())
+    before = set((again / "cases").iterdir())
+    words = ["--of", "friction=0.1", "--count", "8", "-q", "--resume"]
+    assert main(["study", "inertia", str(SCENE), "-o", str(again), *words]) == 0
+    assert set((again / "cases").iterdir()) == before
+    assert not (again / "map_closed_form.png").exists()
+
+
+def command(folder: Path) -> list[str]:
+    study = ["study", "inertia", str(SCENE), "-o", str(folder)]
+    return [sys.executable, "-m", "solver", *study, *WORDS]
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+def test_killed_and_gone_on_with(folder: Path, tmp_path: Path) -> None:
+    """SIGKILL once some runs are kept, then --resume: the same files to the byte."""
+    again = tmp_path / "out"
+    process = subprocess.Popen(command(again), env=environment(), start_new_session=True)
+    deadline = time.monotonic() + 120
+    while not list(again.glob("cases/*.json")) and time.monotonic() < deadline:
+        time.sleep(0.005)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait(timeout=60)
+    assert main(["study", "inertia", str(SCENE), "-o", str(again), *WORDS, "--resume"]) == 0
+    assert contents(again) == contents(folder)
+
+
+@pytest.mark.mpi
+def test_the_same_on_ranks(folder: Path, tmp_path: Path) -> None:
+    again = tmp_path / "out"
+    launch = ["mpirun", "--oversubscribe", "-n", "3"]
+    done = subprocess.run(
+        [*launch, *command(again)],
+        env=environment(), capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert contents(again) == contents(folder)
+
+
+def test_as_many_motions_as_an_interval_needs(tmp_path: Path) -> None:
+    """Without slip the first round is enough; --count is the most."""
+    words = ["--of", "friction=1.5", "--within", "0.05", "--count", "50", "-q", "-j", "1"]
+    assert main(["study", "inertia", str(SCENE), "-o", str(tmp_path / "out"), *words]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["motions"] == 30
+
+
+def test_rigid_blocks_beside_the_closed_form(tmp_path: Path) -> None:
+    """A squat block and a slender one that rocks; a motion with PGA as the measure of friction."""
+    words = ["--of", "aspect=0.5,4", "friction_over_pga=0.5", "--by", "rigid", "--count", "1"]
+    set_to = ["--set", "time.step=5e-3", "-q", "-j", "1"]
+    folder = tmp_path / "out"
+    assert main(["study", "inertia", str(SCENE), "-o", str(folder), *words, *set_to]) == 0
+    cells = json.loads((folder / "summary.json").read_text())["cells"]
+    assert [(cell["by"], cell["aspect"]) for cell in cells] == [
+        ("closed form", 0.5), ("closed form", 4.0), ("rigid blocks", 0.5), ("rigid blocks", 4.0)
+    ]  # fmt: skip
+    closed, squat, slender = (cells[k]["mean_peak_drift_m"] for k in (0, 2, 3))
+    assert squat == pytest.approx(closed, rel=2e-3)
+    assert abs(slender / closed - 1) > 0.01
