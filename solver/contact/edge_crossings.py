@@ -90,6 +90,10 @@ class Crossings(FacetCarrier):
         self._carried = CARRIED_SHARE * top.margin * top.facet
         self._reaches = 2 * abs(bottom.margin) * bottom.facet
         self._length = top.length
+        none = np.zeros(0, dtype=np.int64)
+        self._nowhere = tuple(
+            self._for_all(none, line.nowhere(line.points.reference)) for line in (lower, upper)
+        )
         self.meeting = Meeting(
             frame=np.tile(np.eye(3), (self.count, 1, 1)),
             present=np.zeros(self.count, dtype=np.bool_),
@@ -200,19 +204,14 @@ class Crossings(FacetCarrier):
         place = np.zeros((self.count, 3))
         place[:, 0] = self._length
         pairs = np.flatnonzero(self.present)
+        foot = self._nowhere[0].at(carrier.position)
+        own = self._nowhere[1].at(position)
         if len(pairs):
             upper, lower = self._places(pairs, position, carrier.position)
             apart = upper.carried(position) - lower.carried(carrier.position)
             place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
-        else:
-            upper, lower = self.upper.nowhere(position), self.lower.nowhere(carrier.position)
-        kinematics = ContactKinematics(
-            place=place,
-            frame=self.frame,
-            carrier=carrier,
-            foot=self._for_all(pairs, lower),
-            own_projection=self._for_all(pairs, upper),
-        )
+            foot, own = self._for_all(pairs, lower), self._for_all(pairs, upper)
+        kinematics = ContactKinematics(place, self.frame, carrier, foot, own)
         start = self.meeting.start
         if start is not None and len(pairs):
             slip = in_frames(self._moved(start, kinematics), self.frame)
@@ -240,15 +239,11 @@ class Crossings(FacetCarrier):
     def _for_all(self, pairs: Indices, spots: EdgeInterpolation) -> EdgeInterpolation:
         """The places of some pairs among those of all; the others have no weight."""
         k = spots.nodes.shape[1]
-        numbers, values = (
-            np.zeros((self.count, k + 1), dtype=np.int64),
-            np.zeros((self.count, k + 1)),
-        )
-        numbers[pairs, :k], numbers[pairs, k] = spots.nodes, spots.segment
-        values[pairs, :k], values[pairs, k] = spots.weights, spots.where
-        return EdgeInterpolation(
-            numbers[:, :k], values[:, :k], numbers[:, k], values[:, k], spots.position
-        )
+        nodes, weights = np.zeros((self.count, k), dtype=np.int64), np.zeros((self.count, k))
+        segment, where = np.zeros(self.count, dtype=np.int64), np.zeros(self.count)
+        nodes[pairs], weights[pairs] = spots.nodes, spots.weights
+        segment[pairs], where[pairs] = spots.segment, spots.where
+        return EdgeInterpolation(nodes, weights, segment, where, spots.position)
 
     def _moved(self, old: ContactKinematics, new: ContactKinematics) -> Array:
         """D: how far the places on the upper edges moved over those on the lower ones, (16, 3)."""

@@ -163,7 +163,7 @@ class NonlinearSolver:
         """Residual, called by SNES; not a number where the unknowns are past all geometry."""
         assert self._problem is not None
         try:
-            r.array[:] = self._problem.residual(x.array_r)
+            r.array[:] = self._problem.residual(x.array_r.copy())
         except np.linalg.LinAlgError:  # no exception may pass through PETSc
             r.array[:] = np.nan
 
