@@ -129,16 +129,24 @@ def facet_shapes(
         margin: Part of a facet by which points may be beyond its edge.
     """
     variant = basix.LagrangeVariant.gll_warped
-    places = basix.create_element(basix.ElementFamily.P, cell, degree, variant).points
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, variant)
+    places = element.points
     counts = np.indices((degree + 1,) * places.shape[1]).reshape(places.shape[1], -1).T
     if cell == basix.CellType.triangle:
         counts = counts[counts.sum(axis=1) <= degree]
     monomials = np.prod(places[:, None, :] ** counts, axis=2)  # at the nodes
+    derivatives = np.ascontiguousarray(np.moveaxis(element.tabulate(1, places)[1:, :, :, 0], 1, 0))
+    gradients = np.einsum("cjk,fki->fcij", derivatives, along[facets])
+    order = np.argsort(facets.ravel(), kind="stable")
+    first = np.cumsum([0, *np.bincount(facets.ravel(), minlength=len(along))])
     return FacetShapes(
         facets=np.ascontiguousarray(facets, dtype=np.int64),
         powers=np.ascontiguousarray(counts, dtype=np.int64),
         factors=np.ascontiguousarray(np.linalg.inv(monomials).T),
-        places=np.ascontiguousarray(places),
+        derivatives=derivatives,
+        undeformed=np.ascontiguousarray(np.linalg.inv(gradients)),
+        meeting=np.ascontiguousarray(np.stack(np.divmod(order, facets.shape[1]), axis=1)),
+        first=first,
         along=np.ascontiguousarray(along),
         corners=len(basix.geometry(cell)),
         margin=margin,

@@ -47,6 +47,9 @@ class FrictionBounds:
 
     def at(self, near: Indices) -> Bounds:
         """Bounds of some points."""
+        if len(self.bounds) == 1:
+            (bounds,) = self.bounds
+            return Bounds(bounds.mu.take(near), bounds.cohesion.take(near))
         mu = joined([bounds.mu for bounds in self.bounds])
         cohesion = joined([bounds.cohesion for bounds in self.bounds])
         return Bounds(mu.take(near), cohesion.take(near))

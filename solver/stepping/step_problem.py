@@ -95,6 +95,7 @@ class StepProblem:
             self._held = STEADYING * self.force
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch(model.points.count)
+        self._looked: dict[int, tuple[Array, Observed]] = {}
         self._asleep = [not balance.static and self._far(k, guess) for k in range(len(memories))]
         self._iterate = Iterate(guess, ())
         self._configurations: Sequence[Any] = ()
@@ -299,7 +300,8 @@ class StepProblem:
 
     def _clearance(self, number: int, u: Array) -> float:
         """Smallest gap of an interface's points that may touch, m."""
-        _, kinematics = self._points.observe(number, u)
+        self._looked[number] = u, self._points.observe(number, u)
+        kinematics = self._looked[number][1][1]
         beyond = self._beyond_edge(number, kinematics)
         may_touch = self._balance.contact[number].may_touch
         may = may_touch if beyond is None else may_touch & ~beyond
@@ -324,9 +326,9 @@ class StepProblem:
         """Every interface at the end of the step."""
         points, found = self._points, []
         for number, (own, bounds) in enumerate(zip(points.own, self.friction.bounds, strict=True)):
-            asleep = self._asleep[number]
-            surface, kinematics = (
-                points.observe(number, u) if asleep else self._iterate.seen[number]
-            )
+            surface, kinematics = self._iterate.seen[number]
+            if self._asleep[number]:
+                at, seen = self._looked[number]
+                surface, kinematics = seen if at is u else points.observe(number, u)
             found.append(Contact(surface, kinematics, self.force[own], bounds))
         return found

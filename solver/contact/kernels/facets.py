@@ -30,8 +30,15 @@ class FacetShapes(NamedTuple):
     """Powers of the coordinates in the monomials of a shape function, (k, t)."""
     factors: Array
     """Factors of these monomials in each shape function, (k, k)."""
-    places: Array
-    """Coordinates of a facet's own nodes on it, (k, t)."""
+    derivatives: Array
+    """Derivatives of the shape functions at a facet's own nodes, (k, t, k)."""
+    undeformed: Array
+    """Inverses of the derivatives of undeformed tangential positions at each facet's nodes,
+    (facets, k, t, t), 1/m."""
+    meeting: Indices
+    """Facets that meet at nodes, and which of a facet's nodes that is, node after node, (.., 2)."""
+    first: Indices
+    """Number of the first of them at each node, and of all, (n + 1,)."""
     along: Array
     """Tangential positions of the nodes in the undeformed face, (n, t), m."""
     corners: int
@@ -99,8 +106,8 @@ def outside_by(shapes: FacetShapes, where: Array) -> float:
 def slope_and_stretch(
     nodes: Indices,
     placed: Array,
-    along: Array,
     derivatives: Array,
+    undeformed: Array,
     slope: Array,
     stretch: Array,
 ) -> None:
@@ -109,44 +116,49 @@ def slope_and_stretch(
     Args:
         nodes: Of the facet, (k,).
         placed: Where all nodes are in the frame, normal first, (n, t + 1), m.
-        along: Tangential positions in the undeformed face, (n, t), m.
         derivatives: Of the shape functions, (t, k).
+        undeformed: Inverse of the derivatives of the undeformed tangential positions, (t, t), 1/m.
         slope: (t,).
         stretch: (t, t).
     """
     t = len(derivatives)
-    gradient, undeformed = np.empty((t + 1, t)), np.empty((t, t))
-    flat, before = np.empty((t, t)), np.empty((t, t))
-    gradient_of(nodes, placed, derivatives, gradient)
-    gradient_of(nodes, along, derivatives, undeformed)
-    inverted(gradient[1:], flat)
-    inverted(undeformed, before)
-    slope[:], stretch[:] = 0.0, 0.0
+    rise, flat, inverse = np.zeros(t), np.zeros((t, t)), np.empty((t, t))
+    for k in range(len(nodes)):
+        for j in range(t):
+            rise[j] += derivatives[j, k] * placed[nodes[k], 0]
+            for i in range(t):
+                flat[i, j] += derivatives[j, k] * placed[nodes[k], 1 + i]
+    inverted(flat, inverse)
     for j in range(t):
+        slope[j] = 0.0
         for i in range(t):
-            slope[j] += gradient[0, i] * flat[i, j]
+            slope[j] += rise[i] * inverse[i, j]
+            stretch[i, j] = 0.0
             for k in range(t):
-                stretch[i, j] += gradient[1 + i, k] * before[k, j]
+                stretch[i, j] += flat[i, k] * undeformed[k, j]
 
 
 @compiled
-def averages_at_nodes(shapes: FacetShapes, placed: Array, slopes: Array, stretches: Array) -> None:
-    """Fill in slope (n, t) and stretch (n, t, t) at the nodes, means of the facets that meet."""
-    k, t = shapes.places.shape
-    meeting, values, derivatives = np.zeros(len(placed)), np.empty(k), np.empty((t, k))
-    slope, stretch = np.empty(t), np.empty((t, t))
-    slopes[:], stretches[:] = 0.0, 0.0
-    for corner in range(k):
-        shape_functions(shapes, shapes.places[corner], values, derivatives)
-        for facet in range(len(shapes.facets)):
-            nodes = shapes.facets[facet]
-            slope_and_stretch(nodes, placed, shapes.along, derivatives, slope, stretch)
-            slopes[nodes[corner]] += slope
-            stretches[nodes[corner]] += stretch
-            meeting[nodes[corner]] += 1.0
-    for node in range(len(placed)):
-        slopes[node] /= max(meeting[node], 1.0)
-        stretches[node] /= max(meeting[node], 1.0)
+def average_at(shapes: FacetShapes, node: int, placed: Array, slope: Array, stretch: Array) -> None:
+    """Fill in slope (t,) and stretch (t, t) at a node, means of the facets that meet there."""
+    t, meeting = len(slope), 0
+    own_slope, own_stretch = np.empty(t), np.empty((t, t))
+    slope[:], stretch[:] = 0.0, 0.0
+    for m in range(shapes.first[node], shapes.first[node + 1]):
+        facet, corner = shapes.meeting[m, 0], shapes.meeting[m, 1]
+        slope_and_stretch(
+            shapes.facets[facet],
+            placed,
+            shapes.derivatives[corner],
+            shapes.undeformed[facet, corner],
+            own_slope,
+            own_stretch,
+        )
+        slope += own_slope
+        stretch += own_stretch
+        meeting += 1
+    slope /= max(meeting, 1)
+    stretch /= max(meeting, 1)
 
 
 @compiled
@@ -274,8 +286,8 @@ def stand_on_facets(
         spanned(shapes, placed, inverses)
     where, values, derivatives = np.empty(t), np.empty(k), np.empty((t, k))
     tried = np.zeros(min(FACETS_TRIED, len(shapes.facets)), np.int64)
-    slopes, stretches = np.empty((len(placed), t)), np.empty((len(placed), t, t))
-    averaged = False
+    gradient, undeformed = np.empty((t, t)), np.empty((t, t))
+    mean_slope, mean_stretch = np.empty(t), np.empty((t, t))
     for p in range(len(points)):
         point = points[p, 1:]
         if shapes.corners == 2:
@@ -292,14 +304,14 @@ def stand_on_facets(
                 place[p, j] += values[a] * shapes.along[nodes[a], j - 1]
         miss, slope, stretch = outside_by(shapes, where), feet.slope[p], feet.stretch[p]
         feet.beyond_edge[p] = miss > shapes.margin
-        slope_and_stretch(nodes, placed, shapes.along, derivatives, slope, stretch)
+        gradient_of(nodes, shapes.along, derivatives, gradient)
+        inverted(gradient, undeformed)
+        slope_and_stretch(nodes, placed, derivatives, undeformed, slope, stretch)
         share = min(max(1.0 + miss / EDGE_BLEND_WIDTH, 0.0), 1.0)
         if share > 0.0:
-            if not averaged:
-                averages_at_nodes(shapes, placed, slopes, stretches)
-                averaged = True
             slope *= 1.0 - share
             stretch *= 1.0 - share
             for a in range(k):
-                slope += share * values[a] * slopes[nodes[a]]
-                stretch += share * values[a] * stretches[nodes[a]]
+                average_at(shapes, nodes[a], placed, mean_slope, mean_stretch)
+                slope += share * values[a] * mean_slope
+                stretch += share * values[a] * mean_stretch
