@@ -205,11 +205,11 @@ class StepProblem:
         for number, (surface, kinematics) in enumerate(self._iterate.seen):
             parts.append(points.links[number].interface.augmented(surface, kinematics))
             off = True if self._asleep[number] else self._beyond_edge(number, kinematics)
-            if off is not None and np.any(off):
+            if off is True or (off is not None and off.any()):
                 if beyond is None:
                     beyond = np.zeros(points.count, dtype=bool)
                 beyond[points.own[number]] = off
-        y = parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+        y = np.concatenate(parts)
         if self._beds is not None:
             y[:, 0] += self._beds.offset
         return y, self._edges.settled(beyond)
@@ -221,6 +221,8 @@ class StepProblem:
         it would lose the friction that keeps it from going.
         """
         carrier = self._points.links[number].interface.carrier
+        if not carrier.has_edge:
+            return None
         before = carrier.beyond_edge(self._balance.contact[number].kinematics)
         now = carrier.beyond_edge(kinematics)
         return None if before is None or now is None else before & now

@@ -94,3 +94,29 @@ def vector_of(rotation: Array, vector: Array) -> None:
     scale = 2.0 * math.atan2(size, w) / size if size > 0.0 else 0.0
     for i in range(3):
         vector[i] *= scale
+
+
+@compiled
+def turning_ahead(
+    spin: Array, before: Array, last_rate: Array, last: float, dt: float, turning: Array
+) -> None:
+    """Fill in how a body turns in a coming step: rates, those of them to count on, and angles.
+
+    What an impact did cannot be counted on: it is the smaller of two changes of the angular
+    velocity, and none where they go different ways.
+
+    Args:
+        spin: Angular velocity at its start, (n,), rad/s.
+        before: That at the start of the last step.
+        last_rate: Change of the angular velocity in the last step, (n,), rad/s2.
+        last: Length of the last step, s.
+        dt: Length of the coming one, s.
+        turning: The three, (3, n), rad/s2 and rad.
+    """
+    for i in range(len(spin)):
+        rate = (spin[i] - before[i]) / last
+        steady = rate if abs(rate) < abs(last_rate[i]) else last_rate[i]
+        if not rate * last_rate[i] > 0.0:
+            steady = 0.0
+        turning[0, i], turning[1, i] = rate, steady
+        turning[2, i] = dt * (spin[i] + 0.5 * dt * steady)
