@@ -171,7 +171,8 @@ class ElasticBody:
             spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
             return RigidMotion(moved, velocity, spin / self.polar_inertia, self.rotation(u))
         rotation, tensor = self.rotation(u), self.inertia_tensor
-        (x, y, z), (a, b, c) = moved.tolist(), velocity.tolist()
+        x, y, z = (float(value) for value in moved)
+        a, b, c = (float(value) for value in velocity)
         own = self.mass * np.array([y * c - z * b, z * a - x * c, x * b - y * a])
         spin = rotation @ np.linalg.solve(tensor, rotation.T @ (sums[2 * d :] - own))
         return RigidMotion(moved, velocity, spin, rotation)

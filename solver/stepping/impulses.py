@@ -111,7 +111,7 @@ class VelocityImpulses:
         """The largest slip reversal of an interface, m/s; rows are those of closed points."""
         if len(self._points.own) == 1:
             return slip_reversal(friction, velocity)
-        ends = [0, *closed.searchsorted([own.stop for own in self._points.own]).tolist()]
+        ends = closed.searchsorted([0, *(own.stop for own in self._points.own)])
         parts = [slice(*pair) for pair in pairwise(ends)]
         return max(slip_reversal(friction[part], velocity[part]) for part in parts)
 

@@ -204,8 +204,10 @@ class StepProblem:
         beyond: Mask | None = None
         for number, (surface, kinematics) in enumerate(self._iterate.seen):
             parts.append(points.links[number].interface.augmented(surface, kinematics))
-            off = True if self._asleep[number] else self._beyond_edge(number, kinematics)
-            if off is True or (off is not None and off.any()):
+            off = self._beyond_edge(number, kinematics)
+            if self._asleep[number]:
+                off = np.ones(len(kinematics.place), dtype=np.bool_)
+            if off is not None and off.any():
                 if beyond is None:
                     beyond = np.zeros(points.count, dtype=bool)
                 beyond[points.own[number]] = off
