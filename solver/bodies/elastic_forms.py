@@ -59,6 +59,7 @@ class ElasticForms:
         """
         self._space, self._material = u.function_space, material
         domain = self._space.mesh
+        self._shared = domain.comm.size > 1
         self._weights = StrainWeights(new=1.0, old=0.0)
         values = (1.0, 0.0, material.lame, material.shear)
         self._new, self._old, self._lame, self._shear = (
@@ -92,14 +93,21 @@ class ElasticForms:
             if form is not None:
                 form.cells = self._both
 
+    def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
+        """Owned values into a function and its array, ghosts from their owners."""
+        function, array = target
+        array[: len(values)] = values
+        if self._shared:
+            function.x.scatter_forward()
+
     def place(self, u: Array) -> None:
         """Let u be the owned unknowns at the end of the step."""
-        _assign(self._new_values, u)
+        self._assign(self._new_values, u)
         self._both.read(0)
 
     def begin(self, u: Array) -> None:
         """Let u be the owned unknowns at its start."""
-        _assign(self._old_values, u)
+        self._assign(self._old_values, u)
         self._both.read(1)
 
     def energy_at_end(self) -> float:
@@ -147,16 +155,8 @@ class ElasticForms:
             force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self._space))) * self._dx
             self._strained = state, PackedForm(ufl.derivative(force, state, trial))
         state, form = self._strained
-        _assign((state, state.x.array), u)
+        self._assign((state, state.x.array), u)
         return form.matrix()
-
-
-def _assign(target: tuple[fem.Function, Array], values: Array) -> None:
-    """Owned values into a function and its array, ghosts from their owners."""
-    function, array = target
-    array[: len(values)] = values
-    if function.function_space.mesh.comm.size > 1:
-        function.x.scatter_forward()
 
 
 def differs(strained: PETSc.Mat, stiffness: PETSc.Mat, material: Material) -> bool:

@@ -80,7 +80,6 @@ class Crossings(FacetCarrier):
     """
 
     count = 16
-    has_edge = False
 
     def __init__(self, upper: Outline, lower: Outline, top: Face, bottom: Face):
         """Take the outlines of a face that looks down and of one that looks up, and the faces.

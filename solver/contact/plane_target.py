@@ -24,8 +24,6 @@ class Carrier(Protocol):
 
     turns: bool
     """Whether its frame turns with its body."""
-    has_edge: bool
-    """Whether points may be beyond an edge of it."""
 
     @property
     def frame(self) -> Array:
@@ -62,7 +60,7 @@ class Carrier(Protocol):
 class Plane:
     """An endless plane: the ground's, or that of a rigid platform."""
 
-    turns = has_edge = False
+    turns = False
 
     def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
         """Take rows normal and tangents, (d, d), and a point of the plane, m.
@@ -113,7 +111,7 @@ class Plane:
 class FacetCarrier:
     """A carrier that is part of a mesh, whose nodes take what presses on it."""
 
-    turns = has_edge = True
+    turns = True
     points: FacePoints
     """Its nodes."""
 

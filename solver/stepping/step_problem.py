@@ -93,6 +93,10 @@ class StepProblem:
         if model.softening is not None and not balance.static:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
+        self._beyond_before = [
+            link.interface.carrier.beyond_edge(memory.kinematics)
+            for link, memory in zip(model.points.links, memories, strict=True)
+        ]
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch(model.points.count)
         self._looked: dict[int, tuple[Array, Observed]] = {}
@@ -113,7 +117,8 @@ class StepProblem:
             else:
                 seen.append(self._points.observe(number, u))
                 self._subtract_contact(number, seen[-1], residual)
-        residual[self._system.fixed] = 0.0
+        if len(self._system.fixed):
+            residual[self._system.fixed] = 0.0
         self._iterate = Iterate(u, seen)
         return residual
 
@@ -222,12 +227,11 @@ class StepProblem:
         One that the step begins with stays a point until its end: let go in the middle of a solve,
         it would lose the friction that keeps it from going.
         """
-        carrier = self._points.links[number].interface.carrier
-        if not carrier.has_edge:
+        before = self._beyond_before[number]
+        if before is None:
             return None
-        before = carrier.beyond_edge(self._balance.contact[number].kinematics)
-        now = carrier.beyond_edge(kinematics)
-        return None if before is None or now is None else before & now
+        now = self._points.links[number].interface.carrier.beyond_edge(kinematics)
+        return None if now is None else before & now
 
     def near(self, y: Array, beyond: Mask | None) -> Indices:
         """Numbers of the points that may be in contact at augmented positions y.
