@@ -120,6 +120,26 @@ class Layer:
             self.counts = np.array(comm.allgather(len(local)))
             self.order = np.concatenate(comm.allgather(position)).astype(np.int64)
 
+    def numbers(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Where nodes of the layer stand in what `reached` and `room` give."""
+        return self.index[nodes] if self.comm.size == 1 else nodes
+
+    def reached(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of all nodes, (n, ...), from those of the owned ones; on one rank without a copy.
+
+        On several ranks they are those of the layer.
+        """
+        return values if self.comm.size == 1 else self.gather(values)
+
+    def room(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where to add what belongs to owned nodes, (n, ...); `put` then takes it over."""
+        return target if self.comm.size == 1 else np.zeros((self.size, *target.shape[1:]))
+
+    def put(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Add to a target what `room` gave for it, where it is not the target itself."""
+        if values is not target:
+            self.add(target, values)
+
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the layer, (size, ...), from those of the owned nodes, (n, ...)."""
         if self.comm.size == 1:

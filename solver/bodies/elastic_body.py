@@ -7,6 +7,7 @@ and belong to the whole thickness.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 from petsc4py import PETSc
 
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import momenta, move_on
+from solver.bodies.kernels.momenta import momenta, move_on, turn_all
+from solver.bodies.kernels.rotation import best_rotation
 from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
@@ -80,8 +82,6 @@ class ElasticBody:
         self.size, self.unknowns = self.owned * d, dofs.index_map.size_global * d
         self.u, self.u_old = fem.Function(self.space, name="displacement"), fem.Function(self.space)
         self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
-        # Views that are kept: asking dolfinx for one costs as much as copying the values.
-        self._new, self._old = ((function, function.x.array) for function in (self.u, self.u_old))
         self._buffer = la.vector(dofs.index_map, dofs.index_map_bs)
         self._forces = self._buffer.array
 
@@ -155,7 +155,7 @@ class ElasticBody:
         matrix.mult(*self._product)
         return self._image.copy()
 
-    @property
+    @cached_property
     def inertia_tensor(self) -> Array:
         """Inertia tensor of the unrotated body in space about its centre, (3, 3), kg m2."""
         return np.trace(self._moment) * np.eye(self.dimension) - self._moment
@@ -170,9 +170,12 @@ class ElasticBody:
         if d == 2:
             spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
             return RigidMotion(moved, velocity, spin / self.polar_inertia, self.rotation(u))
-        turning, rotation = sums[2 * d :] - self.mass * np.cross(moved, velocity), self.rotation(u)
-        tensor = rotation @ self.inertia_tensor @ rotation.T
-        return RigidMotion(moved, velocity, np.linalg.solve(tensor, turning), rotation)
+        rotation, tensor = self.rotation(u), self.inertia_tensor
+        x, y, z = (float(value) for value in moved)
+        a, b, c = (float(value) for value in velocity)
+        own = self.mass * np.array([y * c - z * b, z * a - x * c, x * b - y * a])
+        spin = rotation @ np.linalg.solve(tensor, rotation.T @ (sums[2 * d :] - own))
+        return RigidMotion(moved, velocity, spin, rotation)
 
     def extrapolated(
         self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
@@ -192,7 +195,9 @@ class ElasticBody:
         """Nodal forces that turn with the body, by an angle or a rotation vector."""
         if self.clamped:
             return force
-        return (force.reshape(-1, self.dimension) @ turn(vector).T).ravel()
+        turned = np.empty_like(force)
+        turn_all(force, turn(vector), turned)
+        return turned
 
     @property
     def rigidity(self) -> float:
@@ -204,8 +209,12 @@ class ElasticBody:
         """The rotation R that fits the displacement u best, (d, d)."""
         if self.clamped:
             return self.identity
-        moment = u.reshape(-1, self.dimension).T @ self._moment_row
-        return polar_rotation(global_sum(self.comm, moment) + self._moment)
+        if self.comm.size > 1:
+            moment = u.reshape(-1, self.dimension).T @ self._moment_row
+            return polar_rotation(global_sum(self.comm, moment) + self._moment)
+        rotation = np.empty_like(self._moment)
+        best_rotation(u, self._moment_row, self._moment, rotation)
+        return rotation
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Fix what a step of length `dt` starts from."""
@@ -218,24 +227,17 @@ class ElasticBody:
 
     def begin(self, u_old: Array, weights: StrainWeights) -> None:
         """Fix what a step starts from: displacement at t_n and the weights of its stress."""
-        self._assign(self._old, u_old)
+        self._forms.begin(u_old)
         self._forms.weigh(weights)
-
-    def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
-        """Owned values into a function, ghosts from their owners."""
-        function, array = target
-        array[: self.size] = values
-        if self.comm.size > 1:
-            function.x.scatter_forward()
 
     def internal_force(self, u: Array, *, static: bool = False) -> Array:
         """Averaged internal force at displacement u: stress of averaged strain, midpoint gradient.
 
         With `static` the midpoint is the configuration itself.
         """
-        self._assign(self._new, u)
+        self._forms.place(u)
         if static:
-            self._assign(self._old, u)
+            self._forms.begin(u)
         return self._assembled(self._forms.force)
 
     def _assembled(self, form: PackedForm) -> Array:
@@ -252,7 +254,7 @@ class ElasticBody:
         """
         if self._forms.viscous is None:
             return None
-        self._assign(self._new, u)
+        self._forms.place(u)
         return self.damping.stiffness / dt * self._assembled(self._forms.viscous)
 
     def settled(self, u: Array) -> Array:
@@ -288,12 +290,12 @@ class ElasticBody:
 
     def strain_energy(self, u: Array) -> float:
         """Integral of E:C:E/2 over this rank's cells at displacement u, J."""
-        self._assign(self._new, u)
-        return self._forms.strain_energy.scalar()
+        self._forms.place(u)
+        return self._forms.energy_at_end()
 
     def increment_energy(self, u: Array) -> float:
         """Integral of dE:C:dE over this rank's cells, J, dE from what `begin` was given to u."""
-        self._assign(self._new, u)
+        self._forms.place(u)
         return self._forms.increment_energy.scalar()
 
     def stiffen(self, interface: PETSc.Mat) -> None:
@@ -306,10 +308,8 @@ class ElasticBody:
 
         Whether it differs from what it was by enough to be taken.
         """
-        state, form = self._forms.strained_stiffness()
         shape = self.arm + u.reshape(-1, self.dimension)
-        self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
-        strained = form.matrix()
+        strained = self._forms.strained_stiffness((shape @ self.rotation(u) - self.arm).ravel())
         if not differs(strained, self.stiffness_matrix, self.material):
             return False
         self.stiffness_matrix = strained

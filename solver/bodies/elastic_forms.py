@@ -17,8 +17,9 @@ from petsc4py import PETSc
 import ufl
 from dolfinx import fem, mesh
 
-from solver.compat import PackedForm
+from solver.compat import CellValues, PackedForm
 from solver.scene.material import Material
+from solver.types import Array
 
 STRAINED_STIFFNESS_CHANGE = 0.1
 """Change of the stiffness by strain, times (lambda + 2 mu)/mu, from which on the tangent follows
@@ -58,6 +59,7 @@ class ElasticForms:
         """
         self._space, self._material = u.function_space, material
         domain = self._space.mesh
+        self._shared = domain.comm.size > 1
         self._weights = StrainWeights(new=1.0, old=0.0)
         values = (1.0, 0.0, material.lame, material.shear)
         self._new, self._old, self._lame, self._shear = (
@@ -79,6 +81,39 @@ class ElasticForms:
         self.strain_energy = PackedForm(0.5 * ufl.inner(strain, self._stress(strain)) * self._dx)
         self.increment_energy = PackedForm(ufl.inner(increment, self._stress(increment)) * self._dx)
         self._strained: tuple[fem.Function, PackedForm] | None = None
+        self._share_values((u, u_old))
+
+    def _share_values(self, functions: tuple[fem.Function, fem.Function]) -> None:
+        """Let all forms of both displacements read the same values, cell by cell."""
+        # Views that are kept: asking dolfinx for one costs as much as copying the values.
+        self._new_values, self._old_values = ((each, each.x.array) for each in functions)
+        self._both = CellValues(self.force.form, functions)
+        self._last = self.strain_energy.cells = CellValues(self.strain_energy.form, functions[:1])
+        for form in (self.force, self.viscous, self.increment_energy):
+            if form is not None:
+                form.cells = self._both
+
+    def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
+        """Owned values into a function and its array, ghosts from their owners."""
+        function, array = target
+        array[: len(values)] = values
+        if self._shared:
+            function.x.scatter_forward()
+
+    def place(self, u: Array) -> None:
+        """Let u be the owned unknowns at the end of the step."""
+        self._assign(self._new_values, u)
+        self._both.read(0)
+
+    def begin(self, u: Array) -> None:
+        """Let u be the owned unknowns at its start."""
+        self._assign(self._old_values, u)
+        self._both.read(1)
+
+    def energy_at_end(self) -> float:
+        """Strain energy at the end of the step, over this rank's cells, J."""
+        self._last.read(0)
+        return self.strain_energy.scalar()
 
     @property
     def _identity(self) -> Any:
@@ -111,15 +146,17 @@ class ElasticForms:
         dx = ufl.dx(self._space.mesh, metadata={"quadrature_degree": degree})
         return PackedForm(density * ufl.inner(trial, test) * dx).matrix()
 
-    def strained_stiffness(self) -> tuple[fem.Function, PackedForm]:
-        """The displacement (to be filled in) and the form of K at it; compiled once."""
+    def strained_stiffness(self, u: Array) -> PETSc.Mat:
+        """K of the body strained by a displacement of its owned unknowns, assembled."""
         if self._strained is None:
             state, trial = fem.Function(self._space), ufl.TrialFunction(self._space)
             gradient = ufl.grad(state)
             stress = (self._identity + gradient) * self._stress(green_strain(gradient))
             force = ufl.inner(stress, ufl.grad(ufl.TestFunction(self._space))) * self._dx
             self._strained = state, PackedForm(ufl.derivative(force, state, trial))
-        return self._strained
+        state, form = self._strained
+        self._assign((state, state.x.array), u)
+        return form.matrix()
 
 
 def differs(strained: PETSc.Mat, stiffness: PETSc.Mat, material: Material) -> bool:

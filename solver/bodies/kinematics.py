@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.bodies.kernels.rotation import polar_factor, turn_by, vector_of
+
 
 class RigidMotion(NamedTuple):
     """Motion of a body as a whole."""
@@ -29,15 +31,9 @@ def polar_rotation(moment: NDArray[np.float64]) -> NDArray[np.float64]:
     `moment` = sum of m x (X - X_mean)^T over a body, x current and X reference positions; the
     result is the mass-weighted best-fit rotation of the body (Kabsch 1976).
     """
-    if moment.shape == (2, 2):
-        first, second, third, fourth = moment.ravel().tolist()
-        c, s = first + fourth, third - second
-        length = (c * c + s * s) ** 0.5
-        c, s = c / length, s / length
-        return np.array([[c, -s], [s, c]])
-    left, _, right = np.linalg.svd(moment)
-    left[:, -1] *= np.sign(np.linalg.det(left @ right))
-    return left @ right
+    rotation = np.empty_like(moment)
+    polar_factor(moment, rotation)
+    return rotation
 
 
 def lean(rotation: NDArray[np.float64]) -> float:
@@ -52,16 +48,14 @@ def unwrap(angle: float, previous: float) -> float:
 
 def turn(vector: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rotation by an angle (1,), clockwise, or by a rotation vector in space (3,), rad."""
-    if len(vector) == 1:
-        c, s = math.cos(vector[0]), math.sin(vector[0])
-        return np.array([[c, s], [-s, c]])
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_rotvec(vector).as_matrix())
+    d = 2 if len(vector) == 1 else 3
+    rotation = np.empty((d, d))
+    turn_by(vector, rotation)
+    return rotation
 
 
 def rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rotation vector of a rotation in space, rad: along its axis, as long as its angle."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_matrix(rotation).as_rotvec())
+    vector = np.empty(3)
+    vector_of(rotation, vector)
+    return vector

@@ -13,7 +13,15 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.kernels.nitsche import NitscheState, TractionPull
+from solver.contact.kernels.nitsche import (
+    NitscheState,
+    TractionPull,
+    add_contact_forces,
+    add_point_forces,
+    evaluate,
+    new_state,
+    point_values,
+)
 from solver.contact.nitsche_points import ContactPoints
 from solver.parallel import Layer
 from solver.types import Array, Indices
@@ -156,26 +164,34 @@ class NitschePoints:
         self.body, self.points = body, points
         self.count, self.dimension = points.count, points.dimension
         self.reference, self.size = points.reference, points.size
+        self._layer = points.layer
+        self._rows = points.rows._replace(nodes=points.layer.numbers(points.rows.nodes))
 
     def observe(self, u: Array | None) -> NitscheState:
         """Positions and tractions for the owned unknowns u."""
         assert u is not None
-        return self.points.evaluate(self.points.layer.gather(u.reshape(-1, self.dimension)))
+        state = new_state(self._rows)
+        evaluate(self._rows, self._layer.reached(u.reshape(-1, self.dimension)), state)
+        return state
 
     def velocity(self, u: Array | None, v: Array | None) -> Array:
         """Velocities of the points."""
         assert u is not None and v is not None
-        nodes = self.points.layer.gather(v.reshape(-1, self.dimension))
-        return np.asarray(self.points.values @ nodes)
+        velocity = np.empty_like(self.reference)
+        point_values(self._rows, self._layer.reached(v.reshape(-1, self.dimension)), velocity)
+        return velocity
 
     def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the points, and `pull` times the traction's derivative, to the forces."""
         old, new, force, pull = forces
-        nodal = self.points.values_T @ force
-        if pull is not None:
+        owned = target.reshape(-1, self.dimension)
+        nodal = self._layer.room(owned)
+        if pull is None:
+            add_point_forces(self._rows, force, nodal)
+        else:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
-            self.points.add_traction_forces(nodal, old, new, pull)
-        self.points.layer.add(target.reshape(-1, self.dimension), nodal)
+            add_contact_forces(self._rows, old, new, force, pull, nodal)
+        self._layer.put(owned, nodal)
 
 
 FacePoints = NodePoints | RigidPoints | FixedPoints

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from solver.contact.kernels.corners import choose_points, exclude_groups
 from solver.types import Array, Indices, Mask
 
 SAME_PLACE = 9
@@ -24,26 +25,23 @@ class CornerPoints:
         _, group = np.unique(np.round(places, SAME_PLACE), axis=0, return_inverse=True)
         members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
         self._groups = [each for each in members if len(each) > 1]
-        self._normal = normal
+        self._normal = np.ascontiguousarray(normal)
+        self._member = np.array([p for each in self._groups for p in each], dtype=np.int64)
+        self._first = np.cumsum([0, *map(len, self._groups)], dtype=np.int64)
 
     def chosen(self, rotation: Array, towards: Array) -> Mask:
         """The points that may touch: one of each corner, and all that share no place.
 
         The body has turned by a rotation (d, d); `towards` is the normal of the carrier, (d,).
         """
-        mask = np.ones(len(self._normal), dtype=bool)
-        if self._groups:
-            facing = self._normal @ rotation.T @ towards
-            for corner in self._groups:
-                mask[corner] = False
-                mask[corner[np.argmin(facing[corner])]] = True
+        mask = np.empty(len(self._normal), dtype=np.bool_)
+        choose_points(self._member, self._first, self._normal, rotation, towards, mask)
         return mask
 
     def closed_to_all(self, may_touch: Mask) -> Mask:
         """Points that may not touch, but for those at whose corner another one may."""
-        outside = ~may_touch
-        for corner in self._groups:
-            outside[corner] = not may_touch[corner].any()
+        outside = np.empty_like(may_touch)
+        exclude_groups(self._member, self._first, may_touch, outside)
         return outside
 
     def moves(self, before: Mask, after: Mask) -> Iterator[tuple[int, int]]:

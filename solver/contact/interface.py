@@ -235,8 +235,8 @@ class Interface:
             sign: 1, or -1 to subtract the term.
         """
         old = sign * (1.0 - traction_weight) if traction_weight else 0.0
-        pressure = force @ self.carrier.frame
-        return TractionPull(self._pull_scale, self.weight, pressure, old, sign * traction_weight)
+        frame, new = self.carrier.frame, sign * traction_weight
+        return TractionPull(self._pull_scale, self.weight, force, frame, old, new)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.

@@ -87,14 +87,12 @@ def _turn_face(
     Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
     """
     face.rotate_frame(rotation)
-    turned = replace(
-        memory, kinematics=face.kinematics(memory.surface.position, memory.kinematics.carrier)
-    )
-    apart = memory.force[:, 0] <= 0
+    kinematics = face.kinematics(memory.surface.position, memory.kinematics.carrier)
+    apart, anchor = memory.force[:, 0] <= 0, memory.anchor
     if apart.any():  # the foot of a point that is away from the face moves as the face turns
-        y = interface.augmented(turned.surface, turned.kinematics)
-        anchor = np.where(apart[:, None], y[:, 1:], memory.anchor)
-        turned = replace(turned, anchor=anchor)
+        y = interface.augmented(memory.surface, kinematics)
+        anchor = np.where(apart[:, None], y[:, 1:], anchor)
+    turned = replace(memory, kinematics=kinematics, anchor=anchor)
     return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(
         turned
     )

@@ -18,7 +18,7 @@ from solver.contact.kernels.nitsche import (
     NitscheState,
     SurfaceRows,
     TractionPull,
-    add_traction_forces,
+    add_contact_forces,
     add_traction_gradient,
     evaluate,
     new_state,
@@ -59,7 +59,12 @@ def compact(matrix: sp.spmatrix) -> Any:
 
 
 class ContactPoints:
-    """The points of a surface, and the linear maps between them and the unknowns of its layer."""
+    """The points of a surface, and the linear maps between them and the unknowns of its layer.
+
+    Attributes:
+        rows: What turns displacements of the layer's nodes into positions and tractions.
+        values_T: Forces on these nodes by those at the points, for all directions alike.
+    """
 
     def __init__(
         self,
@@ -93,8 +98,8 @@ class ContactPoints:
         values = sp.csr_matrix(average @ _node_rows(table, shape_functions, layer))
         values.eliminate_zeros()  # what tabulation leaves at other nodes
         self._sparse = average, values, _gradient_rows(table, layer)
-        self.values, self.values_T = compact(values), compact(values.T)
-        self._rows = SurfaceRows(
+        self.values_T = compact(values.T)
+        self.rows = SurfaceRows(
             nodes=np.ascontiguousarray(table.nodes, dtype=np.int64),
             values=np.ascontiguousarray(shape_functions),
             gradients=np.ascontiguousarray(table.gradients),
@@ -110,20 +115,15 @@ class ContactPoints:
         """Let what is compiled be compiled, or read what was kept, before time counts."""
         at_rest = np.zeros((self.layer.size, self.dimension))
         state, nothing = self.evaluate(at_rest), np.zeros(self.count)
-        pull = TractionPull(nothing, self.weight, np.zeros_like(state.traction), 0.5, 0.5)
-        self.add_traction_forces(at_rest, state, state, pull)
+        unloaded, frame = np.zeros_like(state.traction), np.eye(self.dimension)
+        pull = TractionPull(nothing, self.weight, unloaded, frame, 0.5, 0.5)
+        add_contact_forces(self.rows, state, state, unloaded, pull, at_rest)
 
     def evaluate(self, displacement: Array) -> NitscheState:
         """Positions and tractions for the displacements (nodes, d) of the layer."""
-        state = new_state(self._rows)
-        evaluate(self._rows, displacement, state)
+        state = new_state(self.rows)
+        evaluate(self.rows, displacement, state)
         return state
-
-    def add_traction_forces(
-        self, nodal: Array, old: NitscheState, new: NitscheState, pull: TractionPull
-    ) -> None:
-        """Add `pull` times the discrete gradient of the traction to nodal forces, (nodes, d)."""
-        add_traction_forces(self._rows, old, new, pull, nodal)
 
     def traction_gradient(self, old: NitscheState, new: NitscheState, vector: Array) -> Array:
         """Nodal values of `vector`.DT[v], (nodes, d), with one vector per point, (points, d).
@@ -131,7 +131,7 @@ class ContactPoints:
         DT is the discrete gradient of the traction between two states.
         """
         nodal = np.zeros((self.layer.size, self.dimension))
-        add_traction_gradient(self._rows, old, new, vector, nodal)
+        add_traction_gradient(self.rows, old, new, vector, nodal)
         return nodal
 
     def traction_rows(self) -> sp.csr_matrix:

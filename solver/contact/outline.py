@@ -41,6 +41,7 @@ class Outline:
                 lengths.append(place[k + degree] - place[k])
             corners.append(int(chain[0]))
         self.corners: Indices = np.array(corners)
+        self._ends: Indices = np.roll(self.corners, -1)
         self._pieces: Indices = np.array(pieces, dtype=np.int64)
         self._begins, self._lengths = np.array(begins), np.array(lengths)
         self._first = np.searchsorted(self._begins, np.arange(4.0))
@@ -48,8 +49,7 @@ class Outline:
 
     def chords(self, position: Array) -> Array:
         """From end to end of each edge, (4, 3), for positions of the nodes."""
-        ends = position[self.corners]
-        return np.roll(ends, -1, axis=0) - ends
+        return position.take(self._ends, axis=0) - position.take(self.corners, axis=0)
 
     def locate(self, edge: Indices, fraction: Array) -> tuple[Indices, Array]:
         """Segments and places on them at fractions of the lengths of edges, and beyond their ends.

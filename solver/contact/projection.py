@@ -2,54 +2,74 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
+from solver.contact.kernels.chain import Feet
+from solver.contact.kernels.way import add_spread, interpolated
 from solver.types import Array, Indices, Mask
 
 
-@dataclass(frozen=True, slots=True)
 class Interpolation:
-    """Places between the nodes of a surface."""
+    """Places between the nodes of a surface.
 
-    nodes: Indices
-    """Nodes around each place, (m, k)."""
-    weights: Array
-    """Shape functions N there, (m, k)."""
+    Attributes:
+        nodes: Nodes around each place, (m, k).
+        weights: Shape functions N there, (m, k).
+    """
+
+    __slots__ = ("nodes", "weights")
+
+    def __init__(self, nodes: Indices, weights: Array):
+        """Take nodes and shape functions."""
+        self.nodes, self.weights = nodes, weights
 
     def carried(self, values: Array) -> Array:
         """N x: what nodal values x, (n, d), are at the places, (m, d)."""
-        return (self.weights[:, None, :] @ values[self.nodes])[:, 0]
+        found = np.empty((len(self.nodes), values.shape[1]))
+        interpolated(self.nodes, self.weights, values, found)
+        return found
 
 
-@dataclass(frozen=True, slots=True)
 class Projection(Interpolation):
     """Where points stand on the facets of a face: their feet."""
 
-    along: Array
-    """Tangential position s in the undeformed face, (m, d-1), m."""
-    slope: Array
-    """Rise of the face along the tangents of the frame, (m, d-1); blended with that of the next
-    facet where facets meet, so that it is continuous."""
-    stretch: Array
-    """Current over undeformed tangential lengths, likewise, (m, d-1, d-1)."""
-    beyond_edge: Mask
-    """Feet beyond the edge of the face, (m,)."""
+    __slots__ = ("feet",)
+
+    def __init__(self, feet: Feet):
+        """Take the feet as arrays."""
+        super().__init__(feet.nodes, feet.weights)
+        self.feet = feet
+
+    @property
+    def beyond_edge(self) -> Mask:
+        """Feet beyond the edge of the face, (m,)."""
+        return self.feet.beyond_edge
 
 
-@dataclass(frozen=True, slots=True)
 class EdgeInterpolation(Interpolation):
-    """Places on the edges of a face."""
+    """Places on the edges of a face.
 
-    segment: Indices
-    """Number of the segment, (m,)."""
-    where: Array
-    """Place on it, 0 to 1, (m,)."""
-    position: Array
-    """Where the nodes are, (n, 3), m."""
+    Attributes:
+        segment: Number of the segment, (m,).
+        where: Place on it, 0 to 1, (m,).
+        position: Where the nodes are, (n, 3), m.
+    """
+
+    __slots__ = ("position", "segment", "where")
+
+    def __init__(
+        self, nodes: Indices, weights: Array, segment: Indices, where: Array, position: Array
+    ):
+        """Take the places on the segments."""
+        super().__init__(nodes, weights)
+        self.segment, self.where, self.position = segment, where, position
+
+    def at(self, position: Array) -> EdgeInterpolation:
+        """The same places between nodes that are elsewhere, (n, 3), m."""
+        return EdgeInterpolation(self.nodes, self.weights, self.segment, self.where, position)
 
 
 class ContactKinematics(NamedTuple):
@@ -71,10 +91,8 @@ class ContactKinematics(NamedTuple):
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:
     """Forces at places as forces on the nodes (count, d): half at each of two instants."""
     target = np.zeros((count, vectors.shape[1]))
-    pressed = np.flatnonzero(vectors.any(axis=1))
     for places in (first, last):
-        share = 0.5 * places.weights[pressed, :, None] * vectors[pressed, None, :]
-        np.add.at(target, places.nodes[pressed], share)
+        add_spread(places.nodes, places.weights, 0.5, vectors, target)
     return target
 
 

@@ -151,6 +151,24 @@ def correct_impulses(
     return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
 
 
+@compiled
+def slip_reversal(friction: Array, velocity: Array) -> float:
+    """Speed at which points slip back at the end of a step, m/s, a mean over their friction.
+
+    Friction opposes the slip of the step as a whole. Where the slip turned round within the step,
+    friction drives what it should by now oppose. 0 where it does not.
+
+    Args:
+        friction: Tangential forces of closed points, (m, d - 1), N.
+        velocity: Their tangential velocities at the end of the step, (m, d - 1), m/s.
+    """
+    power = total = 0.0
+    for p in range(len(friction)):
+        power += float(np.sum(friction[p] * velocity[p]))
+        total += math.sqrt(np.sum(friction[p] ** 2))
+    return power / total if power > 0.0 else 0.0
+
+
 def impulse_correction(
     local: LocalProblem, velocity: Array, W: Array, impulse: Array, bounds: Bounds, taken: float
 ) -> ImpulseCorrection | None:

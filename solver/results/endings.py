@@ -112,20 +112,20 @@ def beyond_return(history: Columns, block: BlockSpec) -> Mask:
 
 def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block moves down, off what carried it; never in the first one."""
-    own = boxes(history, block)
-    level = own.centres[:, -1]
+    middle = centres(history, block.name)
+    level = middle[:, -1]
     falls = np.diff(level, prepend=level[:1]) < 0
     if not falls.any():
         return falls
     carrier, half = _carrier(scene, history, block)
     inwards = np.swapaxes(carrier.frames, 1, 2)
-    place = np.einsum("nij,nj->ni", inwards, own.centres - carrier.centres)
+    place = np.einsum("nij,nj->ni", inwards, middle - carrier.centres)
     aside, height = np.abs(place[:, :-1]), place[:, -1]
     # Only where its centre is off the top, too.
     falls &= (height < 0) | (aside > half).any(axis=1)
     if not falls.any():
         return falls
-    reach = own.reach(inwards)
+    reach = boxes(history, block).reach(inwards)
     below = height + reach[:, -1] <= 0
     beside = (aside - reach[:, :-1] >= half).any(axis=1) & (height < reach[:, -1])
     return np.asarray(falls & (below | beside))

@@ -36,7 +36,7 @@ class BlockObserver:
     ):
         """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
-        self._own = stepper.system.slices[member.number]
+        self._own, self._shape = stepper.system.slices[member.number], member.spec.shape
         self._angles = np.zeros(1 if stepper.system.dimension == 2 else 4)
         self._slip = np.zeros(stepper.system.dimension - 1)
         self._interface = self._link.interface
@@ -128,7 +128,7 @@ class BlockObserver:
 
     def _write_motion(self, state: State, row: Array) -> None:
         """The columns that follow from the motion of the block as a whole."""
-        body, shape, angles = self._member.body, self._member.spec.shape, self._angles
+        body, shape, angles = self._member.body, self._shape, self._angles
         moved, velocity, spin, rotation = state.rigid_motion(
             self._stepper.system, self._member.number
         )

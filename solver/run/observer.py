@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
 
 import numpy as np
 
@@ -21,8 +22,14 @@ from solver.run.block_observer import BlockObserver
 from solver.stepping.state import Exchange, State
 from solver.types import Array
 
+STORED = ("kinetic", "strain", "gravity", "spring", "interface")
+"""Energies that a state stores, in the order in which they are added up."""
+
 EXCHANGED = ("input", *DISSIPATED_ENERGIES)
 """What a step takes in and dissipates: the fields of an `Exchange`."""
+
+
+_EXCHANGED = attrgetter(*EXCHANGED)
 
 
 class Observer:
@@ -53,7 +60,10 @@ class Observer:
             member.body.mass * float(self._stepper.gravity @ member.body.centre)
             for member in assembly.members
         )
-        self._exchanged = dict.fromkeys(EXCHANGED, 0.0)
+        self._exchanged = np.zeros(len(EXCHANGED))
+        at = positions("energy", d)
+        energies = *STORED, *EXCHANGED, "total", "ledger_error"
+        self._energies = [getattr(at, f"{name}_J") for name in energies]
         self._start: float | None = None
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
@@ -79,30 +89,22 @@ class Observer:
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:
             check_filled(self._columns, row[None])
-        return [float(value) for value in row[self._written]]
+        return list(map(float, row.take(self._written)))
 
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""
         stepper, system = self._stepper, self._stepper.system
         moved = global_sum(system.comm, system.directional_mass @ state.u)
-        stored = {
-            "kinetic": state.kinetic,
-            "strain": state.strain,
-            "gravity": -self._at_rest - float(stepper.gravity @ moved),
-            "spring": state.spring,
-            "interface": stepper.interface_energy(state),
-        }
-        for name in EXCHANGED:
-            self._exchanged[name] += getattr(exchange, name)
-        taken, lost = self._exchanged["input"], [self._exchanged[name] for name in EXCHANGED[1:]]
-        total = sum(stored.values())
+        gravity = -self._at_rest - float(stepper.gravity @ moved)
+        interface = stepper.interface_energy(state)
+        stored = state.kinetic, state.strain, gravity, state.spring, interface
+        self._exchanged += _EXCHANGED(exchange)
+        taken, *lost = self._exchanged.tolist()
+        total = sum(stored)
         if self._start is None:
             self._start = total
-        at = positions("energy", system.dimension)
-        for name, value in {**stored, **self._exchanged}.items():
-            row[getattr(at, f"{name}_J")] = value
-        row[at.total_J] = total
-        row[at.ledger_error_J] = total - self._start - taken + sum(lost)
+        error = total - self._start - taken + sum(lost)
+        row[self._energies] = [*stored, taken, *lost, total, error]
 
 
 class PlatformObserver:

@@ -71,7 +71,10 @@ class Balance(NamedTuple):
         """Out-of-balance force at the displacement u (m) without that of contact, N."""
         residual = self.constant.copy()
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
-        travel = None if self.way is None else u - self.start - self.way
+        travel = None
+        if self.way is not None:
+            travel = u - self.start
+            travel -= self.way
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
             part = residual[own]
             internal = body.internal_force(u[own], static=self.static)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
-
-import numpy as np
 
 
 class IterationVerdict(IntEnum):
@@ -80,7 +79,7 @@ class Convergence:
         """The verdict after an iteration."""
         past = record.residuals
         residual, iterations = past[-1], len(past) - 1
-        if not np.isfinite(residual):
+        if not math.isfinite(residual):
             return IterationVerdict.NOT_A_NUMBER
         if iterations == 0:
             # Forces that balance need not obey the contact law of this step: correct at least once.

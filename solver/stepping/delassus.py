@@ -194,10 +194,8 @@ def assembled(
         for response, configuration in zip(responses, configurations, strict=True)
     ]
     added = np.zeros(m) if softening is None else softening.at(near, W)
-    diagonal = softness[near.number] + added
-    number = np.arange(m)
-    for k in range(d):
-        W[number, k, number, k] += diagonal
+    diagonal = W.reshape(-1)[:: m * d + 1].reshape(m, d)
+    diagonal += (softness.take(near.number) + added)[:, None]
     if beds is not None:
-        W[number, 0, number, 0] += beds.softness[near.number]
+        diagonal[:, 0] += beds.softness.take(near.number)
     return Delassus(key, configurations, near, couplings, W, added)

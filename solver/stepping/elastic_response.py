@@ -11,15 +11,17 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import polar_rotation
 from solver.contact.kernels.turned import (
     add_compliance,
+    add_loads,
     add_motion,
     add_places,
     free_step,
     into_frame,
     largest_change,
+    mark_ports,
     middle_shift,
     point_vectors,
 )
-from solver.contact.projection import ContactKinematics
+from solver.contact.projection import ContactKinematics, Interpolation
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance
 from solver.stepping.response import BodyRole, CandidateSet
@@ -57,6 +59,11 @@ class ElasticCoupling(NamedTuple):
     load: Array | None
 
 
+def _unspread(count: int) -> Interpolation:
+    """Points that are a body's own ports, each as a place with the whole weight of one."""
+    return Interpolation(np.arange(count)[:, None], np.ones((count, 1)))
+
+
 class ElasticResponse:
     """Response of a meshed body, K^-1 = R (K_0^-1 + S) R_m^T, from one factorization of K_0.
 
@@ -79,6 +86,8 @@ class ElasticResponse:
         """
         self.body, self.compliance, self.sides, self._inertia = body, compliance, sides, inertia
         self._simple = len(sides) == 1 and not sides[0].carries
+        self._itself = [_unspread(side.points.count) for side in sides]
+        self._ports = sum(side.points.count for side in sides)
         self._unshifted = np.zeros((body.dimension, body.dimension))
         unturned = np.eye(body.dimension)
         self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
@@ -147,8 +156,10 @@ class ElasticResponse:
         C: Any = self.compliance.among(coupling.ports).matrix.reshape(count, d, count, d)
         share = np.ones(count)
         if load is not None:
-            C = np.tensordot(np.tensordot(load, C, 1), load, ([2], [1]))
-            C, share = np.ascontiguousarray(C.swapaxes(2, 3)), load.sum(axis=1)
+            m, share = len(load), load.sum(axis=1)
+            half = (load @ C.reshape(count, -1)).reshape(m * d, count, d).swapaxes(1, 2)
+            whole = half.reshape(m * d * d, count) @ load.T
+            C = np.ascontiguousarray(whole.reshape(m, d, d, m).swapaxes(2, 3))
         turns = at.rotation, at.middle
         add_compliance(W, weight, near.frames, turns, C, share, at.shift)
         return coupling
@@ -159,23 +170,20 @@ class ElasticResponse:
             side = self.sides[0]
             if side.first == 0 and near.number[-1] < side.count:
                 return ElasticCoupling(near.number, None)
-        entries: list[tuple[Indices, Indices, Array]] = []
-        for number, places, own in near.members(self.sides):
-            side = self.sides[number]
-            spots = side.spots(near.kinematics)
-            if spots is None:
-                entries.append((places, side.port + own, np.full(len(own), side.sign)))
-            else:
-                nodes, weights = spots.nodes[own], side.sign * spots.weights[own]
-                rows = np.repeat(places, nodes.shape[1])
-                entries.append((rows, side.port + nodes.ravel(), weights.ravel()))
-        if not entries:
-            return ElasticCoupling(np.empty(0, dtype=np.int64), np.empty((len(near.number), 0)))
-        rows, ports, weights = (np.concatenate(part) for part in zip(*entries, strict=True))
-        used, column = np.unique(ports, return_inverse=True)
-        load = np.zeros((len(near.number), len(used)))
-        np.add.at(load, (rows, column), weights)
-        return ElasticCoupling(used, load)
+        parts = []
+        used = np.zeros(self._ports, dtype=np.bool_)
+        for side, itself in zip(self.sides, self._itself, strict=True):
+            spots = side.spots(near.kinematics) or itself
+            parts.append((side.first, side.count, side.port, spots.nodes))
+            mark_ports(near.number, *parts[-1], used)
+        ports = used.nonzero()[0]
+        column = np.zeros(self._ports, dtype=np.int64)
+        column[ports] = np.arange(len(ports))
+        load = np.zeros((len(near.number), len(ports)))
+        for side, itself, part in zip(self.sides, self._itself, parts, strict=True):
+            spots = side.spots(near.kinematics) or itself
+            add_loads(near.number, *part, side.sign * spots.weights, column, load)
+        return ElasticCoupling(ports, load)
 
     def respond(
         self,

@@ -43,10 +43,14 @@ class FrictionBounds:
         pairs = zip(points.links, self._pasts, strict=True)
         self.bounds = [link.interface.bounds(past) for link, past in pairs]
         # The coefficients follow the speed that is told, not that of the last step.
-        self.bounds = self._at_speed(self._speed)
+        if glued or not self.steady:
+            self.bounds = self._at_speed(self._speed)
 
     def at(self, near: Indices) -> Bounds:
         """Bounds of some points."""
+        if len(self.bounds) == 1:
+            (bounds,) = self.bounds
+            return Bounds(bounds.mu.take(near), bounds.cohesion.take(near))
         mu = joined([bounds.mu for bounds in self.bounds])
         cohesion = joined([bounds.cohesion for bounds in self.bounds])
         return Bounds(mu.take(near), cohesion.take(near))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,8 +12,8 @@ from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Factorization
 from solver.contact.projection import in_frames
 from solver.law.friction import Bounds
-from solver.law.local_problem import LocalProblem
-from solver.law.velocity import impulse_correction
+from solver.law.local_problem import LocalProblem, image
+from solver.law.velocity import impulse_correction, slip_reversal
 from solver.stepping.contact_forces import Contact
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet
@@ -34,20 +35,6 @@ class VelocityCorrection(NamedTuple):
     contact: float
     friction: float
     reversal: float
-
-
-def slip_reversal(friction: Array, velocity: Array) -> float:
-    """Speed at which points slip back at the end of a step, m/s, a mean over their friction.
-
-    Friction opposes the slip of the step as a whole. Where the slip turned round within the step,
-    friction drives what it should by now oppose. 0 where it does not.
-
-    Args:
-        friction: Tangential forces of closed points, (m, d - 1), N.
-        velocity: Their tangential velocities at the end of the step, (m, d - 1), m/s.
-    """
-    power = float(np.sum(friction * velocity))
-    return power / float(np.linalg.norm(friction, axis=1).sum()) if power > 0 else 0.0
 
 
 class MassOperator(NamedTuple):
@@ -104,28 +91,29 @@ class VelocityImpulses:
         operator = self._operator(closed, u, contacts)
         mu = joined([contact.bounds.mu for contact in contacts])
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
-        bounds = Bounds(mu[closed], dt * cohesion[closed])
-        velocity, W = self._velocity(u, v, contacts)[closed], operator.W
+        bounds = Bounds(mu.take(closed), dt * cohesion.take(closed))
+        velocity, W = self._velocity(u, v, contacts).take(closed, axis=0), operator.W
         if self._points.has_bed:
             velocity, W = self._held_by_beds(closed, velocity, W)
-        impulse = dt * force[closed]
-        found = impulse_correction(self._local, velocity, W, impulse, bounds, taken)
+        pressed = force.take(closed, axis=0)
+        found = impulse_correction(self._local, velocity, W, dt * pressed, bounds, taken)
         if found is None:
             return None
-        after = velocity + np.tensordot(operator.W, found.q.reshape(velocity.shape), 2)
+        after = velocity + image(operator.W, found.q)
         return VelocityCorrection(
             change=self._change(operator, found.q),
             contact=found.contact,
             friction=found.friction,
-            reversal=self._reversal(closed, force[closed, 1:], after[:, 1:]),
+            reversal=self._reversal(closed, pressed[:, 1:], after[:, 1:]),
         )
 
     def _reversal(self, closed: Indices, friction: Array, velocity: Array) -> float:
         """The largest slip reversal of an interface, m/s; rows are those of closed points."""
-        ends = np.cumsum([link.interface.count for link in self.links])
-        parts = np.searchsorted(closed, ends[:-1])
-        pairs = zip(np.split(friction, parts), np.split(velocity, parts), strict=True)
-        return max(slip_reversal(*pair) for pair in pairs)
+        if len(self._points.own) == 1:
+            return slip_reversal(friction, velocity)
+        ends = closed.searchsorted([0, *(own.stop for own in self._points.own)])
+        parts = [slice(*pair) for pair in pairwise(ends)]
+        return max(slip_reversal(friction[part], velocity[part]) for part in parts)
 
     def _held_by_beds(self, closed: Indices, velocity: Array, W: Array) -> tuple[Array, Array]:
         """Velocities and W of closed points for which normal impulses on beds stay as they are.

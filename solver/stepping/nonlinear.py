@@ -124,8 +124,9 @@ class NonlinearSolver:
         self._shell.setUp()
         self._correction = Correction(failure)
         self.snes = self._set_up(comm, options)
-        self._tolerance = self.snes.getTolerances()[1]
-        """The user's absolute tolerance, N; 0 where options name none."""
+        self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
+        """The user's tolerances: of the residual relative and absolute, N, and of a correction; the
+        absolute one is 0 where options name none."""
         self._tolerances = IterationTolerances(0.0, 0.0, 0.0)
 
     def _set_up(self, comm: MPI.Intracomm, options: Sequence[str]) -> PETSc.SNES:
@@ -163,7 +164,7 @@ class NonlinearSolver:
         """Residual, called by SNES; not a number where the unknowns are past all geometry."""
         assert self._problem is not None
         try:
-            r.array[:] = self._problem.residual(x.array_r)
+            r.array[:] = self._problem.residual(x.array_r.copy())
         except np.linalg.LinAlgError:  # no exception may pass through PETSc
             r.array[:] = np.nan
 
@@ -199,9 +200,9 @@ class NonlinearSolver:
         """
         self._problem = problem
         self._correction.begin(problem)
-        self.snes.setTolerances(atol=self._tolerance or tolerance)
-        relative, absolute, smallest, _ = self.snes.getTolerances()
-        self._tolerances = IterationTolerances(absolute, relative, smallest)
+        absolute = self._tolerance or tolerance
+        self.snes.setTolerances(atol=absolute)
+        self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
         self._x.array[:] = unknowns
         with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
             self.snes.solve(None, self._x)

@@ -93,8 +93,13 @@ class StepProblem:
         if model.softening is not None and not balance.static:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
+        self._beyond_before = [
+            link.interface.carrier.beyond_edge(memory.kinematics)
+            for link, memory in zip(model.points.links, memories, strict=True)
+        ]
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch(model.points.count)
+        self._looked: dict[int, tuple[Array, Observed]] = {}
         self._asleep = [not balance.static and self._far(k, guess) for k in range(len(memories))]
         self._iterate = Iterate(guess, ())
         self._configurations: Sequence[Any] = ()
@@ -112,7 +117,8 @@ class StepProblem:
             else:
                 seen.append(self._points.observe(number, u))
                 self._subtract_contact(number, seen[-1], residual)
-        residual[self._system.fixed] = 0.0
+        if len(self._system.fixed):
+            residual[self._system.fixed] = 0.0
         self._iterate = Iterate(u, seen)
         return residual
 
@@ -203,12 +209,14 @@ class StepProblem:
         beyond: Mask | None = None
         for number, (surface, kinematics) in enumerate(self._iterate.seen):
             parts.append(points.links[number].interface.augmented(surface, kinematics))
-            off = True if self._asleep[number] else self._beyond_edge(number, kinematics)
-            if off is not None and np.any(off):
+            off = self._beyond_edge(number, kinematics)
+            if self._asleep[number]:
+                off = np.ones(len(kinematics.place), dtype=np.bool_)
+            if off is not None and off.any():
                 if beyond is None:
                     beyond = np.zeros(points.count, dtype=bool)
                 beyond[points.own[number]] = off
-        y = parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+        y = np.concatenate(parts)
         if self._beds is not None:
             y[:, 0] += self._beds.offset
         return y, self._edges.settled(beyond)
@@ -219,10 +227,11 @@ class StepProblem:
         One that the step begins with stays a point until its end: let go in the middle of a solve,
         it would lose the friction that keeps it from going.
         """
-        carrier = self._points.links[number].interface.carrier
-        before = carrier.beyond_edge(self._balance.contact[number].kinematics)
-        now = carrier.beyond_edge(kinematics)
-        return None if before is None or now is None else before & now
+        before = self._beyond_before[number]
+        if before is None:
+            return None
+        now = self._points.links[number].interface.carrier.beyond_edge(kinematics)
+        return None if now is None else before & now
 
     def near(self, y: Array, beyond: Mask | None) -> Indices:
         """Numbers of the points that may be in contact at augmented positions y.
@@ -299,7 +308,8 @@ class StepProblem:
 
     def _clearance(self, number: int, u: Array) -> float:
         """Smallest gap of an interface's points that may touch, m."""
-        _, kinematics = self._points.observe(number, u)
+        self._looked[number] = u, self._points.observe(number, u)
+        kinematics = self._looked[number][1][1]
         beyond = self._beyond_edge(number, kinematics)
         may_touch = self._balance.contact[number].may_touch
         may = may_touch if beyond is None else may_touch & ~beyond
@@ -324,9 +334,9 @@ class StepProblem:
         """Every interface at the end of the step."""
         points, found = self._points, []
         for number, (own, bounds) in enumerate(zip(points.own, self.friction.bounds, strict=True)):
-            asleep = self._asleep[number]
-            surface, kinematics = (
-                points.observe(number, u) if asleep else self._iterate.seen[number]
-            )
+            surface, kinematics = self._iterate.seen[number]
+            if self._asleep[number]:
+                at, seen = self._looked[number]
+                surface, kinematics = seen if at is u else points.observe(number, u)
             found.append(Contact(surface, kinematics, self.force[own], bounds))
         return found

@@ -53,3 +53,13 @@ def move_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array, after: 
         for j in range(d):
             turned = turn[i, j] - (1.0 if i == j else 0.0)
             after[i::d] += turned * (arm[:, j] + u[j::d] - moved[j])
+
+
+@compiled
+def turn_all(vectors: Array, rotation: Array, turned: Array) -> None:
+    """Fill in R x for vectors x, one after another in (n d,)."""
+    d = len(rotation)
+    turned[:] = 0.0
+    for i in range(d):
+        for j in range(d):
+            turned[i::d] += rotation[i, j] * vectors[j::d]

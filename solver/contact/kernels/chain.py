@@ -14,21 +14,20 @@ EDGE_BLEND_WIDTH = 0.02
 facets that meet there."""
 
 
-class ChainFeet(NamedTuple):
-    """Where m points stand on the facets of a chain."""
+class Feet(NamedTuple):
+    """Where m points stand on the facets of a face; t = d - 1."""
 
-    facet: Indices
-    """Number of the facet, (m,)."""
+    nodes: Indices
+    """Nodes of the facet, (m, k)."""
     weights: Array
-    """Shape functions of its two nodes there, (m, 2)."""
-    along: Array
-    """Tangential position in the undeformed chain, (m, 1), m."""
+    """Shape functions N of these there, (m, k)."""
     slope: Array
-    """Rise of the chain over its tangential length, (m, 1)."""
+    """Rise of the face along the tangents of the frame, (m, t); blended with that of the next
+    facet where facets meet, so that it is continuous."""
     stretch: Array
-    """Current over undeformed tangential length, (m, 1, 1)."""
-    outside: Mask
-    """Whether the foot is beyond the end of its facet by more than the margin, (m,)."""
+    """Current over undeformed tangential lengths, likewise, (m, t, t)."""
+    beyond_edge: Mask
+    """Feet beyond the edge of the face by more than its margin, (m,)."""
 
 
 @compiled
@@ -40,29 +39,51 @@ def _blended(before: float, own: float, after: float, where: float) -> float:
 
 
 @compiled
-def feet_on_chain(along: Array, chain: Array, reference: Array, margin: float) -> ChainFeet:
-    """Feet of points on straight facets, in closed form.
+def stand_on_chain(
+    chain: Indices,
+    reference: Array,
+    margin: float,
+    position: Array,
+    carrier: Array,
+    frame: Array,
+    place: Array,
+    feet: Feet,
+) -> None:
+    """Fill in gaps and tangential positions (m, 2) of points over straight facets, and their feet.
 
-    `along` are tangential positions of the points, (m,), `chain` the nodes in the frame, one after
-    another, (n, 2), `reference` their tangential positions in the undeformed chain, (n,), m; the
-    margin is a part of a facet.
+    Args:
+        chain: Nodes of the face, one after another, (n,).
+        reference: Their tangential positions in the undeformed face, (n,), m.
+        margin: Part of a facet by which points may be beyond its edge.
+        position: Of the points in space, (m, 2), m.
+        carrier: Of the nodes in space, (n, 2), m.
+        frame: Rows normal and tangent, (2, 2).
+        place: (g, s), (m, 2), m.
+        feet: Where the points stand.
     """
-    m, last = len(along), len(chain) - 2
+    last = len(chain) - 2
+    height, along = np.empty(last + 2), np.empty(last + 2)
+    for k in range(last + 2):
+        x = carrier[chain[k]]
+        height[k] = frame[0, 0] * x[0] + frame[0, 1] * x[1]
+        along[k] = frame[1, 0] * x[0] + frame[1, 1] * x[1]
     slopes, stretches = np.empty(last + 1), np.empty(last + 1)
     for k in range(last + 1):
-        length = chain[k + 1, 1] - chain[k, 1]
-        slopes[k] = (chain[k + 1, 0] - chain[k, 0]) / length
+        length = along[k + 1] - along[k]
+        slopes[k] = (height[k + 1] - height[k]) / length
         stretches[k] = length / (reference[k + 1] - reference[k])
-    facet, weights, place = np.empty(m, np.int64), np.empty((m, 2)), np.empty((m, 1))
-    slope, stretch = np.empty((m, 1)), np.empty((m, 1, 1))
-    outside = np.empty(m, np.bool_)
-    for i in range(m):
-        k = min(max(np.searchsorted(chain[:, 1], along[i], side="right") - 1, 0), last)
-        where = (along[i] - chain[k, 1]) / (chain[k + 1, 1] - chain[k, 1])
+    for p in range(len(position)):
+        at = frame[1, 0] * position[p, 0] + frame[1, 1] * position[p, 1]
+        k = min(max(np.searchsorted(along, at, side="right") - 1, 0), last)
+        where = (at - along[k]) / (along[k + 1] - along[k])
         before, after = max(k - 1, 0), min(k + 1, last)
-        facet[i], weights[i, 0], weights[i, 1] = k, 1.0 - where, where
-        place[i, 0] = reference[k] + where * (reference[k + 1] - reference[k])
-        slope[i, 0] = _blended(slopes[before], slopes[k], slopes[after], where)
-        stretch[i, 0, 0] = _blended(stretches[before], stretches[k], stretches[after], where)
-        outside[i] = where < -margin or where > 1.0 + margin
-    return ChainFeet(facet, weights, place, slope, stretch, outside)
+        feet.nodes[p, 0], feet.nodes[p, 1] = chain[k], chain[k + 1]
+        feet.weights[p, 0], feet.weights[p, 1] = 1.0 - where, where
+        place[p, 0] = 0.0
+        for i in range(2):
+            foot = (1.0 - where) * carrier[chain[k], i] + where * carrier[chain[k + 1], i]
+            place[p, 0] += frame[0, i] * (position[p, i] - foot)
+        place[p, 1] = reference[k] + where * (reference[k + 1] - reference[k])
+        feet.slope[p, 0] = _blended(slopes[before], slopes[k], slopes[after], where)
+        feet.stretch[p, 0, 0] = _blended(stretches[before], stretches[k], stretches[after], where)
+        feet.beyond_edge[p] = where < -margin or where > 1.0 + margin

@@ -89,6 +89,29 @@ def evaluate(rows: SurfaceRows, displacement: Array, state: NitscheState) -> Non
 
 
 @compiled
+def point_values(rows: SurfaceRows, nodal: Array, found: Array) -> None:
+    """Fill in what values of the nodes, (n, d), are at the points, (p, d)."""
+    found[:] = 0.0
+    for e in range(len(rows.nodes)):
+        p = rows.point[e]
+        for a in range(rows.nodes.shape[1]):
+            factor = rows.share[e] * rows.values[e, a]
+            for i in range(nodal.shape[1]):
+                found[p, i] += factor * nodal[rows.nodes[e, a], i]
+
+
+@compiled
+def add_point_forces(rows: SurfaceRows, force: Array, nodal: Array) -> None:
+    """Add forces at the points, (p, d), to those on the nodes, (n, d)."""
+    for e in range(len(rows.nodes)):
+        p = rows.point[e]
+        for a in range(rows.nodes.shape[1]):
+            factor = rows.share[e] * rows.values[e, a]
+            for i in range(nodal.shape[1]):
+                nodal[rows.nodes[e, a], i] += factor * force[p, i]
+
+
+@compiled
 def augment(place: Array, traction: Array, inverse_gamma: Array, frame: Array, y: Array) -> None:
     """Fill in augmented positions y = (g, s) - T/gamma_h, (p, d), m.
 
@@ -145,14 +168,16 @@ def add_traction_gradient(
 
 
 class TractionPull(NamedTuple):
-    """What the gradient of the traction is multiplied by: scale (w T - pressure), T averaged."""
+    """What the gradient of the traction is multiplied by: scale (w T - w_c f), T averaged."""
 
     scale: Array
     """theta/gamma_h, (p,), m/Pa."""
     weight: Array
     """w, (p,), m or m2."""
-    pressure: Array
-    """w_c f as vectors in space, (p, d), N."""
+    force: Array
+    """w_c f, (p, d), N: normal, tangential."""
+    frame: Array
+    """Rows normal and tangents that they are given in, (d, d)."""
     old: float
     """Weight of the traction at t_n: alpha_f, or 0 to leave the theta term out."""
     new: float
@@ -164,9 +189,26 @@ def add_traction_forces(
     rows: SurfaceRows, old: NitscheState, new: NitscheState, pull: TractionPull, nodal: Array
 ) -> None:
     """Add a pull times the discrete gradient of the traction to forces on nodes, (n, d)."""
-    vector = np.empty_like(pull.pressure)
+    vector = np.empty_like(pull.force)
     for p in range(len(vector)):
         for i in range(vector.shape[1]):
             averaged = pull.new * new.traction[p, i] + pull.old * old.traction[p, i]
-            vector[p, i] = pull.scale[p] * (pull.weight[p] * averaged - pull.pressure[p, i])
+            vector[p, i] = pull.weight[p] * averaged
+            for k in range(vector.shape[1]):
+                vector[p, i] -= pull.force[p, k] * pull.frame[k, i]
+            vector[p, i] *= pull.scale[p]
     add_traction_gradient(rows, old, new, vector, nodal)
+
+
+@compiled
+def add_contact_forces(
+    rows: SurfaceRows,
+    old: NitscheState,
+    new: NitscheState,
+    force: Array,
+    pull: TractionPull,
+    nodal: Array,
+) -> None:
+    """Add forces at the points, as vectors in space (p, d), and those of a pull to nodal ones."""
+    add_point_forces(rows, force, nodal)
+    add_traction_forces(rows, old, new, pull, nodal)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.types import Array
+from solver.types import Array, Indices, Mask
 
 
 @compiled
@@ -98,6 +98,56 @@ def add_places(
         for i in range(d):
             for j in range(d):
                 moved[first + p, i] += sign * turned[i, j] * motions[p, j]
+
+
+@compiled
+def mark_ports(
+    near: Indices, first: int, count: int, port: int, nodes: Indices, used: Mask
+) -> None:
+    """Mark the ports that near points of an interface act on.
+
+    Args:
+        near: Numbers of the near points of all interfaces, rising, (m,).
+        first: Number of the first point of this one.
+        count: Number of its points.
+        port: Number of the first port that they may act on.
+        nodes: Which ones each of them does, counted from there, (count, k).
+        used: The ports, (ports,).
+    """
+    for p in near:
+        if first <= p < first + count:
+            for a in range(nodes.shape[1]):
+                used[port + nodes[p - first, a]] = True
+
+
+@compiled
+def add_loads(
+    near: Indices,
+    first: int,
+    count: int,
+    port: int,
+    nodes: Indices,
+    weights: Array,
+    column: Indices,
+    load: Array,
+) -> None:
+    """Add how much of their forces near points of an interface put on ports to `load`.
+
+    Args:
+        near: As in `mark_ports`, like all up to `nodes`.
+        first: Of the interface.
+        count: Of the interface.
+        port: Of the body.
+        nodes: Of each point.
+        weights: How much each port gets, with its sign, (count, k).
+        column: Place of each port in `load`, (ports,).
+        load: (m, places).
+    """
+    for i in range(len(near)):
+        p = near[i] - first
+        if 0 <= p < count:
+            for a in range(nodes.shape[1]):
+                load[i, column[port + nodes[p, a]]] += weights[p, a]
 
 
 @compiled

@@ -1,0 +1,49 @@
+"""Which of the points that share a place may touch; compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.types import Array, Indices, Mask
+
+
+@compiled
+def choose_points(
+    member: Indices, first: Indices, normal: Array, rotation: Array, towards: Array, mask: Mask
+) -> None:
+    """Fill in one point of each group, whose face looks most against the carrier, and all others.
+
+    Args:
+        member: Points of all groups, group after group.
+        first: Place of the first of each group there, and their end, (groups + 1,).
+        normal: Outward normals of all points on the undeformed body, (points, d).
+        rotation: Of the body, (d, d).
+        towards: Normal of the carrier, (d,).
+        mask: Points that may touch, (points,).
+    """
+    mask[:] = True
+    for group in range(len(first) - 1):
+        least, best = np.inf, member[first[group]]
+        for k in range(first[group], first[group + 1]):
+            p, facing = member[k], 0.0
+            mask[p] = False
+            for i in range(len(towards)):
+                for j in range(len(towards)):
+                    facing += normal[p, j] * rotation[i, j] * towards[i]
+            if facing < least:
+                least, best = facing, p
+        mask[best] = True
+
+
+@compiled
+def exclude_groups(member: Indices, first: Indices, may_touch: Mask, outside: Mask) -> None:
+    """Fill in the points that may not touch, but for those in whose group another one may."""
+    for p in range(len(outside)):
+        outside[p] = not may_touch[p]
+    for group in range(len(first) - 1):
+        closed = True
+        for k in range(first[group], first[group + 1]):
+            closed = closed and not may_touch[member[k]]
+        for k in range(first[group], first[group + 1]):
+            outside[member[k]] = closed

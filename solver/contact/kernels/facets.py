@@ -1,0 +1,317 @@
+"""Feet of points on the facets of a face, straight or bent, in the plane and in space; compiled."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet
+from solver.law.compiled import compiled
+from solver.types import Array, Indices
+
+FOOT_SETTLED = 1e-12
+"""Part of a facet: Newton's method for a foot ends when it moves the foot by less; what is left is
+the square of that."""
+
+FOOT_ITERATIONS = 4
+"""Corrections of Newton's method for a foot, at most."""
+
+FACETS_TRIED = 4
+"""Facets around a point, the nearest ones first, among which its foot is looked for."""
+
+
+class FacetShapes(NamedTuple):
+    """What stays the same of the facets of a face; t = d - 1 coordinates on each."""
+
+    facets: Indices
+    """Nodes of each facet, (facets, k)."""
+    powers: Indices
+    """Powers of the coordinates in the monomials of a shape function, (k, t)."""
+    factors: Array
+    """Factors of these monomials in each shape function, (k, k)."""
+    derivatives: Array
+    """Derivatives of the shape functions at a facet's own nodes, (k, t, k)."""
+    undeformed: Array
+    """Inverses of the derivatives of undeformed tangential positions at each facet's nodes,
+    (facets, k, t, t), 1/m."""
+    meeting: Indices
+    """Facets that meet at nodes, and which of a facet's nodes that is, node after node, (.., 2)."""
+    first: Indices
+    """Number of the first of them at each node, and of all, (n + 1,)."""
+    along: Array
+    """Tangential positions of the nodes in the undeformed face, (n, t), m."""
+    corners: int
+    """Of a facet: 2 for intervals, 3 for triangles, 4 for quadrilaterals."""
+    margin: float
+    """Part of a facet by which points may be beyond its edge."""
+
+
+@compiled
+def shape_functions(shapes: FacetShapes, where: Array, values: Array, derivatives: Array) -> None:
+    """Fill in shape functions (k,) and their derivatives (t, k) at coordinates (t,)."""
+    values[:], derivatives[:] = 0.0, 0.0
+    for c in range(len(shapes.powers)):
+        monomial = 1.0
+        for j in range(len(where)):
+            monomial *= where[j] ** shapes.powers[c, j]
+        for k in range(len(values)):
+            values[k] += shapes.factors[k, c] * monomial
+        for j in range(len(where)):
+            power = shapes.powers[c, j]
+            if power == 0:
+                continue
+            slope = power * where[j] ** (power - 1)
+            for i in range(len(where)):
+                if i != j:
+                    slope *= where[i] ** shapes.powers[c, i]
+            for k in range(len(values)):
+                derivatives[j, k] += shapes.factors[k, c] * slope
+
+
+@compiled
+def inverted(matrix: Array, inverse: Array) -> None:
+    """Fill in the inverse of a matrix (1, 1) or (2, 2); not numbers where there is none."""
+    if len(matrix) == 1:
+        inverse[0, 0] = 1.0 / matrix[0, 0]
+        return
+    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
+    inverse[0, 0], inverse[1, 1] = matrix[1, 1] / determinant, matrix[0, 0] / determinant
+    inverse[0, 1], inverse[1, 0] = -matrix[0, 1] / determinant, -matrix[1, 0] / determinant
+
+
+@compiled
+def gradient_of(nodes: Indices, values: Array, derivatives: Array, gradient: Array) -> None:
+    """Fill in derivatives of nodal values (n, c) along the coordinates of a facet, (c, t)."""
+    gradient[:] = 0.0
+    for k in range(len(nodes)):
+        for i in range(len(gradient)):
+            for j in range(len(derivatives)):
+                gradient[i, j] += derivatives[j, k] * values[nodes[k], i]
+
+
+@compiled
+def outside_by(shapes: FacetShapes, where: Array) -> float:
+    """How far a point is outside of a facet, in its own coordinates; negative inside."""
+    total, miss = 0.0, -np.inf
+    for j in range(len(where)):
+        total += where[j]
+        miss = max(miss, -where[j])
+        if shapes.corners != 3:
+            miss = max(miss, where[j] - 1.0)
+    return max(miss, total - 1.0) if shapes.corners == 3 else miss
+
+
+@compiled
+def slope_and_stretch(
+    nodes: Indices,
+    placed: Array,
+    derivatives: Array,
+    undeformed: Array,
+    slope: Array,
+    stretch: Array,
+) -> None:
+    """Fill in rise (t,) and stretch (t, t) of a facet over its tangential coordinates.
+
+    Args:
+        nodes: Of the facet, (k,).
+        placed: Where all nodes are in the frame, normal first, (n, t + 1), m.
+        derivatives: Of the shape functions, (t, k).
+        undeformed: Inverse of the derivatives of the undeformed tangential positions, (t, t), 1/m.
+        slope: (t,).
+        stretch: (t, t).
+    """
+    t = len(derivatives)
+    rise, flat, inverse = np.zeros(t), np.zeros((t, t)), np.empty((t, t))
+    for k in range(len(nodes)):
+        for j in range(t):
+            rise[j] += derivatives[j, k] * placed[nodes[k], 0]
+            for i in range(t):
+                flat[i, j] += derivatives[j, k] * placed[nodes[k], 1 + i]
+    inverted(flat, inverse)
+    for j in range(t):
+        slope[j] = 0.0
+        for i in range(t):
+            slope[j] += rise[i] * inverse[i, j]
+            stretch[i, j] = 0.0
+            for k in range(t):
+                stretch[i, j] += flat[i, k] * undeformed[k, j]
+
+
+@compiled
+def average_at(shapes: FacetShapes, node: int, placed: Array, slope: Array, stretch: Array) -> None:
+    """Fill in slope (t,) and stretch (t, t) at a node, means of the facets that meet there."""
+    t, meeting = len(slope), 0
+    own_slope, own_stretch = np.empty(t), np.empty((t, t))
+    slope[:], stretch[:] = 0.0, 0.0
+    for m in range(shapes.first[node], shapes.first[node + 1]):
+        facet, corner = shapes.meeting[m, 0], shapes.meeting[m, 1]
+        slope_and_stretch(
+            shapes.facets[facet],
+            placed,
+            shapes.derivatives[corner],
+            shapes.undeformed[facet, corner],
+            own_slope,
+            own_stretch,
+        )
+        slope += own_slope
+        stretch += own_stretch
+        meeting += 1
+    slope /= max(meeting, 1)
+    stretch /= max(meeting, 1)
+
+
+@compiled
+def spanned(shapes: FacetShapes, placed: Array, inverses: Array) -> None:
+    """Fill in the inverses (facets, t, t) of facets taken as spanned by edges from one corner."""
+    t = placed.shape[1] - 1
+    edges = np.empty((t, t))
+    for facet in range(len(inverses)):
+        nodes = shapes.facets[facet]
+        for i in range(t):
+            for j in range(t):
+                edges[i, j] = placed[nodes[1 + j], 1 + i] - placed[nodes[0], 1 + i]
+        inverted(edges, inverses[facet])
+
+
+@compiled
+def coordinates_on(
+    shapes: FacetShapes, facet: int, point: Array, placed: Array, inverse: Array, where: Array
+) -> None:
+    """Fill in coordinates (t,) of a point on a facet taken as spanned by two of its edges."""
+    first = shapes.facets[facet, 0]
+    where[:] = 0.0
+    for i in range(len(where)):
+        for j in range(len(where)):
+            where[i] += inverse[i, j] * (point[j] - placed[first, 1 + j])
+
+
+@compiled
+def settle_on(shapes: FacetShapes, facet: int, point: Array, placed: Array, where: Array) -> None:
+    """Let coordinates (t,) on a facet become those of a point, by Newton's method."""
+    t, nodes = len(where), shapes.facets[facet]
+    values, derivatives = np.empty(len(nodes)), np.empty((t, len(nodes)))
+    gradient, inverse, miss = np.empty((t + 1, t)), np.empty((t, t)), np.empty(t)
+    for _ in range(FOOT_ITERATIONS):
+        shape_functions(shapes, where, values, derivatives)
+        gradient_of(nodes, placed, derivatives, gradient)
+        inverted(gradient[1:], inverse)
+        for j in range(t):
+            miss[j] = point[j]
+            for k in range(len(nodes)):
+                miss[j] -= values[k] * placed[nodes[k], 1 + j]
+        largest = 0.0
+        for i in range(t):
+            change = 0.0
+            for j in range(t):
+                change += inverse[i, j] * miss[j]
+            where[i] += change
+            largest = max(largest, abs(change))
+        if largest < FOOT_SETTLED:
+            break
+
+
+@compiled
+def nearest_facet(
+    shapes: FacetShapes, point: Array, placed: Array, inverses: Array, tried: Indices, where: Array
+) -> int:
+    """The facet that a point is on or nearest to, with its coordinates there filled in.
+
+    Nearness is judged on facets taken as spanned by two edges; bent ones end elsewhere, so that
+    the nearest few are tried where the first one does not hold the point.
+
+    Args:
+        shapes: The facets.
+        point: Tangential position, (t,), m.
+        placed: Where all nodes are in the frame, (n, t + 1), m.
+        inverses: As from `spanned`.
+        tried: Room for the numbers of the facets that are tried.
+        where: The coordinates, (t,).
+    """
+    misses, guess = np.full(len(tried), np.inf), np.empty_like(where)
+    tried[:] = 0
+    for facet in range(len(inverses)):
+        coordinates_on(shapes, facet, point, placed, inverses[facet], guess)
+        miss, last = outside_by(shapes, guess), len(tried) - 1
+        if not miss < misses[last]:
+            continue
+        while last > 0 and miss < misses[last - 1]:
+            misses[last], tried[last] = misses[last - 1], tried[last - 1]
+            last -= 1
+        misses[last], tried[last] = miss, facet
+    least, best = np.inf, tried[0]
+    for facet in tried:
+        coordinates_on(shapes, facet, point, placed, inverses[facet], guess)
+        settle_on(shapes, facet, point, placed, guess)
+        miss = outside_by(shapes, guess)
+        if miss < least or facet == tried[0]:
+            least, best = miss, facet
+            where[:] = guess
+        if facet == tried[0] and miss <= shapes.margin:
+            break
+    return best
+
+
+@compiled
+def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) -> int:
+    """The facet of a chain in the plane that a point is over, its coordinate there filled in."""
+    last = len(shapes.facets) - 1
+    facet = 0
+    while facet < last and placed[shapes.facets[facet + 1, 0], 1] <= point[0]:
+        facet += 1
+    start = placed[shapes.facets[facet, 0], 1]
+    where[0] = (point[0] - start) / (placed[shapes.facets[facet, 1], 1] - start)
+    settle_on(shapes, facet, point, placed, where)
+    return facet
+
+
+@compiled
+def stand_on_facets(
+    shapes: FacetShapes, position: Array, carrier: Array, frame: Array, place: Array, feet: Feet
+) -> None:
+    """Fill in gaps and tangential positions (m, d) of points over a face, and their feet.
+
+    Args:
+        shapes: Its facets.
+        position: Of the points in space, (m, d), m.
+        carrier: Of its nodes in space, (n, d), m.
+        frame: Rows normal and tangents, (d, d).
+        place: (g, s), (m, d), m.
+        feet: Where the points stand.
+    """
+    d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
+    placed, inverses = carrier @ frame.T, np.empty((len(shapes.facets), t, t))
+    points = position @ frame.T
+    if shapes.corners > 2:
+        spanned(shapes, placed, inverses)
+    where, values, derivatives = np.empty(t), np.empty(k), np.empty((t, k))
+    tried = np.zeros(min(FACETS_TRIED, len(shapes.facets)), np.int64)
+    gradient, undeformed = np.empty((t, t)), np.empty((t, t))
+    mean_slope, mean_stretch = np.empty(t), np.empty((t, t))
+    for p in range(len(points)):
+        point = points[p, 1:]
+        if shapes.corners == 2:
+            facet = facet_under(shapes, point, placed, where)
+        else:
+            facet = nearest_facet(shapes, point, placed, inverses, tried, where)
+        nodes = shapes.facets[facet]
+        shape_functions(shapes, where, values, derivatives)
+        feet.nodes[p], feet.weights[p] = nodes, values
+        place[p, 0], place[p, 1:] = points[p, 0], 0.0
+        for a in range(k):
+            place[p, 0] -= values[a] * placed[nodes[a], 0]
+            for j in range(1, d):
+                place[p, j] += values[a] * shapes.along[nodes[a], j - 1]
+        miss, slope, stretch = outside_by(shapes, where), feet.slope[p], feet.stretch[p]
+        feet.beyond_edge[p] = miss > shapes.margin
+        gradient_of(nodes, shapes.along, derivatives, gradient)
+        inverted(gradient, undeformed)
+        slope_and_stretch(nodes, placed, derivatives, undeformed, slope, stretch)
+        share = min(max(1.0 + miss / EDGE_BLEND_WIDTH, 0.0), 1.0)
+        if share > 0.0:
+            slope *= 1.0 - share
+            stretch *= 1.0 - share
+            for a in range(k):
+                average_at(shapes, nodes[a], placed, mean_slope, mean_stretch)
+                slope += share * values[a] * mean_slope
+                stretch += share * values[a] * mean_stretch
