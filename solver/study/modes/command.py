@@ -88,9 +88,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     settings = {
         "version": VERSION,
         "scene": scene.to_dict(),
-        "ratios": ratios,
         "points": options.points,
-        "engines": engines,
     }
     FOLDER.claim(folder, settings, force=options.force, resume=options.resume)
     return Plan(

@@ -8,6 +8,6 @@ TABLE, TEXT, SUMMARY, PICTURE = "modes.csv", "modes.txt", "summary.json", "modes
 
 FOLDER = StudyFolder(
     kind="study of modes",
-    same="the same scene and options",
+    same="the same scene and number of points",
     files=(TABLE, TEXT, SUMMARY, PICTURE),
 )
