@@ -217,7 +217,7 @@ def test_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (["--amplitudes", "1,2"], "--amplitudes: got 1,2, allowed LOW:HIGH:COUNT"),
         (["--restitution", "1.2"], "--restitution: got 1.2, allowed 0 < e <= 1"),
         (["--rounds", "-1"], "--rounds: got -1"),
-        (["--set", "dimension=3"], "dimension: got 3, allowed 2"),
+        (["--set", "block.tilt_deg=1"], "block: got a block that is tilted or moves"),
     ],
 )
 def test_what_is_refused(
