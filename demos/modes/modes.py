@@ -78,7 +78,7 @@ def run(words: list[str], output: Path = OUTPUT) -> int:
 # ## Checks
 #
 # All judged points agree with the criteria. Rigid blocks meet the closed forms within 0.1 %.
-# Elastic ones are within 1 % of the rigid block under the same ramp.
+# Elastic ones are within 2 % of the rigid block under the same ramp.
 
 
 # +
@@ -89,7 +89,7 @@ def checks(folder: Path) -> list[tuple[bool, str]]:
         name = f"{found['engine']} block, H/B = {found['ratio']:g}"
         agree = f"{found['agree']} of {found['judged']} judged points agree"
         results.append((found["agree"] == found["judged"] > 0, f"{name}: {agree}"))
-        what, most = ("expected", 1e-3) if found["engine"] == "rigid" else ("rigid", 1e-2)
+        what, most = ("expected", 1e-3) if found["engine"] == "rigid" else ("rigid", 2e-2)
         keys = ("slide_slip", "rock_turn", "slide_rock_turn")
         errors = [e for key in keys if (e := found[f"{what}_{key}"]) is not None]
         worst = max(errors, default=0.0)
