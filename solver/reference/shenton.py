@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+from geometry.block import Block
+
 
 def rocking_friction(acceleration: float, slenderness_ratio: float) -> float:
     """Friction that pure rocking needs: mu_R(A) = [A (4 + r^2) + 3 r] / [1 + 4 r^2 + 3 r A].
@@ -38,3 +40,50 @@ def release_friction(angle: float, slenderness: float) -> float:
     """
     lean = slenderness - abs(angle)
     return abs(0.75 * math.sin(lean) * math.cos(lean) / (1 - 0.75 * math.sin(lean) ** 2))
+
+
+def initial_accelerations(
+    acceleration: float, friction: float, shape: Block, gravity: float
+) -> tuple[float, float]:
+    """Angular acceleration and slip acceleration of the block as its motion begins.
+
+    With a = A g, half width b and half height h (Shenton 1996): theta'' = (3/4) (a h - g b)/(b^2 +
+    h^2) where it rocks, theta'' = 3 g (mu r - 1)/[b (4 + r^2 - 3 mu r)] where it slides and rocks,
+    whatever a; the corner slips with a - h theta'' - mu (g + b theta'') where it slides.
+
+    Args:
+        acceleration: A = |a_g|/g.
+        friction: mu.
+        shape: The block.
+        gravity: g, m/s^2.
+
+    Returns:
+        theta'' (rad/s^2) and slip'' (m/s^2), both >= 0: the block leans and slips against the
+        acceleration of the base.
+    """
+    r, b, h = shape.height / shape.width, shape.width / 2, shape.height / 2
+    a, mode = acceleration * gravity, initial_mode(acceleration, friction, r)
+    if mode == "rest":
+        return 0.0, 0.0
+    if mode == "rock":
+        return 0.75 * (a * h - gravity * b) / (b**2 + h**2), 0.0
+    turn = 0.0
+    if mode == "slide-rock":
+        turn = 3 * gravity * (friction * r - 1) / (b * (4 + r**2 - 3 * friction * r))
+    return turn, a - h * turn - friction * (gravity + b * turn)
+
+
+def near_boundary(
+    acceleration: float, friction: float, slenderness_ratio: float, band: float
+) -> bool:
+    """Whether the mode changes where A and mu change by no more than a part `band` of themselves.
+
+    Arguments as those of `initial_mode`.
+    """
+    factors = (1 - band, 1.0, 1 + band)
+    modes = {
+        initial_mode(a * acceleration, f * friction, slenderness_ratio)
+        for a in factors
+        for f in factors
+    }
+    return len(modes) > 1

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing, suppress
 from importlib import import_module
-from typing import Protocol, TypeVar
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
 
+from solver.errors import EnvironmentTrouble
+from solver.study.folder import store
 from solver.study.pool import side_by_side
 from solver.study.tally import Tally
 
@@ -49,6 +53,40 @@ def finished_cases(
         for number, outcome in outcomes:
             yield cases[number], outcome
             tally.add(cases[number].name)
+
+
+def kept_rows(
+    function: Callable[[Case], dict[str, Any]],
+    cases: Sequence[Case],
+    rows: dict[str, dict[str, Any]],
+    folder: Path,
+    options: argparse.Namespace,
+) -> None:
+    """Run the cases that have no row yet, keep and add their rows; collective on all ranks.
+
+    Args:
+        function: What makes the row of a case; as for `finished_cases`.
+        cases: What is wanted; the same on all ranks.
+        rows: Rows that there are, by the names of their cases; added to on rank 0.
+        folder: Where rows are kept.
+        options: Of the command.
+    """
+    from mpi4py import MPI
+
+    waiting = MPI.COMM_WORLD.bcast([case for case in cases if case.name not in rows])
+    done, processes = len(cases) - len(waiting), options.processes
+    outcomes = finished_cases(
+        function, waiting, done=done, processes=processes, quiet=options.quiet
+    )
+    with closing(outcomes):
+        for case, outcome in outcomes:
+            if isinstance(outcome, ImportError):
+                raise EnvironmentTrouble(f"{outcome}; see README.md, or use ./in-env rockslip ...")
+            if isinstance(outcome, Exception):
+                reason = f"{case.name}: {in_one_line(outcome)}"
+                outcome = {"status": "failed", "reason": reason}
+            rows[case.name] = outcome
+            store(folder, case.name, outcome)
 
 
 def in_one_line(error: Exception) -> str:

@@ -15,12 +15,16 @@ def studies() -> dict[str, ModuleType]:
     from solver.study import error_runtime, stability
     from solver.study.damping import command as damping
     from solver.study.inertia import command as inertia
+    from solver.study.modes import command as modes
+    from solver.study.overturning import command as overturning
     from solver.study.suite import command as suite
 
     return {
         "damping": damping,
         "error-runtime": error_runtime,
         "inertia": inertia,
+        "modes": modes,
+        "overturning": overturning,
         "stability": stability,
         "suite": suite,
     }

@@ -138,6 +138,15 @@ def shortened(words: list[str]) -> list[str]:
         at = words.index("--random") + 1
         words = [*words[:at], "1", *words[at + 1 :]]
         more = ("--force",)
+    elif task == "study modes":
+        more = ("--points", "2", "--engines", "rigid", "-j", "1", "--force")
+    elif task == "study overturning":
+        tiny = ("--frequencies", "4", "--amplitudes", "2:4:3", "--rounds", "0", "-j", "1")
+        cut = {"--ode", "--elastic"} & set(words)
+        for option in cut:
+            at = words.index(option)
+            words = [*words[:at], *words[at + 2 :]]
+        more = (*tiny, *(() if "--resume" in words else ("--force",)))
     elif task == "study damping":
         words[3:4] = ["demos/free_rocking/scene.toml"]
         coarse = ("block.cells=[1,2]", "time.end=0.2", "time.tolerance=1")

@@ -1,0 +1,126 @@
+"""`rockslip study modes`: rest, slide, rock or both, on a grid of friction and acceleration."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
+from solver.errors import NotConverged, SceneError
+
+if TYPE_CHECKING:
+    from solver.study.modes.case import ModesCase
+
+TEXT = "rest, slide, rock or both: how a block at rest begins to move, against Shenton (1996)"
+
+ENGINES, POINTS = "rigid,elastic", 12
+"""What is run where the command line says nothing."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the study."""
+    add = parser.add_argument
+    add_scene(parser, text="a TOML file with one block at rest; its motion and end are replaced")
+    add_overrides(parser, example="block.width=0.5")
+    add("--ratios", metavar="H/B,...", help="slendernesses H/B; default that of the scene")
+    add("--points", type=int, default=POINTS, metavar="N", help=f"a side, default {POINTS}")
+    add("--engines", default=ENGINES, metavar="NAMES", help=f"default {ENGINES}")
+    add_study_options(parser, "study", ".modes")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """Plan of a study.
+
+    Attributes:
+        folder: Where the study goes.
+        cases: All of them.
+        rows: Rows of the cases that have been done before, by name.
+        gravity: g, m/s^2.
+    """
+
+    folder: Path
+    cases: tuple[ModesCase, ...]
+    rows: dict[str, dict[str, Any]]
+    gravity: float
+
+
+def run(options: argparse.Namespace) -> int:
+    """The study; 0 where all points that are judged agree, 3 where a case fails or one does not."""
+    from mpi4py import MPI
+
+    from solver.parallel import abort_on_exceptions, on_first_rank
+    from solver.study.cases import kept_rows
+    from solver.study.modes.case import run_case
+
+    comm = MPI.COMM_WORLD
+    abort_on_exceptions(comm)
+    plan: Plan = on_first_rank(comm, lambda: prepare(options))
+    rows = dict(plan.rows)
+    try:
+        kept_rows(run_case, plan.cases, rows, plan.folder, options)
+    finally:
+        good = _write(plan, rows, options) if comm.rank == 0 else None
+    return 0 if comm.bcast(good) else NotConverged.exit_code
+
+
+def prepare(options: argparse.Namespace) -> Plan:
+    """Look at everything that can be refused before anything is run, and claim the folder."""
+    from solver import VERSION
+    from solver.study.folder import finished
+    from solver.study.modes.case import ENGINES, cases_of
+    from solver.study.modes.folder import FOLDER
+    from solver.study.standing import numbers, standing_block, variant, words
+
+    check_processes(options.processes)
+    if not 2 <= options.points <= 200:
+        raise SceneError("--points", f"{options.points}", "2 <= points <= 200")
+    engines = words("--engines", options.engines, ENGINES)
+    ratios = numbers("--ratios", options.ratios) if options.ratios else []
+    tables = standing_block(options.scene, options.overrides)
+    cases = tuple(cases_of(tables, ratios, options.points, engines))
+    scene = variant(tables)
+    folder: Path = options.output or Path(options.scene.stem + ".modes")
+    settings = {
+        "version": VERSION,
+        "scene": scene.to_dict(),
+        "points": options.points,
+    }
+    FOLDER.claim(folder, settings, force=options.force, resume=options.resume)
+    return Plan(
+        folder=folder,
+        cases=cases,
+        rows=finished(folder),
+        gravity=scene.gravity,
+    )
+
+
+def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Namespace) -> bool:
+    """Write tables and picture of what has been done, and tell; whether all of it is right."""
+    from solver.study.modes import table
+    from solver.study.modes.folder import PICTURE, SUMMARY, TABLE
+    from solver.study.modes.folder import TEXT as TEXT_FILE
+    from solver.study.modes.picture import modes_picture
+    from solver.study.tables import as_csv, write
+
+    ordered = [rows[case.name] for case in plan.cases if case.name in rows]
+    points = table.points_of(ordered, plan.gravity)
+    failed = [row for row in ordered if row["status"] != "completed"]
+    if points:
+        maps = table.maps_of(points)
+        text = table.as_text(maps)
+        write(plan.folder / TABLE, as_csv(points, table.NAMES))
+        write(plan.folder / TEXT_FILE, text)
+        write(plan.folder / SUMMARY, {"band": table.BAND, "maps": maps})
+        modes_picture(points, plan.folder / PICTURE)
+        if not options.quiet:
+            sys.stdout.write(text)
+    if not options.quiet:
+        sys.stdout.writelines(f"failed: {row['reason']}\n" for row in failed)
+        sys.stdout.write(f"written to {plan.folder}\n")
+    agree = all(point["agrees"] for point in points if point["judged"])
+    return agree and not failed and len(ordered) == len(plan.cases)

@@ -1,0 +1,1 @@
+"""Which pulses overturn a block: amplitude against frequency, all intervals of amplitude."""

@@ -1,0 +1,154 @@
+"""All intervals of amplitude in which a pulse overturns a block, by scanning and bisection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+STAYS, DIRECTLY, LATER = "stays", "overturns without impact", "overturns after an impact"
+"""What may come of a pulse."""
+
+NARROW = 2e-3
+"""Relative width of the narrowest interval that is looked for between two numbers of impacts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """What comes of one pulse."""
+
+    overturns: bool
+    impacts: int
+    """Impacts before the block overturns, or all of them up to where its fate is certain."""
+    margin: float
+    """Positive where it overturns, negative where not; continuous in the amplitude as far as known:
+    energy beyond that over the corner, over that which it takes to get there from upright."""
+
+    @property
+    def label(self) -> str:
+        """What comes of the pulse, in words."""
+        return (LATER if self.impacts else DIRECTLY) if self.overturns else STAYS
+
+
+Respond = Callable[[float], Response]
+"""Response to a pulse of an amplitude."""
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """An amplitude at which the fate of the block changes."""
+
+    amplitude: float
+    below: str
+    """Label of the responses below."""
+    above: str
+
+
+def boundaries(respond: Respond, amplitudes: Sequence[float], tolerance: float) -> list[Boundary]:
+    """All amplitudes at which the fate changes, as far as a scan finds them.
+
+    Between two neighbours of one fate another one may hide. Where the margin has an extremum
+    towards zero among the samples, that extremum is looked for.
+
+    Args:
+        respond: Runs a pulse.
+        amplitudes: Of the scan, increasing.
+        tolerance: Relative, of amplitudes.
+    """
+    found = [(amplitude, respond(amplitude)) for amplitude in amplitudes]
+    hidden = [
+        sample
+        for three in zip(found, found[1:], found[2:], strict=False)
+        if _turns_towards_zero([response for _, response in three])
+        for sample in _extremum(respond, *three, tolerance)
+    ]
+    samples = sorted(found + hidden, key=lambda sample: sample[0])
+    return [
+        boundary
+        for low, high in pairwise(samples)
+        for boundary in _between(respond, low, high, tolerance)
+    ]
+
+
+Sample = tuple[float, Response]
+
+
+def _turns_towards_zero(three: Sequence[Response]) -> bool:
+    """Whether the middle of three responses of one fate is the nearest to the other fate."""
+    if len({response.overturns for response in three}) > 1:
+        return False
+    first, middle, last = (abs(response.margin) for response in three)
+    return middle <= min(first, last) and middle < 1
+
+
+def _extremum(
+    respond: Respond, low: Sample, middle: Sample, high: Sample, tolerance: float
+) -> list[Sample]:
+    """Samples towards the least |margin| between three, up to one of another fate."""
+    fate, tried = middle[1].overturns, []
+    for _ in range(12):
+        wider = high if high[0] - middle[0] > middle[0] - low[0] else low
+        at = middle[0] + 0.381966 * (wider[0] - middle[0])
+        if abs(at - middle[0]) < 10 * tolerance * middle[0]:
+            break
+        sample = at, respond(at)
+        tried.append(sample)
+        if sample[1].overturns != fate:
+            break
+        if abs(sample[1].margin) < abs(middle[1].margin):
+            low, high = (middle, high) if at > middle[0] else (low, middle)
+            middle = sample
+        elif at > middle[0]:
+            high = sample
+        else:
+            low = sample
+    return tried
+
+
+def _between(respond: Respond, low: Sample, high: Sample, tolerance: float) -> list[Boundary]:
+    """Boundaries between two samples, as far as their fates or numbers of impacts tell of any.
+
+    Every second point is that where the margins, drawn straight, vanish; the others bisect. Two
+    numbers of impacts may have a narrow interval between them in which the block stays.
+    """
+    straight = True
+    while _differ(low, high) and high[0] - low[0] > _width(low, high, tolerance) * high[0]:
+        at = 0.5 * (low[0] + high[0])
+        if straight and low[1].overturns != high[1].overturns:
+            at = _straight(low, high, 0.4 * tolerance * high[0])
+        straight = not straight
+        sample = at, respond(at)
+        if not _differ(low, sample):
+            low = sample
+        elif not _differ(sample, high):
+            high = sample
+        else:
+            return [
+                *_between(respond, low, sample, tolerance),
+                *_between(respond, sample, high, tolerance),
+            ]
+    if low[1].label == high[1].label:
+        return []
+    return [Boundary(0.5 * (low[0] + high[0]), low[1].label, high[1].label)]
+
+
+def _differ(low: Sample, high: Sample) -> bool:
+    """Whether two samples have different fates, or overturn after different numbers of impacts."""
+    both = low[1].overturns and high[1].overturns
+    return low[1].label != high[1].label or (both and low[1].impacts != high[1].impacts)
+
+
+def _width(low: Sample, high: Sample, tolerance: float) -> float:
+    """Relative width down to which two samples that differ are drawn together."""
+    return tolerance if low[1].label != high[1].label else max(tolerance, NARROW)
+
+
+def _straight(low: Sample, high: Sample, away: float) -> float:
+    """Where the margins of two samples, drawn straight, vanish; beside it by so much.
+
+    Beside the root rather than on it, so that both ends come near.
+    """
+    share = low[1].margin / (low[1].margin - high[1].margin)
+    at = low[0] + min(max(share, 0.02), 0.98) * (high[0] - low[0])
+    at += away if share < 0.5 else -away
+    return min(max(at, low[0] + 0.5 * away), high[0] - 0.5 * away)
