@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from solver import VERSION
 from solver.arguments import add_overrides, add_scene
@@ -20,6 +20,9 @@ from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, Scene
 from solver.launcher import launched_rank
 from solver.run.folders import claim_folder
 from solver.study.command import add_studies
+
+if TYPE_CHECKING:
+    from solver.results.runs import Run
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
@@ -90,7 +93,7 @@ def build_parser() -> Parser:
     plot = command("plot", plot_runs, "pictures of one run, or of several runs overlaid")
     plot.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
     plot.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help="folder for an overlay; default the first"
+        "-o", "--output", metavar="DIR", type=Path, help="folder of the pictures; default the first"
     )
     add_studies(command("study", show_info, "many runs of a scene, and what they say together"))
     command("info", show_info, "versions of everything that matters, ranks, solvers found")
@@ -191,19 +194,27 @@ def plot_runs(options: argparse.Namespace) -> int:
     """`rockslip plot`."""
     if launched_rank() != 0:
         return 0
-    from solver.results.runs import read_run
+    from solver.results.runs import UNFINISHED, read_run
+    from solver.run.folders import make_folder
 
     runs = [read_run(folder) for folder in options.runs]
     try:
         from solver.pictures.pictures import picture_run, picture_runs
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
-    if len(runs) == 1:
-        files = picture_run(runs[0])
-    else:
-        files = picture_runs(runs, options.output or options.runs[0])
+    for run in runs:
+        if run.summary["status"] == UNFINISHED:
+            _tell(f"{run.folder}: no summary.json, made from the history up to {_end(run)}")
+    folder = options.output or options.runs[0]
+    make_folder(folder, force=True)
+    files = picture_run(runs[0], folder) if len(runs) == 1 else picture_runs(runs, folder)
     sys.stdout.write("".join(f"{file}\n" for file in files))
     return 0
+
+
+def _end(run: Run) -> str:
+    """The time up to which a run has rows, in words."""
+    return f"t = {run.history['time_s'][-1]:.6g} s"
 
 
 def show_info(options: argparse.Namespace) -> int:

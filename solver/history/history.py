@@ -103,14 +103,17 @@ class History:
 
     @classmethod
     def read(cls, file: Path) -> History:
-        """The history in a CSV file; its numbers are those that were written."""
+        """The history in a CSV file; its numbers are those that were written.
+
+        A last line without an end is one that a killed run had not written yet: it is left out.
+        """
         where = str(file)
         try:
-            with file.open(encoding="utf-8", newline="") as stream:
-                table = csv.reader(stream)
-                history = cls(next(table, []))
-                for row in table:
-                    history.append([float(value) for value in row])
+            text = file.read_text(encoding="utf-8")
+            table = csv.reader(text[: text.rfind("\n") + 1].splitlines())
+            history = cls(next(table, []))
+            for row in table:
+                history.append([float(value) for value in row])
         except OSError as error:
             raise SceneError(
                 where, got=error.strerror or "no file", allowed="a history.csv"

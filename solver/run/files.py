@@ -11,6 +11,7 @@ from typing import Any, Protocol
 from solver.history.history import History
 from solver.parallel import Comm
 from solver.results.summary import write_json
+from solver.run.folders import refuse_hidden
 from solver.scene import Scene, scene_to_toml
 
 
@@ -39,6 +40,8 @@ class RunFiles:
         log: Callable[[str], None] | None,
     ):
         """Open the folder and its log."""
+        if folder is not None:
+            refuse_hidden(folder)
         self._scene, self._folder, self._comm, self._also = scene, folder, comm, log
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement
+from solver.launcher import hidden_by_in_env
 
 #: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
 LEFT_BEHIND = (
@@ -26,6 +27,7 @@ LEFT_BEHIND = (
 
 def claim_folder(folder: Path, scene: Path, force: bool) -> None:
     """Make the folder of a run, or refuse to write over what is there."""
+    refuse_hidden(folder)
     target = folder / "scene.toml"
     with unusable_is_refused(folder):
         if target.exists() and target.samefile(scene):
@@ -41,12 +43,20 @@ def make_folder(folder: Path, *, force: bool, allowed: str = "an empty folder, o
 
     With `force`; else it is refused, with these words on what is allowed.
     """
+    refuse_hidden(folder)
     with unusable_is_refused(folder):
         folder.mkdir(parents=True, exist_ok=True)
         used = any(folder.iterdir())
     if used and not force:
         raise SceneError("-o", f"{folder}, which is in use", allowed)
     return used
+
+
+def refuse_hidden(folder: Path) -> None:
+    """Refuse a folder that ./in-env does not show to this process: nothing would be left of it."""
+    hidden = hidden_by_in_env(folder)
+    if hidden:
+        raise Statement("-o", f"{folder} {hidden}")
 
 
 @contextmanager

@@ -10,7 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement
+from solver.launcher import hidden_by_in_env
 from solver.scene.checking import from_table, key_of
 from solver.scene.motion import MotionSpec
 from solver.scene.overrides import override, read_toml
@@ -33,6 +34,9 @@ def read_text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
+        hidden = hidden_by_in_env(path)
+        if hidden:
+            raise Statement(str(path), hidden) from None
         reason = getattr(error, "strerror", None) or "not UTF-8"
         raise SceneError(str(path), f"no text ({reason.lower()})", "a scene in TOML") from None
 
@@ -85,6 +89,9 @@ def _find_files(motion: Any, where: str, folder: str | Path) -> None:
         motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
         # os.path, unlike pathlib, says False to names that no file can have.
         if not os.path.isfile(motion["file"]):
+            hidden = "\0" not in motion["file"] and hidden_by_in_env(Path(motion["file"]))
+            if hidden:
+                raise Statement(f"{where}.file", f"{motion['file']} {hidden}")
             got = motion["file"] + " (a folder)" * os.path.isdir(motion["file"])
             raise SceneError(f"{where}.file", got, "a file that exists")
     for direction in ("vertical", "second"):
