@@ -7,8 +7,10 @@ from pathlib import Path
 
 from solver.errors import SceneError
 
+SCENE = "a TOML file, or - for the standard input"
 
-def add_scene(parser: argparse.ArgumentParser, *, text: str = "a TOML file") -> None:
+
+def add_scene(parser: argparse.ArgumentParser, *, text: str = SCENE) -> None:
     """The scene that a command is about: `options.scene`."""
     parser.add_argument("scene", metavar="SCENE", type=Path, help=text)
 

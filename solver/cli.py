@@ -1,7 +1,7 @@
 """The command `rockslip`.
 
 Heavy imports stand inside the commands that need them. Exit codes: 0 done, 2 bad input, 3 not
-converged, 4 environment, 130 interrupted.
+converged, 4 environment or no space left, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -16,9 +16,17 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from solver import VERSION
 from solver.arguments import add_overrides, add_scene
-from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
+from solver.errors import (
+    NO_ROOM,
+    EnvironmentTrouble,
+    NotConverged,
+    OutputTrouble,
+    RockslipError,
+    SceneError,
+)
 from solver.launcher import launched_rank
-from solver.run.folders import claim_folder
+from solver.run.folders import claim_folder, open_folder, release_folders
+from solver.run.streams import FULL, lasting_streams, say, tell
 from solver.study.command import add_studies
 
 if TYPE_CHECKING:
@@ -34,13 +42,22 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Bad input, as everywhere: one line, exit code 2."""
         if launched_rank() == 0:
-            sys.stderr.write(f"rockslip: {message} (see {self.prog} --help)\n")
+            tell(f"rockslip: {message} (see {self.prog} --help)\n")
         sys.exit(SceneError.exit_code)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, without the name of the program; returns its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        with lasting_streams():
+            return _main(words)
+    finally:
+        release_folders()
+
+
+def _main(words: list[str]) -> int:
+    """Run the command line while standard output and error last."""
     # What follows "--" is for PETSc, not for argparse
     cut = words.index("--") if "--" in words else len(words)
     parser = build_parser()
@@ -58,8 +75,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except RockslipError as error:
         if launched_rank() == 0:
-            sys.stderr.write(f"rockslip: {error}\n")
+            tell(f"rockslip: {error}\n")
         return error.exit_code
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        # Whoever writes alone; what ranks write together is an OutputTrouble on all of them.
+        tell(f"rockslip: {OutputTrouble.of(error)}\n")
+        from solver.parallel import abort_others
+
+        abort_others(OutputTrouble.exit_code)
+        return OutputTrouble.exit_code
 
 
 def build_parser() -> Parser:
@@ -67,7 +93,8 @@ def build_parser() -> Parser:
     parser = Parser(
         prog="rockslip",
         description="Rocking and sliding of blocks under base motion, by finite elements.",
-        epilog="Exit codes: 0 done, 2 bad input, 3 not converged, 4 environment, 130 interrupted.",
+        epilog="Exit codes: 0 done, 2 bad input, 3 not converged, "
+        "4 environment or no space left, 130 interrupted.",
     )
     parser.add_argument("--version", action="version", version=f"rockslip {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
@@ -112,7 +139,7 @@ def run_scene(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
     abort_on_exceptions(comm)
-    parse_options(options.petsc_options)  # refused before anything is written
+    own = parse_options(options.petsc_options).own_words()  # refused before anything is written
     path = options.scene
     # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
     # so is a scene that needs what is not installed.
@@ -123,14 +150,22 @@ def run_scene(options: argparse.Namespace) -> int:
         from solver.run.simulate import simulate
 
         if not scene.is_rigid:
+            _start_petsc(own, options.petsc_options)
             import_module("dolfinx")
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
-    folder = options.output or Path(path.stem + ".out")
+    folder = options.output or Path(_stem(path) + ".out")
     on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.run.progress import Progress
 
+    if comm.rank == 0 and not options.quiet:
+        for text in cautions_of_input(scene, ground):
+            tell(f"caution: {text}\n")
+    if comm.size > 1 and comm.rank == 0 and not options.quiet:
+        # Now: an mpirun that is interrupted passes on nothing of what ranks say after that.
+        tell(f"writing to {folder}, up to the last step where it is interrupted\n")
     result = simulate(
         scene,
         folder=folder,
@@ -141,10 +176,22 @@ def run_scene(options: argparse.Namespace) -> int:
         ground=ground,
     )
     if comm.rank == 0 and not options.quiet:
-        sys.stdout.write(report(result.summary))
-        sys.stdout.write(f"written to {folder}; pictures: rockslip plot {folder}\n")
+        say(report(result.summary))
+        say(f"written to {folder}; pictures: rockslip plot {folder}\n")
     codes = {"not converged": NotConverged.exit_code, "interrupted": INTERRUPTED}
     return codes.get(result.status, 0)
+
+
+def _start_petsc(own: Sequence[str], words: Sequence[str]) -> None:
+    """Start PETSc with its own options, and refuse those that its solvers do not know."""
+    if own:  # it reads them when it starts
+        import petsc4py
+
+        petsc4py.init(["rockslip", *own])
+    if words:
+        from solver.stepping.nonlinear import check_options
+
+        check_options(words)
 
 
 def check_scene(options: argparse.Namespace) -> int:
@@ -153,8 +200,8 @@ def check_scene(options: argparse.Namespace) -> int:
         from solver.run.describe import describe
         from solver.scene import load_scene
 
-        sys.stdout.write(describe(load_scene(options.scene, options.overrides)))
-    return 0
+        say(describe(load_scene(options.scene, options.overrides)))
+    return OutputTrouble.exit_code if FULL else 0
 
 
 def run_reference(options: argparse.Namespace) -> int:
@@ -163,14 +210,15 @@ def run_reference(options: argparse.Namespace) -> int:
         return 0
     from solver.excitation.motion import read_ground
     from solver.reference.answer import reference_name, reference_run
+    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
-    from solver.results.summary import summarise, write_json
+    from solver.results.summary import summarise, write_json, write_whole
     from solver.scene import load_scene, scene_to_toml
 
     scene = load_scene(options.scene, options.overrides)
     ground = read_ground(scene)
     model = reference_name(scene, ground)  # refused before anything is written
-    folder = options.output or Path(options.scene.stem + ".rigid")
+    folder = options.output or Path(_stem(options.scene) + ".rigid")
     claim_folder(folder, options.scene, options.force)
     began = time.monotonic()
     history, reason = reference_run(scene, folder / "history.csv", ground)
@@ -182,11 +230,12 @@ def run_reference(options: argparse.Namespace) -> int:
         versions={"rockslip": VERSION},
         reason=reason,
         model=model,
+        cautions=cautions_of_input(scene, ground),
     )
-    (folder / "scene.toml").write_text(scene_to_toml(scene), encoding="utf-8")
+    write_whole(folder / "scene.toml", scene_to_toml(scene))
     write_json(folder / "summary.json", summary)
     if not options.quiet:
-        sys.stdout.write(f"{summary['model']}\n{report(summary)}written to {folder}\n")
+        say(f"{summary['model']}\n{report(summary)}written to {folder}\n")
     return 0
 
 
@@ -195,7 +244,6 @@ def plot_runs(options: argparse.Namespace) -> int:
     if launched_rank() != 0:
         return 0
     from solver.results.runs import UNFINISHED, read_run
-    from solver.run.folders import make_folder
 
     runs = [read_run(folder) for folder in options.runs]
     try:
@@ -206,15 +254,20 @@ def plot_runs(options: argparse.Namespace) -> int:
         if run.summary["status"] == UNFINISHED:
             _tell(f"{run.folder}: no summary.json, made from the history up to {_end(run)}")
     folder = options.output or options.runs[0]
-    make_folder(folder, force=True)
+    open_folder(folder)
     files = picture_run(runs[0], folder) if len(runs) == 1 else picture_runs(runs, folder)
-    sys.stdout.write("".join(f"{file}\n" for file in files))
+    say("".join(f"{file}\n" for file in files))
     return 0
 
 
 def _end(run: Run) -> str:
     """The time up to which a run has rows, in words."""
     return f"t = {run.history['time_s'][-1]:.6g} s"
+
+
+def _stem(scene: Path) -> str:
+    """What the folder of a run is named after: the scene, "scene" for the standard input."""
+    return "scene" if str(scene) == "-" else scene.stem
 
 
 def show_info(options: argparse.Namespace) -> int:
@@ -224,13 +277,13 @@ def show_info(options: argparse.Namespace) -> int:
     lines = description()
     if launched_rank() == 0:
         width = max(len(name) for name, _ in lines) + 2
-        sys.stdout.write("".join(f"{name:{width}}{value}\n" for name, value in lines))
-    return 0
+        say("".join(f"{name:{width}}{value}\n" for name, value in lines))
+    return OutputTrouble.exit_code if FULL else 0
 
 
 def _tell(line: str) -> None:
     """Write a line of the log."""
-    sys.stderr.write(line.rstrip("\n") + "\n")
+    tell(line.rstrip("\n") + "\n")
 
 
 def _remedy(error: ImportError) -> str:

@@ -53,9 +53,18 @@ class Snapshots:
             write_script(folder, scene, stress=elastic)
 
     def write(self, time: float) -> None:
-        """Write the fields of the run's state."""
+        """Write the fields of the run's state.
+
+        An OSError is raised after all that ranks do together, on those where it happened.
+        """
+        trouble = None
         for body in self._bodies:
-            body.write(time)
+            try:
+                body.write(time)
+            except OSError as error:
+                trouble = trouble or error
+        if trouble is not None:
+            raise trouble
 
     def close(self) -> None:
         """Finish the files."""

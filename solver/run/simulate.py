@@ -18,6 +18,7 @@ from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, world
+from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
@@ -168,23 +169,27 @@ def simulate(
         if progress is not None:
             stack.callback(progress.close)
         engine = engine_for(scene, ground, files, petsc_options, comm)
-        history = History(scene_columns(scene), files.history_file)
+        history = files.open_history(scene_columns(scene))
         desk = RunContext(scene, history, files, interruption, Watch(scene), progress)
-        status, summary = _run(engine, desk, began)
+        status, summary = _run(engine, desk, began, cautions_of_input(scene, ground))
     return Result(status, history, summary)
 
 
-def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str, Any]]:
+def _run(
+    engine: Engine, desk: RunContext, began: float, cautions: Sequence[str]
+) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s.
+    counter, s, with these cautions.
     """
+    for text in cautions:
+        desk.files.log(f"caution: {text}")
     scene, history, files = desk.scene, desk.history, desk.files
     first = engine.first_row()
     history.append(first)
     desk.watch.look(np.array(first)[None])
-    files.start(history, engine.open_fields, engine.description)
+    files.start(engine.open_fields, engine.description)
     ready, written = time.perf_counter(), files.output_seconds
     with rarely_collected():
         status, reason = engine.loop(desk)
@@ -196,7 +201,13 @@ def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str,
         **engine.cost(),
     }
     summary = summarise(
-        scene, history, status=status, cost=cost, versions=versions(), reason=reason
+        scene,
+        history,
+        status=status,
+        cost=cost,
+        versions=versions(),
+        reason=reason,
+        cautions=cautions,
     )
     for line in overlap_lines(summary):
         files.log(line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import fields
@@ -17,21 +18,27 @@ from solver.scene.motion import MotionSpec
 from solver.scene.overrides import override, read_toml
 from solver.scene.scene import Scene
 
+STANDARD_INPUT = Path("-")
+"""What stands for the standard input among the names of scenes."""
+
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     """Read a scene file.
 
     Args:
-        path: The TOML file.
+        path: The TOML file; "-" is the standard input.
         overrides: Such as `"block.height=1.2"`; a block is addressed by its name.
     """
     path = Path(path)
-    return parse_scene(read_text(path), folder=path.parent, overrides=overrides, source=path.name)
+    source = "standard input" if path == STANDARD_INPUT else path.name
+    return parse_scene(read_text(path), folder=path.parent, overrides=overrides, source=source)
 
 
 def read_text(path: Path) -> str:
     """The text of a scene file; the only part of reading a scene that looks at the file."""
     try:
+        if path == STANDARD_INPUT:
+            return sys.stdin.buffer.read().decode("utf-8-sig") if sys.stdin else ""
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         hidden = hidden_by_in_env(path)

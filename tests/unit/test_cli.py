@@ -77,7 +77,7 @@ def test_without_arguments_it_helps(granite: Path, capsys: Captured) -> None:
         (["walk"], ["walk", "run"]),
         (["check", "granite.toml", "--", "-x"], ["rockslip run"]),
         (["plot", "nowhere"], ["nowhere", "scene.toml"]),
-        (["reference", "granite.toml", "-o", "."], ["granite.toml", "in use"]),
+        (["reference", "granite.toml", "-o", "."], ["granite.toml", "not empty"]),
         (["reference", "granite.toml", "--set", "dimension=3"], ["dimension", "reference"]),
     ],
 )
@@ -115,7 +115,7 @@ def test_an_earlier_run_is_kept_unless_forced(granite: Path, capsys: Captured) -
     mine.write_text("mine")
     (folder / "fields_p0_000001.vtu").write_text("stale")
     other = ["reference", "granite.toml", "-q", "--set", "block.tilt_deg=2"]
-    assert "in use" in refused(other, capsys)
+    assert "not empty" in refused(other, capsys)
     assert (folder / "history.csv").read_text() == stamp
     assert main([*other, "--force"]) == 0
     assert (folder / "history.csv").read_text() != stamp
@@ -175,7 +175,7 @@ class TestRun:
         self, granite: Path, calls: list[dict[str, Any]], capsys: Captured
     ) -> None:
         assert main(["run", "granite.toml", "-q"]) == 0
-        assert "in use" in refused(["run", "granite.toml"], capsys)
+        assert "not empty" in refused(["run", "granite.toml"], capsys)
         assert len(calls) == 1
         assert main(["run", "granite.toml", "-q", "--force"]) == 0
 
@@ -279,6 +279,54 @@ def test_files_that_a_new_run_removes_are_those_that_runs_leave() -> None:
     names = ("fields000001.pvtu", "fields_p2_000001.vtu", "history.csv", "angle.png")
     for name in names:
         assert any(Path(name).match(pattern) for pattern in LEFT_BEHIND)
+
+
+@pytest.mark.serial
+def test_a_dash_reads_the_standard_input(granite: Path) -> None:
+    """Files are named after "scene"; with mpirun, rank 0 reads."""
+    text = granite.read_text().replace("[[block]]", '[[block]]\nmodel = "rigid"')
+    for words, left in (
+        ("check -", None),
+        ("reference - -q", "scene.rigid"),
+        ("run - -q", "scene.out"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "solver", *words.split()],
+            input=text,
+            env=outside_mpirun(),
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, done.stderr
+        assert left is None or (granite.parent / left / "history.csv").is_file()
+    command = [sys.executable, "-m", "solver", "check", "-"]
+    for wrong, said in (("", "standard input: got an empty scene"), ("[[", "standard input: got")):
+        done = subprocess.run(
+            command, input=wrong, env=outside_mpirun(), capture_output=True, text=True
+        )
+        assert done.returncode == 2
+        assert said in done.stderr
+
+
+def test_steps_that_see_nothing_are_warned_of(granite: Path, capsys: Captured) -> None:
+    """By every command, with what others would cost."""
+    blind = ["granite.toml", "--set", "block.model=rigid", "time.step=0.1"]
+    said = (
+        "steps of 0.1 s, 1.9 in the 0.191 s of a swing of block, do not see it: "
+        "time.step = 0.01 does, in 30 steps instead of 3"
+    )
+    assert main(["check", *blind]) == 0
+    assert said in capsys.readouterr().out
+    assert main(["run", *blind, "-o", "out"]) == 0
+    output = capsys.readouterr()
+    assert f"caution: {said}\n" in output.err
+    assert said in output.out
+    summary = json.loads((granite.parent / "out" / "summary.json").read_text())
+    assert said in summary["cautions"]
+    assert said in (granite.parent / "out" / "run.log").read_text()
+    assert main(["check", "granite.toml", "--set", "block.model=rigid"]) == 0
+    assert "do not see" not in capsys.readouterr().out
 
 
 class TestPlot:
