@@ -23,6 +23,8 @@ from solver.errors import (
     OutputTrouble,
     RockslipError,
     SceneError,
+    missing_key,
+    not_applicable,
 )
 from solver.launcher import launched_rank
 from solver.run.folders import claim_folder, open_folder, release_folders
@@ -108,7 +110,7 @@ def build_parser() -> Parser:
     check = command("check", check_scene, "derived numbers, expected mode, mesh size; no solve")
     reference = command("reference", run_reference, "the rigid-body answer, with the same files")
     for scene_command in (run, check, reference):
-        add_scene(scene_command)
+        add_scene(scene_command, needed=scene_command is not run)
         add_overrides(scene_command)
     for writing, default in ((run, "SCENE's name + .out"), (reference, "SCENE's name + .rigid")):
         writing.add_argument(
@@ -116,6 +118,9 @@ def build_parser() -> Parser:
         )
         writing.add_argument("--force", action="store_true", help="write over an earlier run")
         writing.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    run.add_argument(
+        "--resume", metavar="DIR", type=Path, help="go on from the checkpoint of a run in DIR"
+    )
     run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
     plot = command("plot", plot_runs, "pictures of one run, or of several runs overlaid")
     plot.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
@@ -140,7 +145,9 @@ def run_scene(options: argparse.Namespace) -> int:
         raise EnvironmentTrouble(_remedy(error)) from error
     abort_on_exceptions(comm)
     own = parse_options(options.petsc_options).own_words()  # refused before anything is written
-    path = options.scene
+    if options.scene is None and options.resume is None:
+        raise missing_key("SCENE", "(a TOML file, or - for the standard input), or --resume DIR")
+    path = _resumed_scene(options) if options.resume else options.scene
     # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
     # so is a scene that needs what is not installed.
     scene = on_first_rank(comm, lambda: load_scene(path, options.overrides))
@@ -154,8 +161,9 @@ def run_scene(options: argparse.Namespace) -> int:
             import_module("dolfinx")
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
-    folder = options.output or Path(_stem(path) + ".out")
-    on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    folder = options.resume or options.output or Path(_stem(path) + ".out")
+    if not options.resume:
+        on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
     from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.run.progress import Progress
@@ -174,12 +182,23 @@ def run_scene(options: argparse.Namespace) -> int:
         log=_tell if options.verbose and comm.rank == 0 else None,
         comm=comm,
         ground=ground,
+        resume=options.resume is not None,
     )
     if comm.rank == 0 and not options.quiet:
         say(report(result.summary))
         say(f"written to {folder}; pictures: rockslip plot {folder}\n")
     codes = {"not converged": NotConverged.exit_code, "interrupted": INTERRUPTED}
     return codes.get(result.status, 0)
+
+
+def _resumed_scene(options: argparse.Namespace) -> Path:
+    """The scene in the folder of a run that goes on, as it was run: nothing of it may change."""
+    given = {"SCENE": options.scene, "-o": options.output, "--set": options.overrides}
+    given["--force"] = options.force
+    for name, value in given.items():
+        if value:
+            raise not_applicable(name, "runs that begin, not to --resume DIR")
+    return Path(options.resume) / "scene.toml"
 
 
 def _start_petsc(own: Sequence[str], words: Sequence[str]) -> None:

@@ -96,6 +96,7 @@ class ElasticBody:
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._rounding: tuple[TangentWeights, Array] | None = None
         self._interface: PETSc.Mat | None = None
+        self.strained_at: Array | None = None  # of the stiffness; None: undeformed
         self.factorizations = 0
         """Number of tangents factorized so far."""
 
@@ -306,15 +307,25 @@ class ElasticBody:
 
         Whether it differs from what it was by enough to be taken.
         """
+        strained = self._strained_stiffness(u)
+        if not differs(strained, self.stiffness_matrix, self.material):
+            return False
+        self.stiffness_matrix, self.strained_at = strained, u.copy()
+        self._factorizations.clear()
+        return True
+
+    def _strained_stiffness(self, u: Array) -> PETSc.Mat:
+        """Stiffness of the body as it is strained at u, turned back."""
         state, form = self._forms.strained_stiffness()
         shape = self.arm + u.reshape(-1, self.dimension)
         self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
-        strained = form.matrix()
-        if not differs(strained, self.stiffness_matrix, self.material):
-            return False
-        self.stiffness_matrix = strained
+        return form.matrix()
+
+    def resume_stiffness(self, strained_at: Array) -> None:
+        """Take the stiffness of an earlier run, before any tangent is asked for; collective."""
+        self.stiffness_matrix = self._strained_stiffness(strained_at)
+        self.strained_at = strained_at
         self._factorizations.clear()
-        return True
 
     def factorization(self, weights: TangentWeights) -> Factorization:
         """The tangent of the unrotated body for these weights, factorized once and kept.

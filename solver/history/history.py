@@ -117,6 +117,23 @@ class History:
                     raise OSError(error.errno, error.strerror, str(self.file)) from error
                 self._written += len(part)
 
+    @classmethod
+    def resumed(cls, columns: Sequence[str], file: Path, rows: int) -> History:
+        """The first rows of the history in a CSV file, which goes on behind them.
+
+        Raises:
+            SceneError: It has fewer rows, or other columns.
+        """
+        history = cls.read(file)
+        if len(history) < rows or history.columns != tuple(columns):
+            got = f"{len(history)} rows"
+            raise SceneError(str(file), got, f"the {rows} rows that the run goes on from")
+        with file.open("rb") as stream:
+            end = sum(len(stream.readline()) for _ in range(rows + 1))
+        os.truncate(file, end)
+        history.file, history._length, history._written = file, rows, rows
+        return history
+
     @property
     def written_to(self) -> float:
         """The time up to which rows are in the file, s; nan without any."""

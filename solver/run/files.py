@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from solver.errors import OutputTrouble
+from solver.excitation.motion import GroundMotion
+from solver.fields.pvd import FieldsBefore
 from solver.history.history import History
 from solver.parallel import Comm, Single, on_first_rank
 from solver.results.summary import write_json
+from solver.run.checkpoint import NAME, Checkpoint, Schedule, write_checkpoint
 from solver.run.folders import hold_folder, refuse_hidden, release_folder
 from solver.scene import Scene, scene_to_toml
 
@@ -40,11 +43,14 @@ class RunFiles:
         folder: Path | None,
         comm: Comm,
         log: Callable[[str], None] | None,
+        resumed: Checkpoint | None = None,
     ):
         """Open the folder and its log."""
         if folder is not None:
             refuse_hidden(folder)
         self._scene, self._folder, self._comm, self._also = scene, folder, comm, log
+        self._resumed = resumed
+        self.schedule = Schedule(scene.output.checkpoint if folder is not None else None, comm)
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None
         self._fields: Fields | None = None
@@ -61,9 +67,16 @@ class RunFiles:
         hold_folder(self._folder)
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            text = scene_to_toml(self._scene)
-            (self._folder / "scene.toml").write_text(text, encoding="utf-8")
-            self._log = (self._folder / "run.log").open("w", encoding="utf-8", buffering=1)
+            if self._resumed is None:
+                text = scene_to_toml(self._scene)
+                (self._folder / "scene.toml").write_text(text, encoding="utf-8")
+            elif (self._folder / "summary.json").exists():  # that of the part before
+                (self._folder / "summary.json").unlink()
+            log = self._folder / "run.log"
+            if self._resumed is None:
+                self._log = log.open("w", encoding="utf-8", buffering=1)
+            else:
+                self._log = log.open("a", encoding="utf-8", buffering=1)
         except OSError as error:
             raise self._trouble(error) from error
 
@@ -126,7 +139,13 @@ class RunFiles:
         def begin() -> None:
             self._history = History(columns, self.history_file)
 
-        self._together(begin)
+        if self._resumed is None or self._folder is None:
+            self._together(begin)
+        else:  # rank 0 has the file, the others take its rows
+            rows, file = self._resumed.rows, self._folder / "history.csv"
+            found = on_first_rank(self._comm, lambda: History.resumed(columns, file, rows))
+            found.file = self.history_file
+            self._history = found
         assert self._history is not None
         return self._history
 
@@ -138,21 +157,27 @@ class RunFiles:
         if self._also is not None:
             self._also(line)
 
-    def start(self, fields: Callable[[Path], Fields], description: str) -> None:
+    def start(self, fields: Callable[[Path, FieldsBefore], Fields], description: str) -> None:
         """Say what is being run; open and write the fields of t = 0 where they are asked for."""
         self.log(description)
         folder = self._folder
         if folder is not None and self._scene.output.fields == "vtk":
             began = time.perf_counter()
 
+            resumed = self._resumed
+            before = FieldsBefore()
+            if resumed is not None:
+                before = FieldsBefore(resumed.part, resumed.time * (1 + 1e-12))
+
             def begin() -> None:
-                self._fields = fields(folder)
+                self._fields = fields(folder, before)
 
             self._together(begin)
             assert self._fields is not None
             opened = self._fields
-            self._together(lambda: opened.write(0.0))
-            self._written = 0.0
+            if resumed is None:
+                self._together(lambda: opened.write(0.0))
+            self._written = 0.0 if resumed is None else resumed.time
             self.output_seconds += time.perf_counter() - began
 
     def next_snapshot(self, now: float) -> float:
@@ -172,6 +197,20 @@ class RunFiles:
         fields = self._fields
         if fields is not None:
             self._together(lambda: fields.write(now))
+        self.output_seconds += time.perf_counter() - began
+
+    def keep(self, ground: GroundMotion, now: float, engine: Any) -> None:
+        """Write a checkpoint of what an engine saved at a time, s; collective."""
+        folder = self._folder
+        if folder is None or self._history is None:
+            return
+        began = time.perf_counter()
+        self._together(self._flush)
+        part = 1 if self._resumed is None else self._resumed.part
+        kept = Checkpoint(now, len(self._history), part, engine)
+        self._together(
+            lambda: write_checkpoint(folder / NAME, self._scene, ground, kept, self._comm)
+        )
         self.output_seconds += time.perf_counter() - began
 
     def finish(self, summary: dict[str, Any], line: str) -> None:

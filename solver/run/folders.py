@@ -16,6 +16,8 @@ LEFT_BEHIND = (
     "history.csv",
     "summary.json",
     "summary.json.part",
+    "checkpoint.npz",
+    "checkpoint.npz.part",
     "run.log",
     "open_in_paraview.py",
     "fields*.pvd",

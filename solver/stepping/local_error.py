@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from mpi4py import MPI
 
@@ -104,6 +105,14 @@ class LocalError:
         """The step that was judged last is taken."""
         self._past = self._tried
 
+    def saved(self) -> Any:
+        """What earlier steps leave for the estimate, for `resume`."""
+        return self._past
+
+    def resume(self, saved: Any) -> None:
+        """Go on from earlier steps of another estimate."""
+        self._past = self._tried = saved
+
     def _mean_square_root(self, motion: Array) -> float:
         """Root of the mean square of a motion over the mass of a meshed body, the largest."""
         squares = [
@@ -131,6 +140,15 @@ class Judge:
         """Compare an error with a tolerance."""
         self._estimate, self._tolerance = error, tolerance
         self._used = 0.0
+
+    def saved(self) -> Any:
+        """What earlier steps leave, for `resume`."""
+        return self._estimate.saved(), self._used
+
+    def resume(self, saved: Any) -> None:
+        """Go on from the earlier steps of another judge."""
+        past, self._used = saved
+        self._estimate.resume(past)
 
     def accepts(self, new: State, dt: float) -> bool:
         """Whether the step of length `dt` (s) that led to `new` is good enough."""
