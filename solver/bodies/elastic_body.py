@@ -96,7 +96,7 @@ class ElasticBody:
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._rounding: tuple[TangentWeights, Array] | None = None
         self._interface: PETSc.Mat | None = None
-        self.strained_at: Array | None = None  # of the stiffness; None: undeformed
+        self.strained_at: Array | None = None  # of the stiffness
         self.factorizations = 0
         """Number of tangents factorized so far."""
 
@@ -303,10 +303,7 @@ class ElasticBody:
         self._factorizations.clear()
 
     def restiffen(self, u: Array) -> bool:
-        """From now on, the stiffness of the body as it is strained at u, turned back; collective.
-
-        Whether it differs from what it was by enough to be taken.
-        """
+        """Take the stiffness as strained at u, turned back, if it differs enough; collective."""
         strained = self._strained_stiffness(u)
         if not differs(strained, self.stiffness_matrix, self.material):
             return False
@@ -317,14 +314,13 @@ class ElasticBody:
     def _strained_stiffness(self, u: Array) -> PETSc.Mat:
         """Stiffness of the body as it is strained at u, turned back."""
         state, form = self._forms.strained_stiffness()
-        shape = self.arm + u.reshape(-1, self.dimension)
-        self._assign((state, state.x.array), (shape @ self.rotation(u) - self.arm).ravel())
+        turned = (self.arm + u.reshape(-1, self.dimension)) @ self.rotation(u)
+        self._assign((state, state.x.array), (turned - self.arm).ravel())
         return form.matrix()
 
     def resume_stiffness(self, strained_at: Array) -> None:
-        """Take the stiffness of an earlier run, before any tangent is asked for; collective."""
-        self.stiffness_matrix = self._strained_stiffness(strained_at)
-        self.strained_at = strained_at
+        """Take the stiffness of an earlier run; collective."""
+        self.stiffness_matrix, self.strained_at = self._strained_stiffness(strained_at), strained_at
         self._factorizations.clear()
 
     def factorization(self, weights: TangentWeights) -> Factorization:

@@ -24,8 +24,9 @@ from solver.scene import scene_to_toml
 
 pytestmark = pytest.mark.serial
 
-RIGID = BLOCK.replace("[[block]]", '[[block]]\nmodel = "rigid"')
+RIGID = BLOCK.replace("[[block]]", '[[block]]\nmodel = "rigid"') + "\n"
 COARSE = BLOCK + "\ncells = [3, 6]\n"
+TILTED = COARSE + "tilt_deg = 1.0\n"
 SHAKEN = '[motion]\nkind = "sine"\namplitude_g = 0.5\nperiod = 0.3\n'
 STEPS = "[time]\nend = 0.3\nstep = 0.001\n"
 UPPER = """
@@ -43,11 +44,11 @@ OSCILLATOR = '[foundation]\nkind = "oscillator"\nmass_ratio = 0.5\nperiod = 0.4\
 SCENES = {
     "rigid, plane": RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
     "rigid, plane, stack on platform": RIGID + UPPER + OSCILLATOR + SHAKEN + STEPS,
-    "rigid, space": "dimension = 3\n" + RIGID + "\ntilt_deg = 1.0\n" + SHAKEN + STEPS,
-    "meshed": COARSE + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
-    "meshed, adaptive": COARSE + "tilt_deg = 1.0\n[damping]\nstiffness = 3e-5\n[time]\nend = 0.16\n",
+    "rigid, space": "dimension = 3\n" + RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
+    "meshed": TILTED + SHAKEN + STEPS,
+    "meshed, adaptive": TILTED + "[damping]\nstiffness = 3e-5\n[time]\nend = 0.16\n",
     "meshed, damped steps": COARSE + SHAKEN + STEPS + "damped_steps = 8\n",
-    "meshed, theta": COARSE + "tilt_deg = 1.0\n[contact]\ntheta = 1\nfriction = 0.2\n" + SHAKEN + STEPS,
+    "meshed, theta": TILTED + "[contact]\ntheta = 1\nfriction = 0.2\n" + SHAKEN + STEPS,
     "mixed, on platform": COARSE + UPPER + OSCILLATOR + SHAKEN + STEPS,
 }  # fmt: skip
 
