@@ -146,7 +146,7 @@ def run_scene(options: argparse.Namespace) -> int:
     abort_on_exceptions(comm)
     own = parse_options(options.petsc_options).own_words()  # refused before anything is written
     if options.scene is None and options.resume is None:
-        raise missing_key("SCENE", "(a TOML file, or - for the standard input), or --resume DIR")
+        raise missing_key("SCENE", "or --resume DIR (see rockslip run --help)")
     path = _resumed_scene(options) if options.resume else options.scene
     # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
     # so is a scene that needs what is not installed.
