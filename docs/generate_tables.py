@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 from solver import scene
 from solver.history.columns import TABLE, Column
-from solver.scene import Scene, foundation, motion
+from solver.scene import Scene, foundation, motion, output
 from solver.scene.cells import SHAPES
 from solver.scene.checking import key_of, shown
 from solver.scene.ranges import Cell
@@ -165,7 +165,9 @@ def kinds_table(field: str) -> str:
 
 def specification(name: str) -> Any:
     """A class of a scene's tables by its name."""
-    return next(getattr(home, name) for home in (scene, foundation, motion) if hasattr(home, name))
+    return next(
+        getattr(home, name) for home in (scene, foundation, motion, output) if hasattr(home, name)
+    )
 
 
 def generated(name: str) -> str:

@@ -7,10 +7,13 @@ from pathlib import Path
 
 from solver.errors import SceneError
 
+SCENE = "a TOML file, or - for the standard input"
 
-def add_scene(parser: argparse.ArgumentParser, *, text: str = "a TOML file") -> None:
-    """The scene that a command is about: `options.scene`."""
-    parser.add_argument("scene", metavar="SCENE", type=Path, help=text)
+
+def add_scene(parser: argparse.ArgumentParser, *, text: str = SCENE, needed: bool = True) -> None:
+    """The scene that a command is about: `options.scene`; None where it is not needed."""
+    count = None if needed else "?"
+    parser.add_argument("scene", metavar="SCENE", type=Path, nargs=count, help=text)
 
 
 def add_overrides(parser: argparse.ArgumentParser, *, example: str = "block.height=1.2") -> None:

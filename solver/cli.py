@@ -1,7 +1,7 @@
 """The command `rockslip`.
 
 Heavy imports stand inside the commands that need them. Exit codes: 0 done, 2 bad input, 3 not
-converged, 4 environment, 130 interrupted.
+converged, 4 environment or no space left, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -12,14 +12,27 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from solver import VERSION
 from solver.arguments import add_overrides, add_scene
-from solver.errors import EnvironmentTrouble, NotConverged, RockslipError, SceneError
+from solver.errors import (
+    NO_ROOM,
+    EnvironmentTrouble,
+    NotConverged,
+    OutputTrouble,
+    RockslipError,
+    SceneError,
+    missing_key,
+    not_applicable,
+)
 from solver.launcher import launched_rank
-from solver.run.folders import claim_folder
+from solver.run.folders import claim_folder, open_folder, release_folders
+from solver.run.streams import FULL, lasting_streams, say, tell
 from solver.study.command import add_studies
+
+if TYPE_CHECKING:
+    from solver.results.runs import Run
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
@@ -31,13 +44,22 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Bad input, as everywhere: one line, exit code 2."""
         if launched_rank() == 0:
-            sys.stderr.write(f"rockslip: {message} (see {self.prog} --help)\n")
+            tell(f"rockslip: {message} (see {self.prog} --help)\n")
         sys.exit(SceneError.exit_code)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, without the name of the program; returns its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        with lasting_streams():
+            return _main(words)
+    finally:
+        release_folders()
+
+
+def _main(words: list[str]) -> int:
+    """Run the command line while standard output and error last."""
     # What follows "--" is for PETSc, not for argparse
     cut = words.index("--") if "--" in words else len(words)
     parser = build_parser()
@@ -55,8 +77,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except RockslipError as error:
         if launched_rank() == 0:
-            sys.stderr.write(f"rockslip: {error}\n")
+            tell(f"rockslip: {error}\n")
         return error.exit_code
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        # Whoever writes alone; what ranks write together is an OutputTrouble on all of them.
+        tell(f"rockslip: {OutputTrouble.of(error)}\n")
+        from solver.parallel import abort_others
+
+        abort_others(OutputTrouble.exit_code)
+        return OutputTrouble.exit_code
 
 
 def build_parser() -> Parser:
@@ -64,7 +95,8 @@ def build_parser() -> Parser:
     parser = Parser(
         prog="rockslip",
         description="Rocking and sliding of blocks under base motion, by finite elements.",
-        epilog="Exit codes: 0 done, 2 bad input, 3 not converged, 4 environment, 130 interrupted.",
+        epilog="Exit codes: 0 done, 2 bad input, 3 not converged, "
+        "4 environment or no space left, 130 interrupted.",
     )
     parser.add_argument("--version", action="version", version=f"rockslip {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
@@ -78,7 +110,7 @@ def build_parser() -> Parser:
     check = command("check", check_scene, "derived numbers, expected mode, mesh size; no solve")
     reference = command("reference", run_reference, "the rigid-body answer, with the same files")
     for scene_command in (run, check, reference):
-        add_scene(scene_command)
+        add_scene(scene_command, needed=scene_command is not run)
         add_overrides(scene_command)
     for writing, default in ((run, "SCENE's name + .out"), (reference, "SCENE's name + .rigid")):
         writing.add_argument(
@@ -86,11 +118,14 @@ def build_parser() -> Parser:
         )
         writing.add_argument("--force", action="store_true", help="write over an earlier run")
         writing.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    run.add_argument(
+        "--resume", metavar="DIR", type=Path, help="go on from the checkpoint of a run in DIR"
+    )
     run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
     plot = command("plot", plot_runs, "pictures of one run, or of several runs overlaid")
     plot.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
     plot.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help="folder for an overlay; default the first"
+        "-o", "--output", metavar="DIR", type=Path, help="folder of the pictures; default the first"
     )
     add_studies(command("study", show_info, "many runs of a scene, and what they say together"))
     command("info", show_info, "versions of everything that matters, ranks, solvers found")
@@ -109,8 +144,10 @@ def run_scene(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
     abort_on_exceptions(comm)
-    parse_options(options.petsc_options)  # refused before anything is written
-    path = options.scene
+    own = parse_options(options.petsc_options).own_words()  # refused before anything is written
+    if options.scene is None and options.resume is None:
+        raise missing_key("SCENE", "or --resume DIR (see rockslip run --help)")
+    path = _resumed_scene(options) if options.resume else options.scene
     # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
     # so is a scene that needs what is not installed.
     scene = on_first_rank(comm, lambda: load_scene(path, options.overrides))
@@ -120,14 +157,23 @@ def run_scene(options: argparse.Namespace) -> int:
         from solver.run.simulate import simulate
 
         if not scene.is_rigid:
+            _start_petsc(own, options.petsc_options)
             import_module("dolfinx")
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
-    folder = options.output or Path(path.stem + ".out")
-    on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    folder = options.resume or options.output or Path(_stem(path) + ".out")
+    if not options.resume:
+        on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
+    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.run.progress import Progress
 
+    if comm.rank == 0 and not options.quiet:
+        for text in cautions_of_input(scene, ground):
+            tell(f"caution: {text}\n")
+    if comm.size > 1 and comm.rank == 0 and not options.quiet:
+        # Now: an mpirun that is interrupted passes on nothing of what ranks say after that.
+        tell(f"writing to {folder}, up to the last step where it is interrupted\n")
     result = simulate(
         scene,
         folder=folder,
@@ -136,12 +182,35 @@ def run_scene(options: argparse.Namespace) -> int:
         log=_tell if options.verbose and comm.rank == 0 else None,
         comm=comm,
         ground=ground,
+        resume=options.resume is not None,
     )
     if comm.rank == 0 and not options.quiet:
-        sys.stdout.write(report(result.summary))
-        sys.stdout.write(f"written to {folder}; pictures: rockslip plot {folder}\n")
+        say(report(result.summary))
+        say(f"written to {folder}; pictures: rockslip plot {folder}\n")
     codes = {"not converged": NotConverged.exit_code, "interrupted": INTERRUPTED}
     return codes.get(result.status, 0)
+
+
+def _resumed_scene(options: argparse.Namespace) -> Path:
+    """The scene in the folder of a run that goes on, as it was run: nothing of it may change."""
+    given = {"SCENE": options.scene, "-o": options.output, "--set": options.overrides}
+    given["--force"] = options.force
+    for name, value in given.items():
+        if value:
+            raise not_applicable(name, "runs that begin, not to --resume DIR")
+    return Path(options.resume) / "scene.toml"
+
+
+def _start_petsc(own: Sequence[str], words: Sequence[str]) -> None:
+    """Start PETSc with its own options, and refuse those that its solvers do not know."""
+    if own:  # it reads them when it starts
+        import petsc4py
+
+        petsc4py.init(["rockslip", *own])
+    if words:
+        from solver.stepping.nonlinear import check_options
+
+        check_options(words)
 
 
 def check_scene(options: argparse.Namespace) -> int:
@@ -150,8 +219,8 @@ def check_scene(options: argparse.Namespace) -> int:
         from solver.run.describe import describe
         from solver.scene import load_scene
 
-        sys.stdout.write(describe(load_scene(options.scene, options.overrides)))
-    return 0
+        say(describe(load_scene(options.scene, options.overrides)))
+    return OutputTrouble.exit_code if FULL else 0
 
 
 def run_reference(options: argparse.Namespace) -> int:
@@ -160,14 +229,15 @@ def run_reference(options: argparse.Namespace) -> int:
         return 0
     from solver.excitation.motion import read_ground
     from solver.reference.answer import reference_name, reference_run
+    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
-    from solver.results.summary import summarise, write_json
+    from solver.results.summary import summarise, write_json, write_whole
     from solver.scene import load_scene, scene_to_toml
 
     scene = load_scene(options.scene, options.overrides)
     ground = read_ground(scene)
     model = reference_name(scene, ground)  # refused before anything is written
-    folder = options.output or Path(options.scene.stem + ".rigid")
+    folder = options.output or Path(_stem(options.scene) + ".rigid")
     claim_folder(folder, options.scene, options.force)
     began = time.monotonic()
     history, reason = reference_run(scene, folder / "history.csv", ground)
@@ -179,11 +249,12 @@ def run_reference(options: argparse.Namespace) -> int:
         versions={"rockslip": VERSION},
         reason=reason,
         model=model,
+        cautions=cautions_of_input(scene, ground),
     )
-    (folder / "scene.toml").write_text(scene_to_toml(scene), encoding="utf-8")
+    write_whole(folder / "scene.toml", scene_to_toml(scene))
     write_json(folder / "summary.json", summary)
     if not options.quiet:
-        sys.stdout.write(f"{summary['model']}\n{report(summary)}written to {folder}\n")
+        say(f"{summary['model']}\n{report(summary)}written to {folder}\n")
     return 0
 
 
@@ -191,19 +262,31 @@ def plot_runs(options: argparse.Namespace) -> int:
     """`rockslip plot`."""
     if launched_rank() != 0:
         return 0
-    from solver.results.runs import read_run
+    from solver.results.runs import UNFINISHED, read_run
 
     runs = [read_run(folder) for folder in options.runs]
     try:
         from solver.pictures.pictures import picture_run, picture_runs
     except ImportError as error:
         raise EnvironmentTrouble(_remedy(error)) from error
-    if len(runs) == 1:
-        files = picture_run(runs[0])
-    else:
-        files = picture_runs(runs, options.output or options.runs[0])
-    sys.stdout.write("".join(f"{file}\n" for file in files))
+    for run in runs:
+        if run.summary["status"] == UNFINISHED:
+            _tell(f"{run.folder}: no summary.json, made from the history up to {_end(run)}")
+    folder = options.output or options.runs[0]
+    open_folder(folder)
+    files = picture_run(runs[0], folder) if len(runs) == 1 else picture_runs(runs, folder)
+    say("".join(f"{file}\n" for file in files))
     return 0
+
+
+def _end(run: Run) -> str:
+    """The time up to which a run has rows, in words."""
+    return f"t = {run.history['time_s'][-1]:.6g} s"
+
+
+def _stem(scene: Path) -> str:
+    """What the folder of a run is named after: the scene, "scene" for the standard input."""
+    return "scene" if str(scene) == "-" else scene.stem
 
 
 def show_info(options: argparse.Namespace) -> int:
@@ -213,13 +296,13 @@ def show_info(options: argparse.Namespace) -> int:
     lines = description()
     if launched_rank() == 0:
         width = max(len(name) for name, _ in lines) + 2
-        sys.stdout.write("".join(f"{name:{width}}{value}\n" for name, value in lines))
-    return 0
+        say("".join(f"{name:{width}}{value}\n" for name, value in lines))
+    return OutputTrouble.exit_code if FULL else 0
 
 
 def _tell(line: str) -> None:
     """Write a line of the log."""
-    sys.stderr.write(line.rstrip("\n") + "\n")
+    tell(line.rstrip("\n") + "\n")
 
 
 def _remedy(error: ImportError) -> str:

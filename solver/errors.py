@@ -2,7 +2,26 @@
 
 from __future__ import annotations
 
+import errno
+from pathlib import Path
 from typing import ClassVar
+
+NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
+"""Numbers of the system's errors where a disk is full, a quota used up, a file as long as it may
+be."""
+
+
+LONGEST = 200
+"""Characters of a message, those of the names of files in it not counted in."""
+
+
+def in_one_line(text: str) -> str:
+    """A message in one line of printable characters, cut where it is too long."""
+    plain = "".join(c if c.isprintable() or c in " \t\r\n" else ascii(c)[1:-1] for c in text)
+    words = plain.split()
+    files = sum(len(word) for word in words if "/" in word and len(word) <= LONGEST)
+    line = " ".join(words)
+    return line if len(line) <= LONGEST + files else f"{line[: LONGEST + files - 4]} ..."
 
 
 class RockslipError(Exception):
@@ -33,7 +52,7 @@ class SceneError(RockslipError):
     def __str__(self) -> str:
         """One line."""
         hint = f", did you mean '{self.nearest}'?" if self.nearest else ""
-        return " ".join(f"{self.where}: got {self.got}, allowed {self.allowed}{hint}".split())
+        return in_one_line(f"{_short(self.where)}: got {self.got}, allowed {self.allowed}{hint}")
 
 
 class UnknownKey(SceneError):
@@ -42,7 +61,7 @@ class UnknownKey(SceneError):
     def __str__(self) -> str:
         """One line."""
         hint = f", did you mean '{self.nearest}'?" if self.nearest else ","
-        return f"{self.where}: unknown key{hint} allowed {self.allowed}"
+        return in_one_line(f"{_short(self.where)}: unknown key{hint} allowed {self.allowed}")
 
 
 class Statement(SceneError):
@@ -59,7 +78,12 @@ class Statement(SceneError):
 
     def __str__(self) -> str:
         """One line."""
-        return " ".join(f"{self.where} {self.allowed}".split())
+        return in_one_line(f"{_short(self.where)} {self.allowed}")
+
+
+def _short(where: str) -> str:
+    """A path, the name of a file excepted, in at most 60 characters."""
+    return where if len(where) <= 60 or "/" in where else f"{where[:56]} ..."
 
 
 def missing_key(where: str, what: str) -> Statement:
@@ -82,3 +106,14 @@ class EnvironmentTrouble(RockslipError):
     """Something that the run needs is not installed, too old or broken."""
 
     exit_code = 4
+
+
+class OutputTrouble(EnvironmentTrouble):
+    """What was computed cannot be written; what was written before stays."""
+
+    @classmethod
+    def of(cls, error: OSError, written: str = "") -> OutputTrouble:
+        """The system's error in one line; `written` says what is there, such as "up to t = 1 s"."""
+        said = (error.strerror or str(error)).lower().removesuffix(" on device")
+        file = Path(error.filename).name if error.filename else "output"
+        return cls(f"{file}: {said}{', written ' if written else ''}{written}")

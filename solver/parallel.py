@@ -91,6 +91,14 @@ def abort_on_exceptions(comm: Comm) -> None:
     sys.excepthook = hook
 
 
+def abort_others(code: int) -> None:
+    """End all ranks with an exit code where there are others, which may wait for this one."""
+    loaded = sys.modules.get("mpi4py.MPI")
+    if loaded is not None and loaded.COMM_WORLD.size > 1:
+        sys.stderr.flush()
+        loaded.COMM_WORLD.Abort(code)
+
+
 class Layer:
     """The nodes of the cells next to a surface, in one order on every rank.
 

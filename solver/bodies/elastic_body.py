@@ -96,6 +96,7 @@ class ElasticBody:
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._rounding: tuple[TangentWeights, Array] | None = None
         self._interface: PETSc.Mat | None = None
+        self.strained_at: Array | None = None  # of the stiffness
         self.factorizations = 0
         """Number of tangents factorized so far."""
 
@@ -304,17 +305,23 @@ class ElasticBody:
         self._factorizations.clear()
 
     def restiffen(self, u: Array) -> bool:
-        """From now on, the stiffness of the body as it is strained at u, turned back; collective.
-
-        Whether it differs from what it was by enough to be taken.
-        """
-        shape = self.arm + u.reshape(-1, self.dimension)
-        strained = self._forms.strained_stiffness((shape @ self.rotation(u) - self.arm).ravel())
+        """Take the stiffness as strained at u, turned back, if it differs enough; collective."""
+        strained = self._strained_stiffness(u)
         if not differs(strained, self.stiffness_matrix, self.material):
             return False
-        self.stiffness_matrix = strained
+        self.stiffness_matrix, self.strained_at = strained, u.copy()
         self._factorizations.clear()
         return True
+
+    def _strained_stiffness(self, u: Array) -> PETSc.Mat:
+        """Stiffness of the body as it is strained at u, turned back."""
+        turned = (self.arm + u.reshape(-1, self.dimension)) @ self.rotation(u)
+        return self._forms.strained_stiffness((turned - self.arm).ravel())
+
+    def resume_stiffness(self, strained_at: Array) -> None:
+        """Take the stiffness of an earlier run; collective."""
+        self.stiffness_matrix, self.strained_at = self._strained_stiffness(strained_at), strained_at
+        self._factorizations.clear()
 
     def factorization(self, weights: TangentWeights) -> Factorization:
         """The tangent of the unrotated body for these weights, factorized once and kept.

@@ -20,6 +20,8 @@ class SampledMotion:
     """a_i, m/s^2, (n,)."""
     step: float | None = None
     """Time between samples where it is the same for all, s."""
+    largest: str = ""
+    """Where the largest sample stands, in words."""
     _speed: Array = field(init=False, repr=False)
     """Velocities at the samples, m/s, (n,): the integral of the broken line."""
     _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)

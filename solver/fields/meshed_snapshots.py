@@ -15,7 +15,7 @@ from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
-from solver.fields.pvd import PvdIndex
+from solver.fields.pvd import FieldsBefore, PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
 from solver.fields.writer import FieldWriter
 from solver.scene import Scene
@@ -33,15 +33,18 @@ class SteppedRun(Protocol):
 class Snapshots:
     """Displacement, velocity, stress and contact pressure of all bodies; collective."""
 
-    def __init__(self, run: SteppedRun, folder: Path, scene: Scene):
+    def __init__(
+        self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None
+    ):
         """Open `fields.pvd` and write the script that shows it in ParaView."""
         self._run = run
         system = run.assembly.stepper.system
         writes = system.comm.rank == 0
-        index = PvdIndex(folder / "fields.pvd", writes=writes)
+        before = before or FieldsBefore()
+        index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
         self._bodies: list[MeshedFields | RigidFields] = []
         for number, body in enumerate(system.bodies):
-            file = folder / f"fields_{body.name}.pvd"
+            file = before.file(folder, body.name)
             if isinstance(body, ElasticBody):
                 self._bodies.append(MeshedFields(run, number, body, file, index))
             else:
@@ -53,9 +56,18 @@ class Snapshots:
             write_script(folder, scene, stress=elastic)
 
     def write(self, time: float) -> None:
-        """Write the fields of the run's state."""
+        """Write the fields of the run's state.
+
+        An OSError is raised after all that ranks do together, on those where it happened.
+        """
+        trouble = None
         for body in self._bodies:
-            body.write(time)
+            try:
+                body.write(time)
+            except OSError as error:
+                trouble = trouble or error
+        if trouble is not None:
+            raise trouble
 
     def close(self) -> None:
         """Finish the files."""

@@ -2,10 +2,36 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
 from pathlib import Path
 
 HEAD = b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n  <Collection>\n'
 TAIL = b"  </Collection>\n</VTKFile>\n"
+
+
+ENTRY = re.compile(rb' *<DataSet timestep="([^"]+)"[^>]*/>\n')
+
+
+def _pieces(file: Path, until: float) -> bytes:
+    """The entries of an index up to a time, s."""
+    found = ENTRY.finditer(file.read_bytes())
+    return b"".join(entry[0] for entry in found if float(entry[1]) <= until)
+
+
+@dataclass(frozen=True, slots=True)
+class FieldsBefore:
+    """What an earlier part of a run has left of the fields."""
+
+    part: int = 1
+    """Number of the part that is written now; names of pieces tell it from the second one on."""
+    until: float | None = None
+    """Time up to which earlier pieces stay, s; None: there are none."""
+
+    def file(self, folder: Path, name: str) -> Path:
+        """What the pieces of a body are named after."""
+        part = f"-{self.part}" if self.part > 1 else ""
+        return folder / f"fields_{name}{part}.pvd"
 
 
 class PvdIndex:
@@ -14,12 +40,17 @@ class PvdIndex:
     Bodies are the parts of a time: ParaView and pyvista show those of one time together.
     """
 
-    def __init__(self, file: Path, *, writes: bool = True):
-        """Start an empty index over an old file; `writes` is False on all ranks but one."""
+    def __init__(self, file: Path, *, writes: bool = True, until: float | None = None):
+        """Start an empty index over an old file; `writes` is False on all ranks but one.
+
+        The pieces of the old file up to a time, s, stay in it; None: no piece does.
+        """
         self._file, self._writes = file, writes
         self._end = len(HEAD)
         if writes:
-            file.write_bytes(HEAD + TAIL)
+            kept = b"" if until is None or not file.is_file() else _pieces(file, until)
+            file.write_bytes(HEAD + kept + TAIL)
+            self._end += len(kept)
 
     def add(self, time: float, piece: str, part: int = 0) -> None:
         """List a piece by its name in the folder of the index; `part` is the number of the body.

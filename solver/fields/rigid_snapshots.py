@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
-from solver.fields.pvd import PvdIndex
+from solver.fields.pvd import FieldsBefore, PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
 from solver.scene import Scene
 from solver.types import Array
@@ -23,19 +23,26 @@ class RigidSnapshots:
     """Displacement and velocity of all blocks and of the platform."""
 
     def __init__(
-        self, bodies: PlaneSystem | SpaceSystem, folder: Path, scene: Scene, *, writes: bool = True
+        self,
+        bodies: PlaneSystem | SpaceSystem,
+        folder: Path,
+        scene: Scene,
+        *,
+        writes: bool = True,
+        before: FieldsBefore | None = None,
     ):
         """Open `fields.pvd` and write the script that shows it in ParaView; on one rank only."""
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
         self._heights = [block.height for block in scene.blocks]
-        index = PvdIndex(folder / "fields.pvd", writes=writes)
+        before = before or FieldsBefore()
+        index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
         parts = [(b.name, c) for b, c in zip(scene.blocks, self._corners, strict=True)]
         if scene.has_platform:
             parts.append(("platform", platform_corners(scene)))
         self._writers = [
             RigidFieldWriter(
-                folder / f"fields_{name}.pvd", corners, index=index, part=part, writes=writes
+                before.file(folder, name), corners, index=index, part=part, writes=writes
             )
             for part, (name, corners) in enumerate(parts)
         ]

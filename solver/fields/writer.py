@@ -6,6 +6,8 @@ the ground frame, so "warp by vector" with factor 1 shows the block as it stands
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,9 @@ from dolfinx import fem, io
 from solver.bodies.elastic_forms import green_strain
 from solver.fields.pvd import PvdIndex
 from solver.scene.material import Material
+
+END = b"</VTKFile>\n"
+"""What a piece ends with."""
 
 
 def von_mises_stress(displacement: fem.Function, material: Material) -> Any:
@@ -85,7 +90,7 @@ class FieldWriter:
         self._volume = thickness * fem.assemble_vector(fem.form(test * ufl.dx)).array
         self._writer = io.VTKFile(mesh.comm, file, "w")
         self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
-        self._stem, self._part, self._count = file.stem, part, 0
+        self._folder, self._stem, self._part, self._count = file.parent, file.stem, part, 0
 
     def write(self, time: float) -> None:
         """Write the fields at a time (s)."""
@@ -95,9 +100,22 @@ class FieldWriter:
         for function in self._functions:
             function.x.scatter_forward()
         self._writer.write_function(self._functions, time)
+        self._check_piece()
         # dolfinx lists its pieces when it closes the file; a killed run would have no list.
         self._index.add(time, f"{self._stem}{self._count:06d}.pvtu", self._part)
         self._count += 1
+
+    def _check_piece(self) -> None:
+        """Raise what dolfinx keeps to itself: the piece of this rank has no end, the disk is full.
+
+        Local, and after all that ranks do together.
+        """
+        rank = self._stress.function_space.mesh.comm.rank
+        piece = self._folder / f"{self._stem}_p{rank}_{self._count:06d}.vtu"
+        with piece.open("rb") as stream:
+            stream.seek(max(-len(END), -piece.stat().st_size), os.SEEK_END)
+            if END.strip() not in stream.read():
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(piece))
 
     def close(self) -> None:
         """Finish the files."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -50,7 +52,10 @@ class History:
         self._length = 0
         self._written = 0
         if file is not None:
-            file.write_text(",".join(self.columns) + "\n", encoding="utf-8")
+            try:
+                file.write_text(",".join(self.columns) + "\n", encoding="utf-8")
+            except OSError as error:
+                raise OSError(error.errno, error.strerror, str(file)) from error
 
     def __len__(self) -> int:
         """Number of rows."""
@@ -95,22 +100,58 @@ class History:
         if self.file is None or self._written == self._length:
             return
         line = ",".join(["%.17g"] * len(self.columns)) + "\n"
-        with self.file.open("a", encoding="utf-8") as stream:
-            for first in range(self._written, self._length, CHUNK):
-                part = self._rows[first : min(first + CHUNK, self._length)]
-                stream.write(line * len(part) % tuple(part.ravel().tolist()))
-        self._written = self._length
+        with self.file.open("ab", buffering=0) as stream:
+            while self._written < self._length:
+                part = self._rows[self._written : min(self._written + CHUNK, self._length)]
+                text = (line * len(part) % tuple(part.ravel().tolist())).encode()
+                before = stream.tell()
+                try:
+                    rest = memoryview(text)
+                    while rest:
+                        rest = rest[stream.write(rest) :]
+                except OSError as error:
+                    # Whole rows stay, so that what is there can be read.
+                    kept = text[: stream.tell() - before].rfind(b"\n") + 1
+                    os.truncate(self.file, before + kept)
+                    self._written += text.count(b"\n", 0, kept)
+                    raise OSError(error.errno, error.strerror, str(self.file)) from error
+                self._written += len(part)
+
+    @classmethod
+    def resumed(cls, columns: Sequence[str], file: Path, rows: int) -> History:
+        """The first rows of the history in a CSV file, which goes on behind them.
+
+        Raises:
+            SceneError: It has fewer rows, or other columns.
+        """
+        history = cls.read(file)
+        if len(history) < rows or history.columns != tuple(columns):
+            got = f"{len(history)} rows"
+            raise SceneError(str(file), got, f"the {rows} rows that the run goes on from")
+        with file.open("rb") as stream:
+            end = sum(len(stream.readline()) for _ in range(rows + 1))
+        os.truncate(file, end)
+        history.file, history._length, history._written = file, rows, rows
+        return history
+
+    @property
+    def written_to(self) -> float:
+        """The time up to which rows are in the file, s; nan without any."""
+        return float(self["time_s"][self._written - 1]) if self._written else math.nan
 
     @classmethod
     def read(cls, file: Path) -> History:
-        """The history in a CSV file; its numbers are those that were written."""
+        """The history in a CSV file; its numbers are those that were written.
+
+        A last line without an end is one that a killed run had not written yet: it is left out.
+        """
         where = str(file)
         try:
-            with file.open(encoding="utf-8", newline="") as stream:
-                table = csv.reader(stream)
-                history = cls(next(table, []))
-                for row in table:
-                    history.append([float(value) for value in row])
+            text = file.read_text(encoding="utf-8")
+            table = csv.reader(text[: text.rfind("\n") + 1].splitlines())
+            history = cls(next(table, []))
+            for row in table:
+                history.append([float(value) for value in row])
         except OSError as error:
             raise SceneError(
                 where, got=error.strerror or "no file", allowed="a history.csv"

@@ -21,8 +21,9 @@ from solver.results.runs import FIELDS, Run
 __all__ = ["BLUE", "DASHES", "GREEN", "ORANGE", "STYLE", "instants", "picture_run", "picture_runs"]
 
 
-def picture_run(run: Run) -> list[Path]:
-    """Draw everything about one run into its folder; returns the files."""
+def picture_run(run: Run, folder: Path | None = None) -> list[Path]:
+    """Draw everything about one run into a folder, its own unless given; returns the files."""
+    folder = folder or run.folder
     rigid = _rigid_answer(run)
     figures: dict[str, Callable[[], Figure]] = {"angle.png": lambda: draw_angle(run, rigid)}
     if run.scene.gravity > 0:
@@ -34,7 +35,7 @@ def picture_run(run: Run) -> list[Path]:
         figures["energy.png"] = lambda: draw_energy(run)
     if (run.folder / FIELDS).is_file():
         figures["deformed.png"] = lambda: _deformed(run)
-    return [save(draw, run.folder / name) for name, draw in figures.items()]
+    return [save(draw, folder / name) for name, draw in figures.items()]
 
 
 def picture_runs(runs: Sequence[Run], folder: Path) -> list[Path]:

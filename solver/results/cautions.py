@@ -6,7 +6,10 @@ import math
 from collections.abc import Mapping
 
 from solver.excitation.motion import GroundMotion
-from solver.scene import BlockSpec, Scene
+from solver.excitation.sampled import SampledMotion
+from solver.scene import BlockSpec, MotionSpec, Scene
+from solver.scene.time import STEPS_A_PERIOD
+from solver.scene.units import G_UNIT
 
 UNRESOLVED = 0.2
 """Part of what impacts lose that may go to time integration and undamped contact."""
@@ -19,6 +22,14 @@ STEPS_A_CROSSING = 10.0
 
 STEPS_A_LANDING = 20.0
 """Steps in a landing on a bed with dashpots, fewest that resolve it."""
+
+STRONGEST_G = 3.0
+"""Peak acceleration of a recorded motion that is worth a second look, g: hardly any on the ground
+was as large (3.9 g along the vertical at IWTH25, Iwate-Miyagi 2008)."""
+
+FEWEST_STEPS_A_PERIOD = 10.0
+"""Steps in a period of the ground's motion, or in a quarter period of a rocking block, fewest that
+see it."""
 
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
@@ -56,9 +67,14 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
     ]
 
 
+def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Cautions about motions and steps that look like mistakes, which runs repeat."""
+    return [*_strong_motions(scene, ground), *_blind_steps(scene)]
+
+
 def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     """Cautions that no run is needed for."""
-    found = []
+    found = cautions_of_input(scene, ground)
     stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
     if math.isfinite(stop) and stop > scene.time.end * (1 + 1e-9):
         found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
@@ -79,6 +95,57 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
             f"step resolves what that loses{_remedy(scene)}"
         )
     return found
+
+
+def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Sampled motions with accelerations that no ground has had."""
+    found = []
+    for where, part in zip(scene.directions, ground.parts, strict=True):
+        if isinstance(part, SampledMotion) and part.peak > STRONGEST_G * G_UNIT:
+            at = f", in {part.largest}" if part.largest else ""
+            found.append(
+                f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
+                "hardly been recorded; look at its units, its scale and its decimal points"
+            )
+    return found
+
+
+def _blind_steps(scene: Scene) -> list[str]:
+    """Steps too long to see the motion of the ground, or the block's own, and what others cost."""
+    span = scene.time
+    longest = span.largest if span.adaptive else span.step
+    if longest is None:
+        return []
+    seen = [(spec.shortest_period, _shown_motion(where, spec)) for where, spec in scene.motions]
+    seen += [(_quarter_period(scene, block), f"a swing of {block.name}") for block in scene.blocks]
+    shortest, what = min(seen)
+    if longest <= shortest / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
+        return []
+    better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
+    key = "time.largest" if span.adaptive else "time.step"
+    return [
+        f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
+        f"not see it: {key} = {better:g} does, in {span.end / better:.3g} steps instead of "
+        f"{span.end / longest:.3g}"
+    ]
+
+
+def _shown_motion(where: str, spec: MotionSpec) -> str:
+    """What of a motion has its shortest period, in words."""
+    if spec.kind in ("record", "table", "synthetic"):
+        return f"the fastest part of [{where}] that moves blocks"
+    return f"[{where}], kind = {spec.kind}"
+
+
+def _quarter_period(scene: Scene, block: BlockSpec) -> float:
+    """From a peak to the next impact, s; infinite where nothing rights the block.
+
+    Of a released block Housner's acosh(1/(1 - theta/alpha))/p, of one that stands 1/p.
+    """
+    p, share = block.shape.frequency(scene.gravity), abs(block.tilt) / block.shape.slenderness
+    if p <= 0:
+        return math.inf
+    return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p
 
 
 def _resolving_step(scene: Scene, block: BlockSpec) -> float:

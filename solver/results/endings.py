@@ -49,6 +49,15 @@ class Watch:
         """Whether there is something to look for."""
         return bool(self._overturning or self._falling)
 
+    @property
+    def before(self) -> Array | None:
+        """The row that was looked at last, (1, columns); None before the first."""
+        return self._before
+
+    def resume(self, before: Array | None) -> None:
+        """Go on after a row of an earlier run."""
+        self._before = before
+
     def look(self, rows: Array) -> Ending | None:
         """The first of some rows, (n, columns), after which the run ends; None: it goes on."""
         if not self.ends_runs:

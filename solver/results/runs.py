@@ -7,9 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from solver.errors import SceneError
-from solver.history.history import History
+from solver.errors import SceneError, Statement
+from solver.history.history import History, scene_columns
+from solver.launcher import hidden_by_in_env
+from solver.results.summary import summarise
 from solver.scene import Scene, load_scene
+
+UNFINISHED = "unfinished"
+"""Status of a run that left no summary."""
 
 #: Name of the file that lists the fields.
 FIELDS = "fields.pvd"
@@ -36,16 +41,49 @@ class Run:
 
 
 def read_run(folder: Path) -> Run:
-    """Read a run back; a folder that holds none is bad input."""
-    for name in ("scene.toml", "history.csv", "summary.json"):
+    """Read a run back; a folder that holds none is bad input.
+
+    A run that was killed, or still goes on, has no summary: it is made from the history.
+    """
+    for name in ("scene.toml", "history.csv"):
         if not (folder / name).is_file():
+            hidden = hidden_by_in_env(folder)
+            if hidden:
+                raise Statement(str(folder), hidden)
             raise SceneError(str(folder), f"no {name}", "the folder of a run")
+    scene = load_scene(folder / "scene.toml")
     history = History.read(folder / "history.csv")
+    missing = [name for name in scene_columns(scene) if name not in history]
+    if missing:
+        raise SceneError(str(folder / "history.csv"), f"no column {missing[0]}", "all of its scene")
     if len(history) < 2:
         raise SceneError(str(folder / "history.csv"), f"{len(history)} rows", "two rows or more")
-    try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise SceneError(str(folder / "summary.json"), str(error), "a summary") from None
-    scene = load_scene(folder / "scene.toml")
+    if (folder / "summary.json").is_file():
+        summary = _read_summary(folder / "summary.json", scene)
+    else:
+        reason = "killed, or still going on: made from the history"
+        nothing: dict[str, Any] = {}
+        summary = summarise(
+            scene, history, status=UNFINISHED, cost=nothing, versions=nothing, reason=reason
+        )
     return Run(folder=folder, scene=scene, history=history, summary=summary)
+
+
+def _read_summary(file: Path, scene: Scene) -> dict[str, Any]:
+    """The content of a summary.json, in which what the program reads is there."""
+    allowed = "a summary (without the file one is made from the history)"
+    try:
+        summary = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise SceneError(str(file), str(error), allowed) from None
+    try:
+        entries = [summary["model"], summary["status"], summary["energy"]["ledger_error_fraction"]]
+        for block in scene.blocks:
+            own = summary["blocks"][block.name]
+            entries += [own["peak_angle_rad"], own["impacts"], own["peaks"]]
+            entries += [entry["time_s"] for entry in (*own["impacts"], *own["peaks"])]
+    except KeyError as error:
+        raise SceneError(str(file), f"no {error.args[0]}", allowed) from None
+    except (TypeError, IndexError):
+        raise SceneError(str(file), "entries of other types", allowed) from None
+    return dict(summary)

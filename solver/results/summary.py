@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +35,13 @@ def summarise(
     versions: Mapping[str, str],
     reason: str = "",
     model: str = "",
+    cautions: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The content of summary.json: what was run, what came of it, how and with which programs.
 
     The status is "completed", "not converged" or "interrupted", the cost seconds, steps,
     iterations, unknowns and ranks by name. The model is what the history comes from, as pictures
-    name it; empty: what the scene says.
+    name it; empty: what the scene says. The cautions are those that were known before.
     """
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
     platform = _platform(history) if len(history) else {}
@@ -57,7 +59,7 @@ def summarise(
         "overlaps": overlaps(scene, history) if len(history) else [],
         **({"platform": platform} if platform else {}),
         "energy": balance,
-        "cautions": found,
+        "cautions": [*cautions, *found],
         "cost": dict(cost),
     }
 
@@ -155,8 +157,18 @@ def _energy(scene: Scene, history: History) -> dict[str, Any]:
 
 def write_json(file: Path, summary: Mapping[str, Any]) -> None:
     """Write a summary; numbers that are not known become null, since JSON has no nan."""
-    text = json.dumps(_plain(summary), indent=2, allow_nan=False)
-    file.write_text(text + "\n", encoding="utf-8")
+    write_whole(file, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n")
+
+
+def write_whole(file: Path, text: str) -> None:
+    """Write a text; a reader sees the old file or the new one, never half of it."""
+    draft = file.with_name(file.name + ".part")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        os.replace(draft, file)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(file)) from error
 
 
 def _plain(value: Any) -> Any:

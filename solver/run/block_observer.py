@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from solver.bodies.kinematics import lean, rotation_vector, unwrap
@@ -48,6 +50,16 @@ class BlockObserver:
     def _link(self) -> Link:
         """The interface of the block's own points; another one after a face has joined."""
         return self._stepper.links[self._member.contacts[0]]
+
+    def saved(self) -> tuple[Any, ...]:
+        """What is carried on from step to step, for `resume`."""
+        return self._angles, self._slip, self._home, self._homes
+
+    def resume(self, saved: tuple[Any, ...]) -> None:
+        """Go on from the steps that another observer of the block has seen."""
+        self._angles, self._slip, self._home, self._homes = saved
+        self._interface = self._link.interface
+        self._corners = self._bottom()
 
     def _bottom(self) -> Array | tuple[Indices, Array]:
         """The bottom corners: of a rigid block where they are in it, of a mesh which nodes."""

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TextIO
 
+from solver.errors import OutputTrouble
+from solver.excitation.motion import GroundMotion
+from solver.fields.pvd import FieldsBefore
 from solver.history.history import History
-from solver.parallel import Comm
+from solver.parallel import Comm, Single, on_first_rank
 from solver.results.summary import write_json
+from solver.run.checkpoint import NAME, Checkpoint, Schedule, write_checkpoint
+from solver.run.folders import hold_folder, refuse_hidden, release_folder
 from solver.scene import Scene, scene_to_toml
 
 
@@ -37,20 +43,42 @@ class RunFiles:
         folder: Path | None,
         comm: Comm,
         log: Callable[[str], None] | None,
+        resumed: Checkpoint | None = None,
     ):
         """Open the folder and its log."""
+        if folder is not None:
+            refuse_hidden(folder)
         self._scene, self._folder, self._comm, self._also = scene, folder, comm, log
+        self._resumed = resumed
+        self.schedule = Schedule(scene.output.checkpoint if folder is not None else None, comm)
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None
         self._fields: Fields | None = None
         self._written: float | None = None
         self._began = time.perf_counter()
+        self._log: TextIO | None = None
         self.output_seconds = 0.0
-        if self._writes and folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / "scene.toml").write_text(scene_to_toml(scene), encoding="utf-8")
-            self._log = (folder / "run.log").open("w", encoding="utf-8", buffering=1)
-        comm.Barrier()
+        on_first_rank(comm, self._open)
+
+    def _open(self) -> None:
+        """Make the folder, write what is run, begin the log."""
+        if self._folder is None:
+            return
+        hold_folder(self._folder)
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            if self._resumed is None:
+                text = scene_to_toml(self._scene)
+                (self._folder / "scene.toml").write_text(text, encoding="utf-8")
+            elif (self._folder / "summary.json").exists():  # that of the part before
+                (self._folder / "summary.json").unlink()
+            log = self._folder / "run.log"
+            if self._resumed is None:
+                self._log = log.open("w", encoding="utf-8", buffering=1)
+            else:
+                self._log = log.open("a", encoding="utf-8", buffering=1)
+        except OSError as error:
+            raise self._trouble(error) from error
 
     def __enter__(self) -> RunFiles:
         """The files are open already."""
@@ -58,36 +86,98 @@ class RunFiles:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: object) -> None:
         """Write what is still in memory, whatever happened."""
+        try:
+            if error is None:
+                self._together(self._flush)
+            else:
+                self.log(f"stopped by {kind.__name__ if kind else ''}: {error}")
+                with suppress(OSError):
+                    self._flush()
+        finally:
+            if self._fields is not None:
+                self._fields.close()
+            if self._log is not None:
+                with suppress(OSError):
+                    self._log.close()
+            if self._writes and self._folder is not None:
+                release_folder(self._folder)
+
+    def _flush(self) -> None:
+        """Write the rows that are not in the file yet."""
         if self._history is not None:
             self._history.flush()
-        if self._fields is not None:
-            self._fields.close()
-        if self._writes:
-            if error is not None:
-                self.log(f"stopped by {kind.__name__ if kind else ''}: {error}")
-            self._log.close()
+
+    def _together(self, action: Callable[[], None]) -> None:
+        """Write something, each rank its part; collective.
+
+        Raises:
+            OutputTrouble: One of them could not; on every rank alike.
+        """
+        trouble = None
+        try:
+            action()
+        except OSError as error:
+            trouble = self._trouble(error)
+        everyone = [trouble] if isinstance(self._comm, Single) else self._comm.allgather(trouble)
+        found = next((one for one in everyone if one is not None), None)
+        if found is not None:
+            raise found
+
+    def _trouble(self, error: OSError) -> OutputTrouble:
+        """What the system says, and how far the history came."""
+        until = math.nan if self._history is None else self._history.written_to
+        return OutputTrouble.of(error, "" if math.isnan(until) else f"up to t = {until:.6g} s")
 
     @property
     def history_file(self) -> Path | None:
         """Where rank 0 writes the history."""
         return self._folder / "history.csv" if self._writes and self._folder is not None else None
 
+    def open_history(self, columns: Sequence[str]) -> History:
+        """The empty history of the run, with its file on rank 0; collective."""
+
+        def begin() -> None:
+            self._history = History(columns, self.history_file)
+
+        if self._resumed is None or self._folder is None:
+            self._together(begin)
+        else:  # rank 0 has the file, the others take its rows
+            rows, file = self._resumed.rows, self._folder / "history.csv"
+            found = on_first_rank(self._comm, lambda: History.resumed(columns, file, rows))
+            found.file = self.history_file
+            self._history = found
+        assert self._history is not None
+        return self._history
+
     def log(self, line: str) -> None:
-        """One line into run.log, with the seconds since the start."""
-        if self._writes:
-            self._log.write(f"{time.perf_counter() - self._began:10.3f} s  {line}\n")
+        """One line into run.log, with the seconds since the start, if there is room for it."""
+        if self._log is not None:
+            with suppress(OSError):
+                self._log.write(f"{time.perf_counter() - self._began:10.3f} s  {line}\n")
         if self._also is not None:
             self._also(line)
 
-    def start(self, history: History, fields: Callable[[Path], Fields], description: str) -> None:
+    def start(self, fields: Callable[[Path, FieldsBefore], Fields], description: str) -> None:
         """Say what is being run; open and write the fields of t = 0 where they are asked for."""
-        self._history = history
         self.log(description)
-        if self._folder is not None and self._scene.output.fields == "vtk":
+        folder = self._folder
+        if folder is not None and self._scene.output.fields == "vtk":
             began = time.perf_counter()
-            self._fields = fields(self._folder)
-            self._fields.write(0.0)
-            self._written = 0.0
+
+            resumed = self._resumed
+            before = FieldsBefore()
+            if resumed is not None:
+                before = FieldsBefore(resumed.part, resumed.time * (1 + 1e-12))
+
+            def begin() -> None:
+                self._fields = fields(folder, before)
+
+            self._together(begin)
+            assert self._fields is not None
+            opened = self._fields
+            if resumed is None:
+                self._together(lambda: opened.write(0.0))
+            self._written = 0.0 if resumed is None else resumed.time
             self.output_seconds += time.perf_counter() - began
 
     def next_snapshot(self, now: float) -> float:
@@ -103,14 +193,32 @@ class RunFiles:
             return
         began = time.perf_counter()
         self._written = now
-        if self._fields is not None:
-            self._fields.write(now)
-        if self._history is not None:
-            self._history.flush()
+        self._together(self._flush)
+        fields = self._fields
+        if fields is not None:
+            self._together(lambda: fields.write(now))
+        self.output_seconds += time.perf_counter() - began
+
+    def keep(self, ground: GroundMotion, now: float, engine: Any) -> None:
+        """Write a checkpoint of what an engine saved at a time, s; collective."""
+        folder = self._folder
+        if folder is None or self._history is None:
+            return
+        began = time.perf_counter()
+        self._together(self._flush)
+        part = 1 if self._resumed is None else self._resumed.part
+        kept = Checkpoint(now, len(self._history), part, engine)
+        self._together(
+            lambda: write_checkpoint(folder / NAME, self._scene, ground, kept, self._comm)
+        )
         self.output_seconds += time.perf_counter() - began
 
     def finish(self, summary: dict[str, Any], line: str) -> None:
-        """Write the summary."""
+        """Write what is left of the history, and the summary; collective."""
         self.log(line)
-        if self._writes and self._folder is not None:
-            write_json(self._folder / "summary.json", summary)
+        self._together(self._flush)
+        folder = self._folder if self._writes else None
+        if folder is not None:
+            self._together(lambda: write_json(folder / "summary.json", summary))
+        else:
+            self._together(lambda: None)

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement
+from solver.launcher import hidden_by_in_env
 
 #: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
 LEFT_BEHIND = (
     "history.csv",
     "summary.json",
+    "summary.json.part",
+    "checkpoint.npz",
+    "checkpoint.npz.part",
     "run.log",
     "open_in_paraview.py",
     "fields*.pvd",
@@ -26,11 +32,15 @@ LEFT_BEHIND = (
 
 def claim_folder(folder: Path, scene: Path, force: bool) -> None:
     """Make the folder of a run, or refuse to write over what is there."""
+    refuse_hidden(folder)
     target = folder / "scene.toml"
     with unusable_is_refused(folder):
-        if target.exists() and target.samefile(scene):
+        if folder.is_dir():
+            hold_folder(folder)
+        if target.exists() and scene.exists() and target.samefile(scene):
             raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
         make_folder(folder, force=force)
+        hold_folder(folder)
         for pattern in LEFT_BEHIND:
             for file in folder.glob(pattern):
                 file.unlink()
@@ -41,12 +51,74 @@ def make_folder(folder: Path, *, force: bool, allowed: str = "an empty folder, o
 
     With `force`; else it is refused, with these words on what is allowed.
     """
+    open_folder(folder)
     with unusable_is_refused(folder):
-        folder.mkdir(parents=True, exist_ok=True)
         used = any(folder.iterdir())
     if used and not force:
-        raise SceneError("-o", f"{folder}, which is in use", allowed)
+        raise SceneError("-o", f"{folder}, which is not empty", allowed)
     return used
+
+
+def open_folder(folder: Path) -> None:
+    """Make a folder where there is none, whatever is in it."""
+    refuse_hidden(folder)
+    with unusable_is_refused(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+
+
+_held: dict[tuple[int, int], int] = {}
+"""Descriptors of the folders that this process keeps others from writing into, by their inodes."""
+
+
+def hold_folder(folder: Path) -> None:
+    """Keep other processes from writing into a folder, until it is released or this one ends.
+
+    A lock of the folder itself, which leaves no file; file systems without such locks have none.
+    """
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    try:
+        number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError:
+        return  # who writes there will say it
+    state = os.fstat(number)
+    inode = (state.st_dev, state.st_ino)
+    if inode in _held:
+        os.close(number)
+        return
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(number)
+        raise SceneError(
+            "-o", f"{folder}, which another run is writing", "another folder, or after its end"
+        ) from None
+    except OSError:
+        os.close(number)
+        return
+    _held[inode] = number
+
+
+def release_folder(folder: Path) -> None:
+    """Let other processes write into a folder again."""
+    with suppress(OSError):
+        state = folder.stat()
+        number = _held.pop((state.st_dev, state.st_ino), None)
+        if number is not None:
+            os.close(number)
+
+
+def release_folders() -> None:
+    """Let other processes write into all folders again."""
+    while _held:
+        os.close(_held.popitem()[1])
+
+
+def refuse_hidden(folder: Path) -> None:
+    """Refuse a folder that ./in-env does not show to this process: nothing would be left of it."""
+    hidden = hidden_by_in_env(folder)
+    if hidden:
+        raise Statement("-o", f"{folder} {hidden}")
 
 
 @contextmanager

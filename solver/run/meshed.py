@@ -14,6 +14,7 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
+from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, is_kept
 from solver.run.files import Fields
@@ -61,6 +62,8 @@ class MeshedRun:
             log(remark)
         self._observer = Observer(self.assembly, self.state, scene_columns(scene))
         self._steps = self._rejected = self._damped = self._iterations = 0
+        span = scene.time
+        self._ladder = Ladder(span.step, span.end, span.smallest, span.largest)
         self._judge = None
         if scene.time.tolerance is not None:  # adaptive
             size = min(block.shape.half_diagonal for block in scene.blocks)
@@ -77,22 +80,45 @@ class MeshedRun:
         """The row of the history at t = 0."""
         return self._observer.row(self.state, Exchange(), self._scene.time.step)
 
-    def open_fields(self, folder: Path) -> Fields:
-        """What writes the fields."""
+    def open_fields(self, folder: Path, before: FieldsBefore) -> Fields:
+        """What writes the fields, after those that an earlier part of the run has left."""
         from solver.fields.meshed_snapshots import Snapshots
 
-        return Snapshots(self, folder, self._scene)
+        return Snapshots(self, folder, self._scene, before)
+
+    def saved(self) -> dict[str, Any]:
+        """How the run stands, for `resume`."""
+        return {
+            "state": self.state,
+            "stepper": self._stepper.saved(),
+            "ladder": self._ladder,
+            "judge": None if self._judge is None else self._judge.saved(),
+            "observer": self._observer.saved(),
+            "counts": (self._steps, self._damped, self._iterations),
+            "row": self._row,
+        }
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on from where another engine of the same scene was saved; collective."""
+        self.state = saved["state"]
+        self._stepper.resume(saved["stepper"])
+        self._ladder = saved["ladder"]
+        if self._judge is not None:
+            self._judge.resume(saved["judge"])
+        self._observer.resume(saved["observer"])
+        self._steps, self._damped, self._iterations = saved["counts"]
+        self._row = saved["row"]
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
-        span = self._scene.time
-        ladder = Ladder(span.step, span.end, span.smallest, span.largest)
+        ladder = self._ladder
         status, reason = "completed", ""
-        due = desk.files.next_snapshot(0.0)
+        due = desk.files.next_snapshot(self.state.time)
         while not ladder.done:
             stopped = desk.stopped(self.state.time)
             if stopped:
                 status, reason = "interrupted", stopped
+                desk.keep(self, self._steps, self.state.time, ends=True)
                 break
             step = ladder.step
             try:
@@ -121,6 +147,7 @@ class MeshedRun:
             if ladder.time >= due * (1 - 1e-12):
                 desk.files.snapshot(self.state.time)
                 due = desk.files.next_snapshot(self.state.time)
+            desk.keep(self, self._steps, self.state.time)
         self._rejected = ladder.rejected
         self._last_row(desk)
         desk.files.snapshot(self.state.time)

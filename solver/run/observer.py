@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -66,6 +67,22 @@ class Observer:
         self._energies = [getattr(at, f"{name}_J") for name in energies]
         self._start: float | None = None
 
+    def saved(self) -> dict[str, Any]:
+        """What is carried on from step to step, for `resume`."""
+        return {
+            "own": (self._exchanged, self._start),
+            "blocks": [block.saved() for block in self._blocks],
+            "platform": None if self._platform is None else self._platform.velocity,
+        }
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on from the steps that another observer of the scene has seen."""
+        self._exchanged, self._start = saved["own"]
+        for block, own in zip(self._blocks, saved["blocks"], strict=True):
+            block.resume(own)
+        if self._platform is not None:
+            self._platform.velocity = saved["platform"]
+
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
         """The values of a history row, in the order of the columns."""
         layout, row = self._layout, np.full(len(self._columns), np.nan)
@@ -115,7 +132,7 @@ class PlatformObserver:
         self._support, system = assembly.support, assembly.stepper.system
         assert assembly.support.number is not None
         self._own = system.slices[assembly.support.number]
-        self._velocity: Array | None = None
+        self.velocity: Array | None = None
 
     def write(self, state: State, step: float, row: Array) -> None:
         """Drift, velocity, acceleration along x; in space the same along y.
@@ -123,8 +140,8 @@ class PlatformObserver:
         The acceleration is the increment of velocity over the step, impulses of contact counted in.
         """
         drift, velocity = (self._mean(vector[self._own]) for vector in (state.u, state.v))
-        before = velocity if self._velocity is None else self._velocity
-        self._velocity = velocity
+        before = velocity if self.velocity is None else self.velocity
+        self.velocity = velocity
         at = positions("platform", len(drift) + 1)
         for k, way in enumerate(("", "_second")[: len(drift)]):
             row[getattr(at, f"drift{way}_m")] = drift[k]

@@ -6,6 +6,8 @@ import sys
 import time as clock
 from typing import Any
 
+from solver.run.streams import tell
+
 #: Share of the whole that has to be done between two lines, and the time (s) between them.
 EVERY_PART = 0.1
 EVERY_SECONDS = 2.0
@@ -39,8 +41,7 @@ class ProgressDisplay:
 
     def _write(self, line: str) -> None:
         """Write a line at once."""
-        sys.stderr.write(f"{line}\n")
-        sys.stderr.flush()
+        tell(f"{line}\n")
 
     def close(self) -> None:
         """Show no more."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.stepped import SteppedGround
+from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.columns import positions
 from solver.history.history import scene_columns
@@ -83,9 +84,21 @@ class RigidRun:
         ground = tuple(self._motion.acceleration(0.0))
         return self._system.row(self._scene.time.step, ground)[self._columns]
 
-    def open_fields(self, folder: Path) -> RigidSnapshots:
-        """What writes the fields."""
-        return RigidSnapshots(self._system, folder, self._scene, writes=self._writes)
+    def open_fields(self, folder: Path, before: FieldsBefore) -> RigidSnapshots:
+        """What writes the fields, after those that an earlier part of the run has left."""
+        return RigidSnapshots(self._system, folder, self._scene, writes=self._writes, before=before)
+
+    def saved(self) -> dict[str, Any]:
+        """How the run stands, for `resume`."""
+        return {
+            "system": self._system.saved(),
+            "counts": (self._steps, self._rejected, self._iterations),
+        }
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on from where another engine of the same scene was saved."""
+        self._system.restore(saved["system"])
+        self._steps, self._rejected, self._iterations = saved["counts"]
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
@@ -96,8 +109,11 @@ class RigidRun:
             reason = desk.stopped(self._steps * span.step)
             if reason:
                 status = "interrupted"
+                desk.keep(self, self._steps, self._steps * span.step, ends=True)
                 break
             status, reason = self._piece(desk, self._next_stop(desk, total))
+            if not reason:
+                desk.keep(self, self._steps, self._steps * span.step)
         if not reason:
             status, reason = self._rest(desk)
         desk.files.snapshot(float(desk.history["time_s"][-1]))
@@ -107,7 +123,8 @@ class RigidRun:
         """Number of steps at which the next snapshot is due, or someone may interrupt."""
         step, first = self._scene.time.step, self._steps
         due = desk.files.next_snapshot(first * step) / step * (1 - 1e-12)
-        return math.ceil(min(max(due, first + 1), first + self._at_once, total))
+        kept = desk.files.schedule.next_step(first)
+        return math.ceil(min(max(due, first + 1), first + self._at_once, total, kept))
 
     def _piece(self, desk: RunContext, stop: int) -> tuple[str, str]:
         """Run up to step number `stop`; returns status and, where the run ends, the reason."""

@@ -14,13 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.fields.pvd import FieldsBefore
 from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, world
+from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
+from solver.run.checkpoint import Checkpoint, read_checkpoint
 from solver.run.files import Fields, RunFiles
 from solver.run.garbage import rarely_collected
 from solver.run.interruption import Interruption
@@ -68,6 +71,15 @@ class RunContext:
     progress: ProgressReport | None
     """A display."""
 
+    ground: GroundMotion
+    """Motion of the ground, which checkpoints belong to."""
+
+    def keep(self, engine: Engine, step: int, now: float, *, ends: bool = False) -> None:
+        """Write a checkpoint where one is due after a step, or the run is interrupted there."""
+        schedule = self.files.schedule
+        if schedule.is_due(step) or (ends and schedule.wanted):
+            self.files.keep(self.ground, now, (engine.saved(), self.watch.before))
+
     def show(self, now: float, step: float, iterations: int) -> None:
         """Tell the display of a finished step."""
         if self.progress is not None:
@@ -89,8 +101,14 @@ class Engine(Protocol):
     def first_row(self) -> Sequence[float] | NDArray[np.float64]:
         """The row of the history at t = 0."""
 
-    def open_fields(self, folder: Path) -> Fields:
-        """What writes the fields."""
+    def open_fields(self, folder: Path, before: FieldsBefore) -> Fields:
+        """What writes the fields, after those that an earlier part of the run has left."""
+
+    def saved(self) -> dict[str, Any]:
+        """How the run stands, for `resume`."""
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on from where another engine of the same scene was saved; collective."""
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
@@ -135,6 +153,7 @@ def simulate(
     comm: Comm | None = None,
     ground: GroundMotion | None = None,
     many: bool = False,
+    resume: bool = False,
 ) -> Result:
     """Run a scene; collective on all ranks of `comm`.
 
@@ -149,6 +168,7 @@ def simulate(
         comm: Communicator; None: all ranks of the command.
         ground: Motion of the ground, as it was read; None: it is read here, by rank 0, before
             anything is written.
+        resume: Go on from the checkpoint in the folder, which has to be that of this scene.
         many: Whether this process runs many scenes, so that machine code is worth its import.
 
     Returns:
@@ -159,32 +179,50 @@ def simulate(
         comm = world(meshed=not scene.is_rigid)
     if ground is None:
         ground = read_ground(scene, comm)
+    resumed = None
+    if resume and folder is not None:
+        resumed = read_checkpoint(folder, scene, ground, comm)
     with (
         ExitStack() as stack,
         chosen_for(math.inf if many else _interpretable_steps(scene)),
-        RunFiles(scene, folder, comm, log) as files,
+        RunFiles(scene, folder, comm, log, resumed) as files,
         Interruption(comm, seconds) as interruption,
     ):
         if progress is not None:
             stack.callback(progress.close)
         engine = engine_for(scene, ground, files, petsc_options, comm)
-        history = History(scene_columns(scene), files.history_file)
-        desk = RunContext(scene, history, files, interruption, Watch(scene), progress)
-        status, summary = _run(engine, desk, began)
+        history = files.open_history(scene_columns(scene))
+        desk = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
+        cautions = cautions_of_input(scene, ground)
+        status, summary = _run(engine, desk, began, cautions, resumed)
     return Result(status, history, summary)
 
 
-def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str, Any]]:
+def _run(
+    engine: Engine,
+    desk: RunContext,
+    began: float,
+    cautions: Sequence[str],
+    resumed: Checkpoint | None,
+) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s.
+    counter, s, with these cautions; it may go on from a checkpoint.
     """
+    for text in cautions:
+        desk.files.log(f"caution: {text}")
     scene, history, files = desk.scene, desk.history, desk.files
-    first = engine.first_row()
-    history.append(first)
-    desk.watch.look(np.array(first)[None])
-    files.start(history, engine.open_fields, engine.description)
+    if resumed is None:
+        first = engine.first_row()
+        history.append(first)
+        desk.watch.look(np.array(first)[None])
+    else:
+        saved, before = resumed.engine
+        engine.resume(saved)
+        desk.watch.resume(before)
+        files.log(f"resumed at t = {resumed.time:.6g} s")
+    files.start(engine.open_fields, engine.description)
     ready, written = time.perf_counter(), files.output_seconds
     with rarely_collected():
         status, reason = engine.loop(desk)
@@ -196,7 +234,13 @@ def _run(engine: Engine, desk: RunContext, began: float) -> tuple[str, dict[str,
         **engine.cost(),
     }
     summary = summarise(
-        scene, history, status=status, cost=cost, versions=versions(), reason=reason
+        scene,
+        history,
+        status=status,
+        cost=cost,
+        versions=versions(),
+        reason=reason,
+        cautions=cautions,
     )
     for line in overlap_lines(summary):
         files.log(line)

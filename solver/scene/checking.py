@@ -19,6 +19,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from solver.errors import SceneError, UnknownKey, missing_key
+from solver.scene.extremes import refuse_extreme
 
 #: Default of a field that is filled in later, by who knows more; its type need not admit None.
 OPEN: Any = None
@@ -98,7 +99,9 @@ class Checked:
             value = getattr(self, field.name)
             if value is None and field.default is None:
                 continue
-            object.__setattr__(self, field.name, _checked(hints[field.name], value, key_of(field)))
+            checked = _checked(hints[field.name], value, key_of(field))
+            refuse_extreme(field.name, checked)
+            object.__setattr__(self, field.name, checked)
 
 
 def exactly_one(spec: Any, *names: str) -> None:

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from solver.scene.material import Material
     from solver.scene.scene import Scene
 
+STRONGEST_SHAKING = 1e6
+"""Largest peak of the ground's acceleration, m/s2: no step follows what a stronger one throws."""
+
 LARGEST_STRAIN = 0.05
 """Largest strain of a meshed body under the weight that it carries and the inertia of that weight
 at the peak acceleration of the ground. Impacts strain it several times as much, and St.
@@ -55,6 +58,10 @@ def refuse_beyond(scene: Scene, shaking: float) -> None:
     Raises:
         SceneError: Names the key, what it was given, and what is allowed.
     """
+    if shaking > STRONGEST_SHAKING:
+        got = f"{shaking:.3g} m/s2 at its peak"
+        allowed = f"at most {STRONGEST_SHAKING:g}; look at units, scale and decimal points"
+        raise SceneError("motion", got, allowed)
     _refuse_loose_cohesion(scene)
     carried, plane = scene.carried_mass, scene.material_plane
     meshed = [block for block in scene.blocks if block.model == "elastic"]

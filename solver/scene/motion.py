@@ -217,6 +217,9 @@ class RecordSpec(Motion):
     velocity becomes least: after Berg and Housner (1961), who took off a parabola."""
     start: NotNegative = 0.0
     """Time at which the first sample that is used comes, s."""
+    trust: bool = False
+    """Whether to take a sample more than 20 times as large as both beside it, and at least half as
+    large as the largest: most often it has lost its decimal point."""
 
     def __post_init__(self) -> None:
         """Check the values."""

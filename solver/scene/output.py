@@ -5,8 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from solver.scene.checking import Checked
+from solver.scene.checking import Checked, exactly_one
 from solver.scene.ranges import Count, Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckpointSpec(Checked):
+    """How often a run writes down how it stands: `output.checkpoint`."""
+
+    steps: Count | None = None
+    """Steps between two checkpoints. Default: this or `minutes`."""
+    minutes: Positive | None = None
+    """Wall time between two checkpoints, min. Default: this or `steps`."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        Checked.__post_init__(self)
+        exactly_one(self, "steps", "minutes")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,3 +34,6 @@ class OutputSpec(Checked):
     """For ParaView, or none."""
     history_every: Count = 1
     """Steps between two rows of the history."""
+    checkpoint: CheckpointSpec | None = None
+    """How often `checkpoint.npz` is written, from which `rockslip run --resume DIR` goes on, a
+    table as `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: never."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
 from solver.errors import SceneError, UnknownKey
 from solver.scene.checking import nearest, shown
+
+BARE = r"[-+]?(?:\.\d+|\d+\.)(?:[eE][-+]?\d+)?"
+"""Numbers that have no digit before or after their point, which are none in TOML."""
 
 
 def read_toml(text: str, source: str) -> dict[str, Any]:
@@ -16,7 +20,21 @@ def read_toml(text: str, source: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also numbers and nesting beyond all bounds
+        bare = _bare_number(text, str(error))
+        if bare:
+            raise SceneError(source, bare, "digits on both sides of the point, as in 0.1") from None
         raise SceneError(source, f"unreadable TOML, {error}", "TOML") from None
+
+
+def _bare_number(text: str, said: str) -> str:
+    """The number without a digit before or after its point at which reading ended, if it did so."""
+    found = re.search(r"at line (\d+)", said)
+    lines = text.splitlines()
+    if found is None or int(found[1]) > len(lines):
+        return ""
+    line = lines[int(found[1]) - 1].partition("#")[0]
+    number = re.search(rf"(?<![\w.\"'])({BARE})(?![\w.\"'])", line)
+    return f"{number[1]} in line {found[1]}" if number else ""
 
 
 def _toml_value(text: str) -> Any:
@@ -26,7 +44,7 @@ def _toml_value(text: str) -> Any:
     try:
         table = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
-        return text
+        return float(text) if re.fullmatch(BARE, text) else text
     return table["value"] if len(table) == 1 else text
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import fields
@@ -10,29 +11,39 @@ from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
-from solver.errors import SceneError
+from solver.errors import SceneError, Statement
+from solver.launcher import hidden_by_in_env
 from solver.scene.checking import from_table, key_of
 from solver.scene.motion import MotionSpec
 from solver.scene.overrides import override, read_toml
 from solver.scene.scene import Scene
+
+STANDARD_INPUT = Path("-")
+"""What stands for the standard input among the names of scenes."""
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     """Read a scene file.
 
     Args:
-        path: The TOML file.
+        path: The TOML file; "-" is the standard input.
         overrides: Such as `"block.height=1.2"`; a block is addressed by its name.
     """
     path = Path(path)
-    return parse_scene(read_text(path), folder=path.parent, overrides=overrides, source=path.name)
+    source = "standard input" if path == STANDARD_INPUT else path.name
+    return parse_scene(read_text(path), folder=path.parent, overrides=overrides, source=source)
 
 
 def read_text(path: Path) -> str:
     """The text of a scene file; the only part of reading a scene that looks at the file."""
     try:
+        if path == STANDARD_INPUT:
+            return sys.stdin.buffer.read().decode("utf-8-sig") if sys.stdin else ""
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
+        hidden = hidden_by_in_env(path)
+        if hidden:
+            raise Statement(str(path), hidden) from None
         reason = getattr(error, "strerror", None) or "not UTF-8"
         raise SceneError(str(path), f"no text ({reason.lower()})", "a scene in TOML") from None
 
@@ -85,6 +96,9 @@ def _find_files(motion: Any, where: str, folder: str | Path) -> None:
         motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
         # os.path, unlike pathlib, says False to names that no file can have.
         if not os.path.isfile(motion["file"]):
+            hidden = "\0" not in motion["file"] and hidden_by_in_env(Path(motion["file"]))
+            if hidden:
+                raise Statement(f"{where}.file", f"{motion['file']} {hidden}")
             got = motion["file"] + " (a folder)" * os.path.isdir(motion["file"])
             raise SceneError(f"{where}.file", got, "a file that exists")
     for direction in ("vertical", "second"):

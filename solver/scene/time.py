@@ -18,6 +18,8 @@ STEPS_A_PERIOD = 20
 """Fewest steps in the shortest period of the ground's motion."""
 FEWEST_STEPS = 100
 """Fewest steps in which a run without `time.step` reaches its end."""
+MOST_STEPS = 1e8
+"""Largest number of steps of a run, whose history is kept in memory."""
 DAMPED_STEPS = 8
 """Damped steps after a change of contact where steps are fixed."""
 
@@ -75,6 +77,9 @@ class TimeSpec(Checked):
             raise SceneError("largest", shown(self.largest), f"largest >= step = {self.step:g}")
         if self.step > self.end:
             raise SceneError("step", shown(self.step), f"step <= end = {self.end:g}")
+        if self.end > self.step * MOST_STEPS:
+            least = f"step >= {self.end / MOST_STEPS:g}, {MOST_STEPS:g} steps to the end"
+            raise SceneError("step", shown(self.step), f"{least}: they fill 30 GB of memory")
         if self.smallest > self.step:
             raise SceneError("smallest", shown(self.smallest), f"smallest <= step = {self.step:g}")
         if self.smallest == 0:

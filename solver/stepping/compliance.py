@@ -63,6 +63,7 @@ class Compliance:
         self._response = np.empty((body.size, 0))
         self._matrix = np.empty((count * body.dimension, 0))
         nothing = np.empty(0, dtype=np.int64)
+        self._batches: list[Indices] = []
         self._gathered = PortCompliance(nothing, np.empty((0, 0)), np.empty((body.size, 0)))
 
     def among(self, chosen: Indices) -> PortCompliance:
@@ -77,6 +78,21 @@ class Compliance:
             )
         return self._gathered
 
+    def saved(self) -> tuple[list[Indices], Indices]:
+        """Which columns were computed together, in their order, and which are gathered now.
+
+        The digits of columns depend on it: `repeat` finds the same ones.
+        """
+        return list(self._batches), self._gathered.ports
+
+    def repeat(self, saved: tuple[list[Indices], Indices]) -> None:
+        """Compute what another compliance of the same body and factor has; collective."""
+        batches, gathered = saved
+        for batch in batches:
+            self._compute(batch)
+        if len(gathered):
+            self.among(gathered)
+
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
         d = self.body.dimension
@@ -84,6 +100,7 @@ class Compliance:
 
     def _compute(self, missing: Indices) -> None:
         """Solve for the columns of further points."""
+        self._batches.append(missing.copy())
         d, owned = self.body.dimension, self.body.owned
         right = np.zeros((owned, d, len(missing) * d))
         for port, first in zip(self.ports, self._first[:-1], strict=True):

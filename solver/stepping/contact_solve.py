@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from solver.stepping.delassus import LastDelassus, Softening
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable
+from solver.stepping.resuming import repeat_compliances, saved_compliances
 from solver.stepping.step_problem import StepProblem
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array
@@ -50,6 +52,27 @@ class ContactSolve:
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""
         self._solver.destroy()
+
+    def saved(self) -> dict[str, Any]:
+        """What the digits of further solves depend on, for `resume`."""
+        return {
+            "tangents": [
+                (weights, saved_compliances(tangents.responses))
+                for weights, tangents in self._tangents.items()
+            ],
+            "kept": self._kept.operator,
+            "counts": (self._solves, self._stiffness),
+            "strained_at": self._strained_at,
+        }
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on as another solve of the same bodies would from where it was saved; collective."""
+        self._solves, self._stiffness = saved["counts"]
+        self._strained_at = saved["strained_at"]
+        self._tangents.clear()
+        for weights, compliances in saved["tangents"]:
+            repeat_compliances(self._tangents_for(weights).responses, compliances)
+        self._kept.operator = saved["kept"]
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""

@@ -80,7 +80,7 @@ class LastDelassus:
 
     def __init__(self) -> None:
         """Start without any."""
-        self._kept: Delassus | None = None
+        self.operator: Delassus | None = None
 
     def get(
         self,
@@ -93,7 +93,7 @@ class LastDelassus:
 
         Their responses tell when configurations are the same.
         """
-        kept = self._kept
+        kept = self.operator
         fits = (
             kept is not None
             and kept.key == key
@@ -105,7 +105,7 @@ class LastDelassus:
             )
         )
         if kept is None or not fits:
-            kept = self._kept = make()
+            kept = self.operator = make()
         return kept
 
 

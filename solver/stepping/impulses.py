@@ -17,6 +17,7 @@ from solver.law.velocity import impulse_correction, slip_reversal
 from solver.stepping.contact_forces import Contact
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet
+from solver.stepping.resuming import repeat_compliances, saved_compliances
 from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices
 
@@ -77,6 +78,15 @@ class VelocityImpulses:
             isinstance(body, DenseBody) and body.turns for body in system.bodies
         )
         self._kept: MassOperator | None = None
+
+    def saved(self) -> tuple[list[Any], MassOperator | None]:
+        """What the digits of further corrections depend on, for `resume`."""
+        return saved_compliances(self._responses), self._kept
+
+    def resume(self, saved: tuple[list[Any], MassOperator | None]) -> None:
+        """Go on as others would from where they were saved; collective."""
+        repeat_compliances(self._responses, saved[0])
+        self._kept = saved[1]
 
     def correct(
         self, u: Array, v: Array, contacts: Sequence[Contact], dt: float, taken: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from mpi4py import MPI
 
@@ -136,6 +137,15 @@ class Judge:
         self._estimate, self._tolerance = error, tolerance
         self._past = self._tried = error.start(start)
         self._used = 0.0
+
+    def saved(self) -> Any:
+        """What earlier steps leave, for `resume`."""
+        return self._past, self._used
+
+    def resume(self, saved: Any) -> None:
+        """Go on from the earlier steps of another judge."""
+        self._past, self._used = saved
+        self._tried = self._past
 
     def accepts(
         self, new: State, dt: float, following: Callable[[State, float], State | None]

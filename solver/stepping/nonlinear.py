@@ -10,7 +10,8 @@ prefix, as in
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple, Protocol
 
 from mpi4py import MPI
@@ -18,8 +19,9 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from solver.errors import SceneError
 from solver.stepping.convergence import Convergence, IterationRecord, IterationTolerances
-from solver.stepping.petsc_options import PREFIX, parse_options
+from solver.stepping.petsc_options import PREFIX, PetscOptions, parse_options, refuse_unused
 from solver.types import Array
 
 CORRECTION_TOLERANCE = 1e-15
@@ -97,6 +99,23 @@ class Correction:
             negative.array[:] = np.nan
 
 
+@contextmanager
+def in_data_base(options: Mapping[str, str | None]) -> Iterator[None]:
+    """Let options stand in PETSc's data base meanwhile."""
+    for name, value in options.items():
+        PETSc.Options().setValue(name, value)
+    try:
+        yield
+    finally:
+        for name in options:
+            PETSc.Options().delValue(name)
+
+
+def check_options(words: Sequence[str]) -> None:
+    """Refuse options for PETSc that it does not know, before anything else is done."""
+    NonlinearSolver(MPI.COMM_SELF, 1, ArithmeticError, words).destroy()
+
+
 class NonlinearSolver:
     """One SNES for a whole run; `solve` is given one problem after another."""
 
@@ -145,20 +164,24 @@ class NonlinearSolver:
         pc = ksp.getPC()
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(self._correction)
-        self._set_options(snes, options)
+        self._late = self._set_options(snes, options).late
         return snes
 
     @staticmethod
-    def _set_options(snes: PETSc.SNES, options: Sequence[str]) -> None:
+    def _set_options(snes: PETSc.SNES, words: Sequence[str]) -> PetscOptions:
         """Let SNES read the user's options, and take them out of PETSc's data base again."""
-        database = PETSc.Options()
-        chosen: dict[str, str | None] = {f"-{PREFIX}snes_linesearch_type": "basic"}
-        chosen.update(parse_options(options))
-        for name, value in chosen.items():
-            database.setValue(name, value)
-        snes.setFromOptions()
-        for name in chosen:
-            database.delValue(name)
+        options = parse_options(words)
+        chosen = {f"{PREFIX}snes_linesearch_type": "basic", **options.solver}
+        try:
+            with in_data_base(chosen):
+                snes.setFromOptions()
+                refuse_unused(options)
+        except PETSc.Error as error:
+            said = str(error).splitlines()[-1]
+            raise SceneError(
+                "options after --", " ".join(words), f"values for PETSc: {said}"
+            ) from None
+        return options
 
     def _function(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
         """Residual, called by SNES; not a number where the unknowns are past all geometry."""
@@ -205,7 +228,8 @@ class NonlinearSolver:
         self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
         self._x.array[:] = unknowns
         with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
-            self.snes.solve(None, self._x)
+            with in_data_base(self._late):
+                self.snes.solve(None, self._x)
         code = self.snes.getConvergedReason()
         trouble = self._correction.trouble
         reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")

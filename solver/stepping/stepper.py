@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -102,6 +103,29 @@ class Stepper:
         faces = tuple(old | new for old, new in zip(state.faces, turned, strict=True))
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
+
+    def saved(self) -> dict[str, Any]:
+        """What the digits of further steps depend on besides the state, for `resume`."""
+        bodies = self.system.bodies
+        return {
+            "faces": self._faces,
+            "strained": [getattr(body, "strained_at", None) for body in bodies],
+            "solve": self._solve.saved(),
+            "impulses": None if self._impulses is None else self._impulses.saved(),
+            "counts": self.local.counts,
+        }
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on as another stepper of the same bodies would from where it was saved; collective."""
+        for body, strained_at in zip(self.system.bodies, saved["strained"], strict=True):
+            if isinstance(body, ElasticBody) and strained_at is not None:
+                body.resume_stiffness(strained_at)
+        self._join(saved["faces"])
+        self._solve.resume(saved["solve"])
+        if saved["impulses"] is not None:
+            self._impulses = VelocityImpulses(self.system, self.links, self.local)
+            self._impulses.resume(saved["impulses"])
+        self.local.counts = saved["counts"]
 
     def interface_energy(self, state: State) -> float:
         """Energy stored in all interfaces, J."""

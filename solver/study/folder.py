@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError
-from solver.run.folders import make_folder, unusable_is_refused
+from solver.run.folders import hold_folder, make_folder, unusable_is_refused
 from solver.study.tables import write
 
 SETTINGS, CASES = "settings.json", "cases"
@@ -46,6 +46,7 @@ class StudyFolder:
         allowed = "an empty folder, --force, or --resume"
         with unusable_is_refused(folder):
             used = make_folder(folder, force=force or resume, allowed=allowed)
+            hold_folder(folder)
             if resume and used:
                 self._compare(folder, settings)
             else:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import math
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from solver.results.summary import write_json
+from solver.results.summary import write_json, write_whole
 
 Row = Mapping[str, Any]
 
@@ -68,9 +67,7 @@ def _rounded(value: Any, digits: int | None) -> Any:
 
 def write(file: Path, content: Mapping[str, Any] | str) -> None:
     """Write a text, or a mapping as JSON; a reader sees the old file or the new one, never half."""
-    draft = file.with_name(file.name + ".part")
     if isinstance(content, str):
-        draft.write_text(content, encoding="utf-8")
+        write_whole(file, content)
     else:
-        write_json(draft, content)
-    os.replace(draft, file)
+        write_json(file, content)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from scenes import BLOCK
 
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
 from solver.results.cautions import (
+    cautions_of_input,
     cautions_of_run,
     cautions_of_scene,
     loss_shares,
@@ -18,6 +21,9 @@ from solver.results.cautions import (
 def scene(*overrides: str) -> Scene:
     """The paper's block, which is meshed, with adaptive steps."""
     return parse_scene(f"{BLOCK}\n[time]\nend = 2.0\n", overrides=overrides)
+
+
+QUICK = ("motion.kind='half_sine'", "motion.amplitude_g=0.3", "motion.duration=0.004")
 
 
 def loss(damping: float, contact: float, friction: float = 0.0) -> dict[str, float]:
@@ -85,3 +91,35 @@ def test_damping_that_no_body_has() -> None:
     assert copy.damping_of(copy.blocks[0]) == scene().blocks[0].damping
     (unused,) = cautions_of_scene(copy, read_ground(copy))
     assert unused == "[damping] applies to no body: each block has its own damping"
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (("time.step=1e-3",), ()),
+        (("time.step=0.05",), ("steps of 0.05 s", "time.step = 0.01", "200 steps instead of 40")),
+        (("time.step=0.05", "block.tilt_deg=13.5"), ()),  # such a swing takes a second
+        (("time.step=0.05", "block.tilt_deg=3"), ("3.8 in the 0.191 s of a swing of block",)),
+        (("time.step=1e-3", *QUICK), ("4 in the 0.004 s of [motion], kind = half_sine",)),
+        (("time.step=1e-3", "time.adaptive=true", "time.largest=0.1"), ("time.largest = 0.01",)),
+        (QUICK, ()),  # the steps that the program takes see all
+    ],
+)
+def test_of_steps(overrides: tuple[str, ...], words: tuple[str, ...]) -> None:
+    asked = scene("damping.stiffness=3e-5", 'block.model="elastic"', *overrides)
+    found = [text for text in cautions_of_input(asked, read_ground(asked)) if "see" in text]
+    assert len(found) == bool(words)
+    assert all(word in found[0] for word in words)
+
+
+def test_of_motions_that_no_ground_has_made(tmp_path: Path) -> None:
+    (tmp_path / "m.txt").write_text("0\n2\n3.2\n1\n0")
+    file = f"motion.file={str(tmp_path / 'm.txt')!r}"
+    given = ("time.end=1", "motion.kind='record'", "motion.dt=0.02", file)
+    asked = scene(*given, 'motion.units="g"')
+    (text,) = cautions_of_input(asked, read_ground(asked))
+    assert text.startswith(f"motion reaches 3.2 g, in line 3 of {tmp_path}/m.txt: more than 3 g")
+    weaker = scene(
+        "time.end=1", "motion.kind='record'", "motion.dt=0.02", 'motion.units="m/s2"', file
+    )
+    assert cautions_of_input(weaker, read_ground(weaker)) == []

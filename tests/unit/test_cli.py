@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import types
@@ -12,8 +13,9 @@ import pytest
 from processes import outside_mpirun
 from scenes import SHORT_GRANITE
 
+from rockslip import load_scene, read_run, simulate
 from solver.cli import main
-from solver.errors import NotConverged
+from solver.errors import NotConverged, SceneError
 from solver.run.folders import LEFT_BEHIND
 
 HEAVY = ("dolfinx", "gmsh", "matplotlib", "mpi4py", "petsc4py", "pyvista")
@@ -75,7 +77,7 @@ def test_without_arguments_it_helps(granite: Path, capsys: Captured) -> None:
         (["walk"], ["walk", "run"]),
         (["check", "granite.toml", "--", "-x"], ["rockslip run"]),
         (["plot", "nowhere"], ["nowhere", "scene.toml"]),
-        (["reference", "granite.toml", "-o", "."], ["granite.toml", "in use"]),
+        (["reference", "granite.toml", "-o", "."], ["granite.toml", "not empty"]),
         (["reference", "granite.toml", "--set", "dimension=3"], ["dimension", "reference"]),
     ],
 )
@@ -113,7 +115,7 @@ def test_an_earlier_run_is_kept_unless_forced(granite: Path, capsys: Captured) -
     mine.write_text("mine")
     (folder / "fields_p0_000001.vtu").write_text("stale")
     other = ["reference", "granite.toml", "-q", "--set", "block.tilt_deg=2"]
-    assert "in use" in refused(other, capsys)
+    assert "not empty" in refused(other, capsys)
     assert (folder / "history.csv").read_text() == stamp
     assert main([*other, "--force"]) == 0
     assert (folder / "history.csv").read_text() != stamp
@@ -173,7 +175,7 @@ class TestRun:
         self, granite: Path, calls: list[dict[str, Any]], capsys: Captured
     ) -> None:
         assert main(["run", "granite.toml", "-q"]) == 0
-        assert "in use" in refused(["run", "granite.toml"], capsys)
+        assert "not empty" in refused(["run", "granite.toml"], capsys)
         assert len(calls) == 1
         assert main(["run", "granite.toml", "-q", "--force"]) == 0
 
@@ -277,3 +279,137 @@ def test_files_that_a_new_run_removes_are_those_that_runs_leave() -> None:
     names = ("fields000001.pvtu", "fields_p2_000001.vtu", "history.csv", "angle.png")
     for name in names:
         assert any(Path(name).match(pattern) for pattern in LEFT_BEHIND)
+
+
+@pytest.mark.serial
+def test_a_dash_reads_the_standard_input(granite: Path) -> None:
+    """Files are named after "scene"; with mpirun, rank 0 reads."""
+    text = granite.read_text().replace("[[block]]", '[[block]]\nmodel = "rigid"')
+    for words, left in (
+        ("check -", None),
+        ("reference - -q", "scene.rigid"),
+        ("run - -q", "scene.out"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "solver", *words.split()],
+            input=text,
+            env=outside_mpirun(),
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, done.stderr
+        assert left is None or (granite.parent / left / "history.csv").is_file()
+    command = [sys.executable, "-m", "solver", "check", "-"]
+    for wrong, said in (("", "standard input: got an empty scene"), ("[[", "standard input: got")):
+        done = subprocess.run(
+            command, input=wrong, env=outside_mpirun(), capture_output=True, text=True
+        )
+        assert done.returncode == 2
+        assert said in done.stderr
+
+
+def test_steps_that_see_nothing_are_warned_of(granite: Path, capsys: Captured) -> None:
+    """By every command, with what others would cost."""
+    blind = ["granite.toml", "--set", "block.model=rigid", "time.step=0.1"]
+    said = (
+        "steps of 0.1 s, 1.9 in the 0.191 s of a swing of block, do not see it: "
+        "time.step = 0.01 does, in 30 steps instead of 3"
+    )
+    assert main(["check", *blind]) == 0
+    assert said in capsys.readouterr().out
+    assert main(["run", *blind, "-o", "out"]) == 0
+    output = capsys.readouterr()
+    assert f"caution: {said}\n" in output.err
+    assert said in output.out
+    summary = json.loads((granite.parent / "out" / "summary.json").read_text())
+    assert said in summary["cautions"]
+    assert said in (granite.parent / "out" / "run.log").read_text()
+    assert main(["check", "granite.toml", "--set", "block.model=rigid"]) == 0
+    assert "do not see" not in capsys.readouterr().out
+
+
+class TestPlot:
+    """Pictures of what a run left, whatever came of it."""
+
+    @pytest.fixture
+    def run(self, granite: Path, capsys: Captured) -> Path:
+        pytest.importorskip("matplotlib")
+        assert main(["reference", "granite.toml", "-q", "-o", "done"]) == 0
+        return granite.parent / "done"
+
+    def test_a_killed_run_has_its_summary_made(self, run: Path, capsys: Captured) -> None:
+        """Its last line may be half a line."""
+        summary = json.loads((run / "summary.json").read_text())
+        (run / "summary.json").unlink()
+        with (run / "history.csv").open("a") as stream:
+            stream.write("0.30")
+        assert main(["plot", str(run)]) == 0
+        output = capsys.readouterr()
+        assert output.err == f"{run}: no summary.json, made from the history up to t = 0.3 s\n"
+        assert (run / "angle.png").is_file()
+        made = read_run(run).summary
+        assert made["status"] == "unfinished"
+        assert json.loads(json.dumps(made["blocks"])) == summary["blocks"]
+        assert not (run / "summary.json").exists()
+
+    @pytest.mark.parametrize(
+        "text", ["", "{", "[]", "3", "null", "\0", "{}", '{"model": "x"}', "[" * 100_000]
+    )
+    def test_a_broken_summary_is_one_line(self, run: Path, capsys: Captured, text: str) -> None:
+        (run / "summary.json").write_text(text)
+        assert "summary.json" in refused(["plot", str(run)], capsys)
+
+    def test_a_history_of_something_else_is_one_line(self, run: Path, capsys: Captured) -> None:
+        (run / "history.csv").write_text("time_s,a\n0,1\n1,2\n")
+        assert "no column step_s" in refused(["plot", str(run)], capsys)
+
+    def test_the_folder_of_the_pictures_is_made(self, run: Path, capsys: Captured) -> None:
+        new = run.parent / "new" / "pictures"
+        assert main(["plot", str(run), "-o", str(new)]) == 0
+        assert (new / "angle.png").is_file() and not (run / "angle.png").exists()
+        assert main(["plot", str(run), str(run), "-o", str(new.parent)]) == 0
+        assert (new.parent / "overlay.png").is_file()
+        capsys.readouterr()
+        assert "-o: got" in refused(["plot", str(run), "-o", str(run / "scene.toml")], capsys)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "granite.toml", "-o", "{hidden}"],
+        ["run", "granite.toml", "-o", "link"],
+        ["run", "{hidden}/scene.toml"],
+        ["reference", "granite.toml", "-o", "{hidden}", "--force"],
+        ["plot", "{hidden}"],
+        ["plot", "granite.rigid", "granite.rigid", "-o", "{hidden}"],
+        ["study", "suite", "granite.toml", "-o", "{hidden}"],
+        ["study", "damping", "granite.toml", "-o", "{hidden}"],
+        ["study", "stability", "-o", "{hidden}"],
+    ],
+)
+def test_folders_that_in_env_does_not_show_are_refused(
+    granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
+    """What is written there would be gone when the command ends."""
+    if arguments[0] in ("run", "study"):
+        pytest.importorskip("mpi4py")
+    shown, hidden = granite.parent, granite.parent.parent / "hidden"
+    assert main(["reference", "granite.toml", "-q"]) == 0
+    (shown / "link").symlink_to(hidden)
+    monkeypatch.setenv("ROCKSLIP_VISIBLE", f"/nowhere:{shown}")
+    line = refused([word.format(hidden=hidden) for word in arguments], capsys)
+    assert f"{hidden}" in line or "link" in line
+    assert f"ROCKSLIP_MOUNT={hidden.parent}" in line or "hidden/scene.toml" in line
+    assert not hidden.exists()
+
+
+def test_so_is_a_folder_of_the_python_interface(
+    granite: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That of the demos, too, which call it."""
+    monkeypatch.setenv("ROCKSLIP_VISIBLE", str(granite.parent))
+    scene = load_scene(granite, ['block.model="rigid"'])
+    with pytest.raises(SceneError, match="ROCKSLIP_MOUNT"):
+        simulate(scene, folder=granite.parent.parent / "hidden")
+    assert main(["reference", "granite.toml", "-o", "shown", "-q"]) == 0

@@ -180,7 +180,7 @@ def test_a_folder_in_use_is_kept_and_force_renews_it(tmp_path: Path) -> None:
     done = rockslip(tmp_path, *shorter)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
-    for part in ("granite.out", "in use", "an empty folder, or --force"):
+    for part in ("granite.out", "not empty", "an empty folder, or --force"):
         assert part in done.stderr
     assert fingerprint(folder) == before
     assert rockslip(tmp_path, *shorter, "--force", "-q").returncode == 0

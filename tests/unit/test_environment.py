@@ -290,6 +290,28 @@ def test_folders_that_cannot_be_shown_are_refused(machine: Machine) -> None:
     assert machine.calls("docker run") == []
 
 
+def test_the_command_is_told_what_it_sees(machine: Machine) -> None:
+    """Where folders are hidden; the Python of the machine itself sees them all."""
+    shown = machine.folder / "shown"
+    shown.mkdir()
+    telling = ["sh", "-c", 'echo "${ROCKSLIP_VISIBLE:-all}"']
+    machine.install("python3")
+    assert machine.in_env(*telling, ROCKSLIP_MOUNT=str(shown)).stdout == "all\n"
+    machine.install("python3", "exit 1")
+    machine.install_debian()
+    machine.in_env("true", ROCKSLIP_MOUNT=str(shown), ROCKSLIP_WAY="3")
+    machine.install("id", "echo 1000")
+    machine.install_engine("docker")
+    machine.in_env("true", ROCKSLIP_MOUNT=str(shown), ROCKSLIP_WAY="2")
+    lines = machine.log.read_text().splitlines()
+    told = [line for line in lines if "ROCKSLIP_VISIBLE=" in line]
+    assert len(told) == 2
+    for line in told:
+        folders = line.split("ROCKSLIP_VISIBLE=")[1]
+        for folder in (REPOSITORY, machine.current, "/tmp", shown):
+            assert f"{folder}" in folders
+
+
 def test_a_link_to_the_script_finds_the_repository(machine: Machine) -> None:
     machine.install("python3")
     link = machine.folder / "link to in-env"

@@ -142,3 +142,9 @@ def test_what_is_no_history_is_refused(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"words\.csv") as raised:
         History.read(tmp_path / "words.csv")
     assert "\n" not in str(raised.value)
+
+
+def test_a_line_that_was_being_written_is_left_out(tmp_path: Path) -> None:
+    """A run that is killed may leave half a line."""
+    (tmp_path / "history.csv").write_text("time_s,a\n0,1\n1,2\n2")
+    assert History.read(tmp_path / "history.csv")["time_s"].tolist() == [0.0, 1.0]

@@ -323,7 +323,7 @@ def test_every_file_of_peer_is_read_back(
     folder: Path, values: list[float], step: float, columns: int, end: str
 ) -> None:
     text = f"{TITLE}{UNITS}NPTS={len(values):6d}, DT={step:8.5f} SEC\n"
-    motion = record(folder, (text + fortran(values, columns)).replace("\n", end))
+    motion = record(folder, (text + fortran(values, columns)).replace("\n", end), trust=True)
     assert motion.value == pytest.approx(G * np.array(printed(values, ".7E")), rel=1e-12)
     assert motion.time == pytest.approx(step * np.arange(len(values)), rel=1e-12)
 
@@ -337,7 +337,7 @@ def test_two_columns_and_one_are_read_back(
         f"{(first + i) * step:.4f}{separator}{value!r}" if timed else repr(value)
         for i, value in enumerate(values)
     ]
-    options = {"units": "m/s2"} | ({} if timed else {"dt": step})
+    options = {"units": "m/s2", "trust": True} | ({} if timed else {"dt": step})
     motion = record(folder, "\n".join(lines), "motion.txt", **options)
     assert motion.value == pytest.approx(np.array(values), rel=1e-12)
     assert motion.time == pytest.approx(step * np.arange(len(values)), rel=1e-9)
@@ -402,3 +402,54 @@ def test_spectra_of_real_files(name: str) -> None:
     found = response_spectrum(motion.value, motion.step, [0.2, 0.5, 1.0, 2.0]) / G
     rel = 0.02 if math.isclose(motion.step, 0.02) else 0.005
     np.testing.assert_allclose(found, SPECTRA[name], rtol=rel)
+
+
+@pytest.mark.parametrize("missing", [1, 2, 50, 98])
+@pytest.mark.parametrize("count", [7, 100, 3000])
+def test_a_row_that_is_missing_is_named(tmp_path: Path, missing: int, count: int) -> None:
+    """The second one, too, whose interval is the first."""
+    at = min(missing, count - 2)
+    rows = [f"{0.005 * i:.3f} {math.sin(i):.4f}" for i in range(count) if i != at]
+    message = refusal(tmp_path, "\n".join(rows), "motion.txt", units="g")
+    assert message == (
+        f"motion.txt: line {at + 1}: got time {0.005 * (at + 1):.3f}, 0.01 s after the last one, "
+        "allowed times equally far apart, 0.005 s like most of them"
+    )
+
+
+class TestSpikes:
+    """Samples that have lost their decimal point."""
+
+    PEER = TITLE + UNITS + "NPTS=7, DT=.005\n" + " .0100 -.0200 .1350\n .2186 .1250 .0000 .0250\n"
+
+    @pytest.mark.parametrize("lost", ["2186", "21.86", "-2186"])
+    def test_they_are_refused_by_line_unless_trusted(self, tmp_path: Path, lost: str) -> None:
+        assert record(tmp_path, self.PEER).peak == pytest.approx(0.2186 * G)
+        spoilt = self.PEER.replace(".2186", lost)
+        message = refusal(tmp_path, spoilt)
+        assert message == (
+            f"motion.AT2: line 6: got {lost} between samples of at most 0.135, "
+            "allowed at most 20 times those beside it, or motion.trust = true"
+        )
+        peak = abs(float(lost)) * G
+        assert record(tmp_path, spoilt, trust=True).peak == pytest.approx(peak)
+
+    def test_in_two_columns_and_in_one(self, tmp_path: Path) -> None:
+        values = ["0.1", "0.2", "300", "0.2", "0.1"]
+        lines = [f"{0.01 * i:.2f} {value}" for i, value in enumerate(values)]
+        text = "# a record\n" + "\n".join(lines)
+        assert "line 4: got 300" in refusal(tmp_path, text, "m.txt", units="g")
+        text = "\n".join(values)
+        assert "line 3: got 300" in refusal(tmp_path, text, "m.txt", units="g", dt=0.01)
+
+    def test_only_what_is_used_counts(self, tmp_path: Path) -> None:
+        text = "0.1\n300\n0.1\n0.2\n0.1"
+        options = {"units": "g", "dt": 0.01, "window": (0.02, 0.04)}
+        assert record(tmp_path, text, "m.txt", **options).peak == pytest.approx(0.2 * G)
+
+    def test_weak_samples_and_true_records_pass(self, tmp_path: Path, records: Path) -> None:
+        text = "0\n0.0001\n0\n0.2\n0.3\n0.1"
+        assert record(tmp_path, text, "m.txt", units="g", dt=0.01).peak == pytest.approx(0.3 * G)
+        files = sorted(records.rglob("*.AT2")) + sorted(records.rglob("*.at2"))
+        for file in files:
+            base_motion(RecordSpec(file=file), 3.0)

@@ -506,7 +506,7 @@ def test_it_refuses(made_up: MadeUp, capsys: Captured, words: tuple[str, ...], s
 def test_folders_are_not_written_over(made_up: MadeUp, capsys: Captured) -> None:
     assert study("--of", "beta=1e-5", "-q") == 0
     assert study("--of", "beta=1e-5") == 2
-    assert "-o: got out, which is in use" in capsys.readouterr().err
+    assert "-o: got out, which is not empty" in capsys.readouterr().err
     assert study("--of", "beta=1e-5", "--resume", "--set", "block.height=1.1") == 2
     assert "made with another scene.block, allowed the same scene" in capsys.readouterr().err
     assert main(["study", "damping", "scene.toml", "-o", ".", "--force"]) == 2

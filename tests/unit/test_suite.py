@@ -170,7 +170,7 @@ def _resumes(here: Path, rows: dict[tuple[str, str], dict[str, str]], words: Any
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((), "-o: got out, which is in use, allowed an empty folder, --force, or --resume"),
+        ((), "-o: got out, which is not empty, allowed an empty folder, --force, or --resume"),
         (("--resume", "--set", "block.height=0.4"), "made with another scene.block"),
         (("--resume", "--set", "contact.friction=0.3"), "another scene.contact.friction,"),
         (("--resume", "--motions", "motions/weak.csv"), "made with another motions.weak_2,"),

@@ -23,6 +23,9 @@ COUNTED = "NPTS= number of values, DT= time between them in s"
 
 TIMELESS = "files that do not say the time between their values"
 
+SPIKE = 20.0
+"""A sample more times as large as both beside it is refused unless the scene trusts the file."""
+
 HEADER_LINES = 20
 """Number of lines among which a header of PEER names the number of values."""
 
@@ -47,19 +50,41 @@ def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
         (i for i, line in enumerate(lines[:HEADER_LINES]) if "npts" in line.lower()), None
     )
     if counted is not None or spec.file.suffix.lower() == ".at2":
-        header, step, values = _peer(spec, where, lines, counted)
+        header, step, rows = _peer(spec, where, lines, counted)
     else:
-        header, step, values = _columns(spec, where, lines)
-    values = values * (UNITS[_units(spec, where, header)] * spec.scale)
-    values = corrected(_cut(spec, where, values, step), spec.baseline)
+        header, step, rows = _columns(spec, where, lines)
+    unit = UNITS[_units(spec, where, header)]
+    used = _cut(spec, where, sum(len(row.values) for row in rows), step)
+    numbers = [row.line for row in rows for _ in row.values][used]
+    values: Array = np.array([value for row in rows for value in row.values][used])
+    if not spec.trust:
+        _refuse_spike(spec, where, values, numbers)
+    values = values * (unit * spec.scale)
+    largest = f"line {numbers[int(np.argmax(np.abs(values)))]} of {spec.file}"
+    values = corrected(values, spec.baseline)
     time = spec.start + step * np.arange(len(values))
-    return SampledMotion(time=time, value=values, step=step)
+    return SampledMotion(time=time, value=values, step=step, largest=largest)
+
+
+def _refuse_spike(spec: RecordSpec, where: str, values: Array, lines: list[int]) -> None:
+    """Refuse a sample that stands alone: a decimal point that was lost, as a rule."""
+    size = np.abs(values)
+    beside = np.maximum(size[2:], size[:-2])
+    # In what is weak anyway samples may well be many times their neighbours.
+    alone = (size[1:-1] > SPIKE * beside) & (size[1:-1] > 0.5 * size.max())
+    if alone.any():
+        at = 1 + int(np.argmax(alone))
+        raise SceneError(
+            f"{spec.file}: line {lines[at]}",
+            f"{values[at]:g} between samples of at most {beside[at - 1]:g}",
+            f"at most {SPIKE:g} times those beside it, or {where}.trust = true",
+        )
 
 
 def _peer(
     spec: RecordSpec, where: str, lines: list[str], counted: int | None
-) -> tuple[list[str], float, Array]:
-    """Header, time between samples and values of a file that says how many there are."""
+) -> tuple[list[str], float, list[Row]]:
+    """Header, time between samples and rows of values of a file that says how many there are."""
     line = counted if counted is not None else min(3, len(lines) - 1)
     found = _NPTS.search(lines[line]) or _NPTS_BEHIND.search(lines[line])
     step = float(found[2].upper().replace("D", "E")) if found else 0.0
@@ -67,20 +92,24 @@ def _peer(
         raise SceneError(f"{spec.file}: line {line + 1}", shown(lines[line].strip()), COUNTED)
     if spec.dt is not None:
         raise not_applicable(f"{where}.dt", f"{TIMELESS} ({spec.file} has DT= {step:g})")
-    count, values = int(found[1]), list[float]()
+    count, read = int(found[1]), 0
     expected = f"{count} values, NPTS of line {line + 1}"
-    for row in rows_of(spec.file, lines[line + 1 :], "finite numbers", first=line + 2):
-        values += row.values
-        if len(values) > count:
+    rows = rows_of(spec.file, lines[line + 1 :], "finite numbers", first=line + 2)
+    for row in rows:
+        read += len(row.values)
+        if read > count:
             raise SceneError(f"{spec.file}: line {row.line}", "more values", expected)
-    if len(values) < count:
-        got = f"the end of the file after {len(values)} values"
+    if read < count:
+        got = f"the end of the file after {read} values"
         raise SceneError(f"{spec.file}: line {len(lines)}", got, expected)
-    return lines[: line + 1], step, np.array(values)
+    return lines[: line + 1], step, rows
 
 
-def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str], float, Array]:
-    """Header, time between samples and values of a file of one column, of two, or of values."""
+def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str], float, list[Row]]:
+    """Header, time between samples and rows of a file of one column, of two, or of values.
+
+    Of two columns the rows hold the values alone.
+    """
     header, rest = split_header(lines)
     rows = rows_of(spec.file, rest, EXPECTED, first=len(header) + 1)
     numbers = sum(len(row.values) for row in rows)
@@ -97,11 +126,12 @@ def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str],
         if spec.dt is not None:
             reason = f"{TIMELESS} ({spec.file} has times in its first column)"
             raise not_applicable(f"{where}.dt", reason)
-        return header, _even(spec.file, rows), np.array([row.values[1] for row in rows])
+        samples = [Row(row.line, row.words[1:], row.values[1:]) for row in rows]
+        return header, _even(spec.file, rows), samples
     if spec.dt is None:
         reason = f"(dt > 0, s): {spec.file} does not say the time between its values"
         raise missing_key(f"{where}.dt", reason)
-    return header, spec.dt, np.array([value for row in rows for value in row.values])
+    return header, spec.dt, rows
 
 
 def _even(file: Path, rows: list[Row]) -> float:
@@ -118,7 +148,12 @@ def _even(file: Path, rows: list[Row]) -> float:
         line = np.polynomial.Polynomial.fit(np.arange(len(time)), time, 1, w=1 / unit)
         # Rounded times are off by half a unit of their last digit, the line by what that leaves.
         off = unit * min(1.0, 0.5 + 2 / math.sqrt(len(time)))
-        wrong = (np.abs(time - line(np.arange(len(time)))) > off)[1:]
+        beside = np.abs(time - line(np.arange(len(time)))) > off
+        wrong = beside[1:]
+        wrong[0] |= beside[0]  # between the first two
+        # A row that is missing leaves twice the usual distance, and tilts the line besides.
+        apart = steps - line.deriv()(0.0) > np.maximum(unit[1:] + unit[:-1], usual / 3)
+        wrong = apart if apart.any() else wrong
         if not wrong.any():
             return float(line.deriv()(0.0))
     at = int(np.argmax(wrong))
@@ -161,17 +196,17 @@ def _units(spec: RecordSpec, where: str, header: list[str]) -> str:
     return spec.units or str(named)
 
 
-def _cut(spec: RecordSpec, where: str, values: Array, step: float) -> Array:
-    """The samples inside the window."""
+def _cut(spec: RecordSpec, where: str, count: int, step: float) -> slice:
+    """The samples inside the window, of so many."""
     if spec.window is None:
-        return values
+        return slice(count)
     begin, end = spec.window
-    length = step * (len(values) - 1)
+    length = step * (count - 1)
     first, last = math.ceil(begin / step - 1e-6), math.floor(end / step + 1e-6)
-    if last >= len(values):
+    if last >= count:
         allowed = f"times up to {length:.6g} s, the length of {spec.file}"
         raise SceneError(f"{where}.window", shown(spec.window), allowed)
     if last - first < 1:
         allowed = f"two samples or more, which are {step:g} s apart"
         raise SceneError(f"{where}.window", shown(spec.window), allowed)
-    return values[first : last + 1]
+    return slice(first, last + 1)

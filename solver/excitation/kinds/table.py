@@ -38,4 +38,5 @@ def signal(spec: TableSpec, end: float, where: str) -> SampledMotion:
     if len(rows) < 2:
         raise SceneError(str(file), f"{len(rows)} rows", f"two rows or more of {ROW}")
     time, value = np.array([row.values for row in rows]).T
-    return SampledMotion(time=time, value=value * unit, step=even_step(time))
+    largest = f"line {rows[int(np.argmax(np.abs(value)))].line} of {file}"
+    return SampledMotion(time=time, value=value * unit, step=even_step(time), largest=largest)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from solver.errors import NotConverged, SceneError, Statement
+from solver.run.streams import say
 from solver.study.damping.axes import AXES, Axis
 from solver.study.damping.case import BaseScene
 from solver.study.damping.command import base_scene, claimed, run_cases
@@ -215,5 +215,5 @@ def _tell(plan: CalibrationPlan, search: Search, close: bool) -> None:
     lines = _sentences(plan, search)
     if not close:
         lines.append(f"no run came nearer than {search.best_error:.4f}: impacts scatter")
-    sys.stdout.write(plain_text(_cells(plan, search), lines))
-    sys.stdout.write(f"written to {plan.folder}; run {plan.folder / 'calibrated.toml'}\n")
+    say(plain_text(_cells(plan, search), lines))
+    say(f"written to {plan.folder}; run {plan.folder / 'calibrated.toml'}\n")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from contextlib import closing
 from copy import deepcopy
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.run.streams import say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -257,5 +257,5 @@ def _tell(plan: Plan, rows: dict[str, dict[str, Any]]) -> None:
     cells = table.words(whole, plan.sweep, plan.impacts)
     found = lines(plan.sweep, rows, plan.impacts)
     told = list(table.remarks(whole, plan.sweep, found))
-    sys.stdout.write(table.plain_text(cells, told))
-    sys.stdout.write(f"written to {plan.folder}\n")
+    say(table.plain_text(cells, told))
+    say(f"written to {plan.folder}\n")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.run.streams import say
 
 if TYPE_CHECKING:
     from solver.study.suite.case import SuiteCase
@@ -231,5 +231,5 @@ def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
 
     ordered = _ordered(plan, rows)
     completed = sum(row["status"] == "completed" for row in ordered)
-    sys.stdout.write(as_text(ordered, plan.varied) if ordered else "")
-    sys.stdout.write(f"{completed} of {len(plan.cases)} completed; written to {plan.folder}\n")
+    say(as_text(ordered, plan.varied) if ordered else "")
+    say(f"{completed} of {len(plan.cases)} completed; written to {plan.folder}\n")

@@ -1,0 +1,169 @@
+"""Checkpoints: how a run stands, in one file from which another command goes on.
+
+`checkpoint.npz` holds a header in JSON (versions, scene, ranks, rows of the history, sums) and for
+each rank the arrays and counters of the engine, pickled. Only numbers, arrays and the program's own
+types are read back from it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import pickle
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver import VERSION
+from solver.errors import SceneError
+from solver.excitation.motion import GroundMotion
+from solver.parallel import Comm, Single
+from solver.scene import Scene, scene_to_toml
+from solver.scene.output import CheckpointSpec
+
+FORMAT = 1
+"""Version of the layout of the file."""
+
+NAME = "checkpoint.npz"
+
+
+@dataclass(frozen=True, slots=True)
+class Checkpoint:
+    """What a run goes on from, on this rank."""
+
+    time: float
+    """s."""
+    rows: int
+    """Rows of the history up to then."""
+    part: int
+    """Number of the part of the run that goes on."""
+    engine: Any
+    """What the engine saved."""
+
+
+class Schedule:
+    """When checkpoints are due."""
+
+    def __init__(self, spec: CheckpointSpec | None, comm: Comm):
+        """Count the minutes from now."""
+        self._spec, self._comm, self._written = spec, comm, time.monotonic()
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there are any."""
+        return self._spec is not None
+
+    def next_step(self, step: int) -> float:
+        """The first step after this one after which one is due; infinite where time decides."""
+        if self._spec is None or self._spec.steps is None:
+            return float("inf")
+        return (step // self._spec.steps + 1) * self._spec.steps
+
+    def is_due(self, step: int) -> bool:
+        """Whether one is due after a step; collective."""
+        if self._spec is None:
+            return False
+        if self._spec.steps is not None:
+            return step % self._spec.steps == 0
+        assert self._spec.minutes is not None
+        late = time.monotonic() - self._written >= 60 * self._spec.minutes
+        late = bool(self._comm.bcast(late, root=0))
+        if late:
+            self._written = time.monotonic()
+        return late
+
+
+def write_checkpoint(
+    file: Path, scene: Scene, ground: GroundMotion, kept: Checkpoint, comm: Comm
+) -> None:
+    """Write a checkpoint; the file is the old one or the new one, never half; collective."""
+    own = pickle.dumps(kept.engine, protocol=5)
+    parts = [own] if isinstance(comm, Single) else comm.gather(own, root=0)
+    if comm.rank != 0 or parts is None:
+        return
+    header = {
+        "format": FORMAT,
+        "rockslip": VERSION,
+        "scene": _digest(scene, ground),
+        "ranks": len(parts),
+        "time": kept.time,
+        "rows": kept.rows,
+        "part": kept.part,
+        "sums": [hashlib.sha256(part).hexdigest() for part in parts],
+    }
+    arrays: dict[str, Any] = {
+        "header": np.array(json.dumps(header)),
+        **{f"rank{k}": np.frombuffer(part, np.uint8) for k, part in enumerate(parts)},
+    }
+    draft = file.with_name(file.name + ".part")
+    try:
+        with draft.open("wb") as stream:
+            np.savez(stream, **arrays)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(draft, file)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(file)) from error
+
+
+def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm) -> Checkpoint:
+    """The checkpoint in the folder of a run, for this rank.
+
+    Raises:
+        SceneError: There is none, it is damaged, or it belongs to something else.
+    """
+    file = folder / NAME
+    where = "--resume"
+    try:
+        with np.load(file, allow_pickle=False) as table:
+            header = json.loads(str(table["header"]))
+            parts = [table[f"rank{k}"].tobytes() for k in range(int(header["ranks"]))]
+        sums = [hashlib.sha256(part).hexdigest() for part in parts]
+        damaged = sums != header["sums"]
+    except FileNotFoundError:
+        got = f"{folder}, which holds no {NAME}"
+        raise SceneError(where, got, "the folder of a run with output.checkpoint") from None
+    except Exception:  # whatever zip, zlib, numpy and JSON make of damaged bytes
+        damaged, header, parts = True, {}, []
+    if damaged:
+        raise SceneError(where, f"{file}, which is damaged", "a checkpoint as it was written")
+    expected = {"format": FORMAT, "rockslip": VERSION, "scene": _digest(scene, ground)}
+    words = {"format": "in another format", "rockslip": "of another version of rockslip"}
+    for key, value in expected.items():
+        if header.get(key) != value:
+            got = f"{file}, {words.get(key, 'of another scene or motion')}"
+            raise SceneError(where, got, "that of this run")
+    if header["ranks"] != comm.size:
+        got = f"{file}, written by {header['ranks']} ranks, on {comm.size}"
+        raise SceneError(where, got, "the same number of ranks")
+    engine = _Reader(io.BytesIO(parts[comm.rank])).load()
+    return Checkpoint(float(header["time"]), int(header["rows"]), int(header["part"]) + 1, engine)
+
+
+class _Reader(pickle.Unpickler):
+    """Reads the program's own types, arrays and plain values, and nothing else."""
+
+    PLAIN = ("frozenset", "set", "slice", "complex", "range", "bytearray")
+
+    def find_class(self, module: str, name: str) -> Any:
+        """The type of a value."""
+        plain = module == "builtins" and name in self.PLAIN
+        if plain or module.split(".")[0] in ("numpy", "solver", "geometry", "collections"):
+            return super().find_class(module, name)
+        raise pickle.UnpicklingError(f"{module}.{name} is no part of a checkpoint")
+
+
+def _digest(scene: Scene, ground: GroundMotion) -> str:
+    """What tells a scene from all others, the samples of its motions included."""
+    found = hashlib.sha256(scene_to_toml(scene).encode())
+    samples: Sequence[Any] = [getattr(part, "value", None) for part in ground.parts]
+    for values in samples:
+        found.update(b"none" if values is None else np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()

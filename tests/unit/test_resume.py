@@ -1,0 +1,225 @@
+"""Runs that go on from a checkpoint: the same history, whatever ended them."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import outside_mpirun
+from scenes import BLOCK
+
+from rockslip import History, Scene, parse_scene, simulate
+from solver.cli import main
+from solver.errors import SceneError
+from solver.run.checkpoint import NAME
+from solver.scene import scene_to_toml
+
+pytestmark = pytest.mark.serial
+
+RIGID = BLOCK.replace("[[block]]", '[[block]]\nmodel = "rigid"') + "\n"
+COARSE = BLOCK + "\ncells = [3, 6]\n"
+TILTED = COARSE + "tilt_deg = 1.0\n"
+SHAKEN = '[motion]\nkind = "sine"\namplitude_g = 0.5\nperiod = 0.3\n'
+STEPS = "[time]\nend = 0.3\nstep = 0.001\n"
+UPPER = """
+[[block]]
+name = "upper"
+on = "block"
+width = 0.25
+height = 0.5
+thickness = 0.75
+mass = 250.0
+model = "rigid"
+"""
+OSCILLATOR = '[foundation]\nkind = "oscillator"\nmass_ratio = 0.5\nperiod = 0.4\n'
+
+SCENES = {
+    "rigid, plane": RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
+    "rigid, plane, stack on platform": RIGID + UPPER + OSCILLATOR + SHAKEN + STEPS,
+    "rigid, space": "dimension = 3\n" + RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
+    "meshed": TILTED + SHAKEN + STEPS,
+    "meshed, adaptive": TILTED + "[damping]\nstiffness = 3e-5\n[time]\nend = 0.16\n",
+    "meshed, damped steps": COARSE + SHAKEN + STEPS + "damped_steps = 8\n",
+    "meshed, theta": TILTED + "[contact]\ntheta = 1\nfriction = 0.2\n" + SHAKEN + STEPS,
+    "mixed, on platform": COARSE + UPPER + OSCILLATOR + SHAKEN + STEPS,
+}  # fmt: skip
+
+
+def scene_of(name: str, every: int) -> Scene:
+    if name.startswith(("meshed", "mixed")):
+        pytest.importorskip("dolfinx")
+    return parse_scene(SCENES[name] + f"[output]\ncheckpoint = {{ steps = {every} }}\n")
+
+
+def last_checkpoint(folder: Path) -> dict[str, float]:
+    with np.load(folder / NAME) as table:
+        found: dict[str, float] = json.loads(str(table["header"]))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_to_the_byte(tmp_path: Path, name: str) -> None:
+    """The history, the summary and the times of the fields are those of a run without a break."""
+    scene = scene_of(name, 70)
+    whole = simulate(scene, folder=tmp_path / "whole")
+    assert whole.status == "completed"
+    at = last_checkpoint(tmp_path / "whole")["time"]
+    assert 0 < at < scene.time.end
+    folder = tmp_path / "whole"
+    text, fields = (folder / "history.csv").read_bytes(), (folder / "fields.pvd").read_bytes()
+    again = simulate(scene, folder=folder, resume=True)
+    assert (folder / "history.csv").read_bytes() == text
+    assert again.summary["blocks"] == whole.summary["blocks"]
+    for count in ("steps", "rejected_steps", "newton_iterations"):
+        assert again.summary["cost"][count] == whole.summary["cost"][count]
+    times = [line.split(b'"')[1] for line in fields.splitlines() if b"timestep" in line]
+    listed = (folder / "fields.pvd").read_bytes().splitlines()
+    entries = [line.split(b'"') for line in listed if b"timestep" in line]
+    assert [entry[1] for entry in entries] == times
+    assert all((folder / entry[5].decode()).is_file() for entry in entries)
+    assert f"resumed at t = {at:.6g} s" in (folder / "run.log").read_text()
+
+
+def test_what_is_killed_ten_times_ends_the_same(tmp_path: Path) -> None:
+    """By SIGKILL, at random times; interpreted, so that there is time for it."""
+    text = RIGID + "tilt_deg = 1.0\n" + SHAKEN + "[time]\nend = 1.0\nstep = 1e-4\n"
+    text += '[output]\nfields = "none"\ncheckpoint = { steps = 300 }\n'
+    (tmp_path / "scene.toml").write_text(text)
+    command = [sys.executable, "-m", "solver", "run", "-q"]
+    begin = [*command, "scene.toml", "-o", "out", "--force"]
+
+    environment = outside_mpirun() | {"ROCKSLIP_NO_NUMBA": "1"}
+
+    def started(words: list[str]) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            words, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True
+        )
+
+    with started([*begin[:-2], "whole"]) as process:
+        process.communicate(timeout=300)
+        assert process.returncode == 0
+    chance, folder, reached = random.Random(17), tmp_path / "out", []
+    for _ in range(10):
+        there = (folder / NAME).is_file()
+        with started([*command, "--resume", "out"] if there else begin) as process:
+            time.sleep(chance.uniform(0.5, 2.0))
+            process.send_signal(signal.SIGKILL)
+            said = process.communicate()[1]
+        assert said == "" or "Traceback" not in said
+        if (folder / NAME).is_file():
+            reached.append(last_checkpoint(folder)["time"])
+            if process.returncode == 0:
+                break
+    assert reached == sorted(reached)
+    with started([*command, "--resume", "out"] if reached else begin) as process:
+        said = process.communicate(timeout=300)[1]
+        assert process.returncode == 0, said
+    one, other = (tmp_path / name / "history.csv" for name in ("whole", "out"))
+    assert one.read_bytes() == other.read_bytes()
+
+
+def test_an_interrupted_run_goes_on_from_its_last_step(tmp_path: Path) -> None:
+    scene = parse_scene(
+        RIGID + "tilt_deg = 1.0\n[time]\nend = 1.0\nstep = 1e-4\n"
+        '[output]\nfields = "none"\ncheckpoint = { minutes = 60.0 }\n'
+    )
+    whole = simulate(scene, folder=tmp_path / "whole")
+    part = simulate(scene, folder=tmp_path / "out", seconds=0.0)
+    assert part.status == "interrupted"
+    end = part.history["time_s"][-1]
+    assert last_checkpoint(tmp_path / "out")["time"] == end
+    again = simulate(scene, folder=tmp_path / "out", resume=True)
+    assert (again.status, whole.status) == ("completed", "completed")
+    texts = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "out")]
+    assert texts[0] == texts[1]
+
+
+class TestRefused:
+    """What a run cannot go on from, in one line."""
+
+    @pytest.fixture
+    def done(self, tmp_path: Path) -> Path:
+        scene = scene_of("rigid, plane", 100)
+        simulate(scene, folder=tmp_path / "out")
+        return tmp_path / "out"
+
+    def refusal(self, folder: Path, captured: pytest.CaptureFixture[str], *words: str) -> str:
+        assert main(["run", "--resume", str(folder), "-q", *words]) == 2
+        output = captured.readouterr()
+        assert output.err.count("\n") == 1
+        return output.err
+
+    @pytest.mark.parametrize("damage", ["cut", "turned", "empty", "text", "pickle"])
+    def test_damaged(self, done: Path, capsys: pytest.CaptureFixture[str], damage: str) -> None:
+        content = (done / NAME).read_bytes()
+        middle = len(content) // 2
+        (done / NAME).write_bytes(
+            {
+                "cut": content[:middle],
+                "turned": content[:middle] + bytes([content[middle] ^ 255]) + content[middle + 1 :],
+                "empty": b"",
+                "text": b"not a checkpoint",
+                "pickle": b"\x80\x04N.",
+            }[damage]
+        )
+        before = (done / "history.csv").read_bytes()
+        assert f"{NAME}, which is damaged" in self.refusal(done, capsys)
+        assert (done / "history.csv").read_bytes() == before
+
+    def test_of_something_else(
+        self, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        other = tmp_path / "other"
+        shutil.copytree(done, other)
+        changed = parse_scene((done / "scene.toml").read_text(), overrides=["block.height=1.1"])
+        (other / "scene.toml").write_text(scene_to_toml(changed))
+        assert "of another scene or motion" in self.refusal(other, capsys)
+        with np.load(done / NAME) as table:
+            header, own = json.loads(str(table["header"])), table["rank0"]
+        for key, value, said in (
+            ("rockslip", "0.0.1", "of another version of rockslip"),
+            ("format", 0, "in another format"),
+            ("ranks", 1, ""),
+        ):
+            strange = json.dumps(header | {key: value})
+            np.savez(done / NAME, header=np.array(strange), rank0=own)
+            if said:
+                assert said in self.refusal(done, capsys)
+        assert main(["run", "--resume", str(done), "-q"]) == 0
+
+    def test_nothing_to_go_on_from(
+        self, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        lines = (done / "history.csv").read_text().splitlines(keepends=True)
+        (done / "history.csv").write_text("".join(lines[:50]))
+        assert "got 49 rows, allowed the 301 rows" in self.refusal(done, capsys)
+        (done / NAME).unlink()
+        assert f"which holds no {NAME}" in self.refusal(done, capsys)
+        assert "scene.toml" in self.refusal(tmp_path / "nowhere", capsys)
+        assert "--set applies to runs that begin" in self.refusal(done, capsys, "--set", "a=1")
+        assert main(["run"]) == 2
+        assert "SCENE is required" in capsys.readouterr().err
+
+    def test_how_often(self) -> None:
+        for wrong in ("{}", "{ steps = 0 }", "{ steps = 5, minutes = 1.0 }", "3"):
+            with pytest.raises(SceneError, match=r"output\.checkpoint"):
+                parse_scene(SCENES["rigid, plane"] + f"[output]\ncheckpoint = {wrong}\n")
+
+
+def test_rows_of_a_history_that_goes_on(tmp_path: Path) -> None:
+    file = tmp_path / "history.csv"
+    file.write_text("time_s,a\n0,1\n1,2\n2,3\n3")
+    history = History.resumed(["time_s", "a"], file, 2)
+    assert file.read_text() == "time_s,a\n0,1\n1,2\n"
+    history.append([5.0, 6.0])
+    history.flush()
+    assert file.read_text() == "time_s,a\n0,1\n1,2\n5,6\n"
