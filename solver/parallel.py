@@ -120,6 +120,14 @@ class Layer:
             self.counts = np.array(comm.allgather(len(local)))
             self.order = np.concatenate(comm.allgather(position)).astype(np.int64)
 
+    def part(self, chosen: NDArray[np.int64]) -> Layer:
+        """The layer of some of its nodes, in the order of their places here; collective."""
+        place = np.full(self.size, -1)
+        place[chosen] = np.arange(len(chosen))
+        mine = place[self.position]
+        inside = mine >= 0
+        return Layer(self.comm, self.local[inside], mine[inside], self.nodes[chosen])
+
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the layer, (size, ...), from those of the owned nodes, (n, ...)."""
         if self.comm.size == 1:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.bodies.factorization import Factorization
+from solver.bodies.factorization import Inverse
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
@@ -108,7 +108,7 @@ class ContactSolve:
         return self._tangents[weights]
 
 
-def _factor(body: Body, weights: TangentWeights) -> Factorization | Array:
+def _factor(body: Body, weights: TangentWeights) -> Inverse | Array:
     """The factorized tangent of a meshed body; the diagonal of a rigid one's."""
     if isinstance(body, DenseBody):
         return body.tangent(weights)

@@ -193,7 +193,7 @@ class ElasticResponse:
         point_vectors(force, weight, near.frames, at.middle, vectors)
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
-        strain = self.compliance.among(coupling.ports).responses @ vectors.ravel()
+        strain = self.compliance.displacement(coupling.ports, vectors)
         add_motion(motion, strain, at.shift, vectors)
 
     def owned(self, at: ElasticConfiguration, motion: Array) -> Array:
