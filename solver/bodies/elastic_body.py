@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kernels.momenta import momenta, move_on
-from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
+from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes, turn
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
 from solver.parallel import global_sum
@@ -98,6 +98,8 @@ class ElasticBody:
         self._interface: PETSc.Mat | None = None
         self.factorizations = 0
         """Number of tangents factorized so far."""
+        self.solvers: set[str] = set()
+        """What solved them."""
 
     def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
         """Owned unknowns that supports hold."""
@@ -329,9 +331,16 @@ class ElasticBody:
                 matrix.axpy(weights.spring, self._spring)
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
-            self._factorizations[weights] = Factorization(self.hold(matrix))
+            self._factorizations[weights] = Factorization(
+                self.hold(matrix), dimension=self.dimension, modes=rigid_modes(self.arm)
+            )
             self.factorizations += 1
+            self.solvers.add(self._factorizations[weights].name)
         return self._factorizations[weights]
+
+    def forget(self, weights: TangentWeights) -> None:
+        """Drop a factorization; it is made anew when it is asked for."""
+        self._factorizations.pop(weights, None)
 
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """Identity rows and columns for clamped unknowns, in place."""

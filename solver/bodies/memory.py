@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 from solver.errors import RockslipError
 
@@ -23,6 +24,9 @@ recently are dropped beyond it, and made anew when they are asked for."""
 
 LEFT_PART = 0.05
 """Part of the memory that no compliance may take the last of."""
+
+SMALL = 1e8
+"""Memory that is had without asking, bytes."""
 
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 """Where Linux says how much memory a container may use."""
@@ -79,20 +83,43 @@ def linear_solver(unknowns: int, dimension: int, ranks: int) -> str:
     return "CHOLMOD" if ranks == 1 else "MUMPS"
 
 
+def kept_limit(comm: Any) -> float:
+    """Memory for factorizations and compliances of several step sizes, bytes.
+
+    That of the first rank's machine, and so the same on every rank.
+    """
+    return float(comm.bcast(KEPT_PART * total_memory()))
+
+
 def in_words(size: float) -> str:
     """An amount of memory."""
     unit, factor = ("GB", 1e9) if size >= 1e9 else ("MB", 1e6)
     number = size / factor
+    if number < 0.1:
+        return f"{size / 1e3:.0f} kB"
     return f"{number:.1f} {unit}" if number < 10 else f"{number:.0f} {unit}"
 
 
-def require(needed: float, what: str, remedy: str) -> None:
-    """Let what needs memory begin only where there is as much, bytes.
+def require(needed: float, what: str, remedy: str, comm: Any) -> None:
+    """Let what needs memory begin only where every rank finds as much, bytes; collective.
 
     Raises:
-        MemoryExceeded: There is not.
+        MemoryExceeded: There is not, on all ranks alike.
     """
-    free = max(0.0, free_memory() - LEFT_PART * total_memory())
+    if needed < SMALL:
+        return
+    free = max(0.0, free_memory() - LEFT_PART * total_memory()) / comm.size
+    free = min(comm.allgather(free))
     if needed > free:
         amounts = f"{in_words(needed)} of memory, {in_words(free)} can be had"
         raise MemoryExceeded(f"{what} takes {amounts}: {remedy}")
+
+
+def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
+    """The linear solver of a body on one rank, and the memory that it and contact take."""
+    solver = linear_solver(unknowns, dimension, 1)
+    contact = f"{in_words(compliance_bytes(points, dimension))} for {points} points on its bottom"
+    if solver == "CG + GAMG":
+        return f"{solver}; {contact}"
+    each = in_words(factor_bytes(unknowns, dimension))
+    return f"{solver} (MUMPS with ranks), {each} for each step size and rho_inf; {contact}"

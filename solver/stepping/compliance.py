@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
-from solver.bodies.memory import compliance_bytes, require
+from solver.bodies.memory import BYTES_AN_ENTRY, compliance_bytes, require
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
 from solver.types import Array, Indices
@@ -89,9 +89,12 @@ class Compliance:
 
     @property
     def nbytes(self) -> float:
-        """Memory that it takes on this rank, bytes."""
-        kept = 0 if self._responses is None else self._responses.nbytes
-        return float(kept + self._matrix.nbytes)
+        """Memory of the factor and of what is kept of its columns, on all ranks together, bytes."""
+        columns = 0 if self._responses is None else self._responses.shape[1]
+        compliance = self.body.comm.size * self._matrix.nbytes
+        return (
+            BYTES_AN_ENTRY * self.factor.entries + 8.0 * columns * self.body.unknowns + compliance
+        )
 
     def among(self, chosen: Indices) -> PortCompliance:
         """The compliance of some ports; kept for as long as the same ports are asked for."""
@@ -148,6 +151,7 @@ class Compliance:
             compliance_bytes(len(known), d) - compliance_bytes(len(self._known), d),
             f"{self.body.name}: the compliance of {len(known)} contact points",
             "use larger cells on the faces that touch",
+            self.body.comm,
         )
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix

@@ -83,6 +83,11 @@ class ElasticResponse:
         unturned = np.eye(body.dimension)
         self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
 
+    @property
+    def nbytes(self) -> float:
+        """Memory of the factorization and of compliances, on all ranks together, bytes."""
+        return self.compliance.nbytes
+
     def at(self, u: Array, start: Array | None) -> ElasticConfiguration:
         """The rotations R and R_m at a displacement."""
         rotation = self.body.rotation(u)

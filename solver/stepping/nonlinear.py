@@ -18,6 +18,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from solver.errors import RockslipError
 from solver.stepping.convergence import Convergence, IterationRecord, IterationTolerances
 from solver.stepping.petsc_options import PREFIX, parse_options
 from solver.types import Array
@@ -81,6 +82,8 @@ class Correction:
         self._failure = failure
         self._problem: NonlinearProblem | None = None
         self.trouble: Exception | None = None
+        self.refusal: RockslipError | None = None
+        """What ends the run, not only the step."""
 
     def begin(self, problem: NonlinearProblem) -> None:
         """Correct the residuals of this problem from now on."""
@@ -94,6 +97,9 @@ class Correction:
         except (self._failure, np.linalg.LinAlgError) as trouble:
             # No exception may pass through PETSc: not-a-number ends SNES.
             self.trouble = trouble
+            negative.array[:] = np.nan
+        except RockslipError as refusal:
+            self.refusal = refusal
             negative.array[:] = np.nan
 
 
@@ -196,6 +202,9 @@ class NonlinearSolver:
         """Solve a problem from a guess; where SNES stopped, and how it ended.
 
         The tolerance is the Euclidean norm of the residual that counts as zero, N.
+
+        Raises:
+            RockslipError: A correction needs what this machine has not.
         """
         self._problem = problem
         self._correction.begin(problem)
@@ -205,6 +214,8 @@ class NonlinearSolver:
         self._x.array[:] = unknowns
         with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
             self.snes.solve(None, self._x)
+        if self._correction.refusal is not None:
+            raise self._correction.refusal
         code = self.snes.getConvergedReason()
         trouble = self._correction.trouble
         reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")
