@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from solver import VERSION
-from solver.bodies.memory import linear_solver
 from solver.errors import EnvironmentTrouble
 
 #: Packages without which `rockslip run` does not work.
@@ -57,7 +56,6 @@ def description() -> list[tuple[str, str]]:
         ("mpi", mpi_version()),
         ("ranks", str(MPI.COMM_WORLD.size)),
         ("direct solvers", ", ".join(direct_solvers())),
-        ("linear solver", _linear_solver()),
         ("BLAS", ", ".join(blas_libraries()) or "unknown"),
     ]
     return lines
@@ -89,19 +87,6 @@ def mpi_version() -> str:
 def direct_solvers() -> list[str]:
     """Direct solvers that PETSc was built with: those that factor a small matrix."""
     return [name for name in DIRECT_SOLVERS if _factors(name)]
-
-
-def _linear_solver() -> str:
-    """The solver of meshed bodies on these ranks, and the largest that it factorizes here."""
-    from mpi4py import MPI
-
-    ranks, sizes = MPI.COMM_WORLD.size, []
-    for dimension in (2, 3):
-        unknowns = 1000
-        while unknowns < 1e9 and linear_solver(2 * unknowns, dimension, ranks) != "CG + GAMG":
-            unknowns *= 2
-        sizes.append(f"{unknowns:.0e} unknowns in {dimension}-D".replace("e+0", "e"))
-    return f"{linear_solver(1000, 2, ranks)} to about {' and '.join(sizes)}, CG + GAMG beyond"
 
 
 def _factors(name: str) -> bool:

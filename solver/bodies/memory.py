@@ -123,3 +123,14 @@ def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
         return f"{solver}; {contact}"
     each = in_words(factor_bytes(unknowns, dimension))
     return f"{solver} (MUMPS with ranks), {each} for each step size and rho_inf; {contact}"
+
+
+def limits_in_words(ranks: int) -> str:
+    """The linear solver of meshed bodies on so many ranks, and up to which size on this machine."""
+    sizes = []
+    for dimension in (2, 3):
+        unknowns = 1000
+        while unknowns < 1e9 and linear_solver(2 * unknowns, dimension, ranks) != "CG + GAMG":
+            unknowns *= 2
+        sizes.append(f"{unknowns / 1e6:.2g} million unknowns in {dimension}-D")
+    return f"{linear_solver(1000, 2, ranks)} to about {' and '.join(sizes)}, CG + GAMG beyond"
