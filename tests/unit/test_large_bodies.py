@@ -10,6 +10,7 @@ pytest.importorskip("dolfinx")
 
 from mpi4py import MPI
 
+from benchmarks import scaling
 from rockslip import parse_scene, simulate
 from solver.bodies import factorization, memory
 from solver.bodies.elastic_body import ElasticBody
@@ -176,3 +177,11 @@ def test_check_says_the_solver_and_the_memory(
 def test_info_says_the_linear_solver(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["info"]) == 0
     assert "CG + GAMG beyond" in capsys.readouterr().out
+
+
+def test_the_benchmark_of_scaling_has_a_row_for_every_case() -> None:
+    for cells, motion, _, _ in scaling.CASES:
+        assert parse_scene(scaling.scene_of(cells, motion)).blocks[0].cells == cells
+    row = scaling.run_case((4, 6), "rocks")
+    assert row["unknowns"] == 70
+    assert float(row["factorizations_s"]) > 0
