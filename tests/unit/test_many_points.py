@@ -83,7 +83,7 @@ def test_the_answer_is_that_of_the_small_solver(case: str, d: int) -> None:
 
 
 def test_a_thousand_points_obey_the_law_with_one_factorization_while_they_stick() -> None:
-    """A block that is pushed ever harder, and then lifts on one side."""
+    """A block that is pushed ever harder."""
     W, places = half_space(32, 3)
     m, force, solver = len(places), np.zeros((1024, 3)), ManyPoints()
     bounds, flat = Bounds.uniform(5.0, m), W.reshape(3 * m, 3 * m)
@@ -93,10 +93,18 @@ def test_a_thousand_points_obey_the_law_with_one_factorization_while_they_stick(
         assert law_violation(W, q, force, bounds) < 1e-10
     assert solver.factorizations == 1
     assert (force[:, 0] > 0).all()
-    q = pressed(places, 3, tilt=1.8, push=0.1)
-    assert solver.solve(3, flat, q.ravel(), bounds, force.reshape(-1))
-    assert law_violation(W, q, force, bounds) < 1e-10
+
+
+def test_factors_serve_a_block_that_lifts_on_one_side() -> None:
+    W, places = half_space(18, 3)
+    m, force, solver = len(places), np.zeros((324, 3)), ManyPoints()
+    bounds, flat = Bounds.uniform(5.0, m), W.reshape(3 * m, 3 * m)
+    for tilt in (0.0, 1.8):
+        q = pressed(places, 3, tilt=tilt, push=0.08)
+        assert solver.solve(3, flat, q.ravel(), bounds, force.reshape(-1))
+        assert law_violation(W, q, force, bounds) < 1e-10
     assert 0 < np.count_nonzero(force[:, 0] > 0) < m
+    assert solver.factorizations < 8
 
 
 @pytest.mark.parametrize("d", [2, 3])
