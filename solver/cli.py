@@ -291,9 +291,11 @@ def _stem(scene: Path) -> str:
 
 def show_info(options: argparse.Namespace) -> int:
     """`rockslip info`: every rank starts MPI, the first one tells."""
+    from solver.bodies.memory import limits_in_words
     from solver.info import description
 
     lines = description()
+    lines.append(("linear solver", limits_in_words(int(dict(lines)["ranks"]))))
     if launched_rank() == 0:
         width = max(len(name) for name, _ in lines) + 2
         say("".join(f"{name:{width}}{value}\n" for name, value in lines))

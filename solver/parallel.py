@@ -148,6 +148,14 @@ class Layer:
         if values is not target:
             self.add(target, values)
 
+    def part(self, chosen: NDArray[np.int64]) -> Layer:
+        """The layer of some of its nodes, in the order of their places here; collective."""
+        place = np.full(self.size, -1)
+        place[chosen] = np.arange(len(chosen))
+        mine = place[self.position]
+        inside = mine >= 0
+        return Layer(self.comm, self.local[inside], mine[inside], self.nodes[chosen])
+
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the layer, (size, ...), from those of the owned nodes, (n, ...)."""
         if self.comm.size == 1:

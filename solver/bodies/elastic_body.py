@@ -20,7 +20,7 @@ from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kernels.momenta import momenta, move_on, turn_all
 from solver.bodies.kernels.rotation import best_rotation
-from solver.bodies.kinematics import RigidMotion, polar_rotation, turn
+from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes, turn
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
 from solver.parallel import global_sum
@@ -99,6 +99,8 @@ class ElasticBody:
         self.strained_at: Array | None = None  # of the stiffness
         self.factorizations = 0
         """Number of tangents factorized so far."""
+        self.solvers: set[str] = set()
+        """What solved them."""
 
     def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
         """Owned unknowns that supports hold."""
@@ -336,9 +338,16 @@ class ElasticBody:
                 matrix.axpy(weights.spring, self._spring)
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
-            self._factorizations[weights] = Factorization(self.hold(matrix))
+            self._factorizations[weights] = Factorization(
+                self.hold(matrix), dimension=self.dimension, modes=rigid_modes(self.arm)
+            )
             self.factorizations += 1
+            self.solvers.add(self._factorizations[weights].name)
         return self._factorizations[weights]
+
+    def forget(self, weights: TangentWeights) -> None:
+        """Drop a factorization; it is made anew when it is asked for."""
+        self._factorizations.pop(weights, None)
 
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """Identity rows and columns for clamped unknowns, in place."""

@@ -1,24 +1,71 @@
-"""A factorized symmetric matrix: CHOLMOD on one rank where PETSc has it, MUMPS otherwise."""
+"""Solving with the symmetric matrix of a body: factorized, or by CG where that takes too much.
+
+CHOLMOD on one rank where PETSc has it, MUMPS otherwise. Bodies whose factor would leave no room for
+others are solved by conjugate gradients with algebraic multigrid, which knows the rigid motions.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Protocol
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
+from numpy.typing import NDArray
 
+from solver.bodies.memory import linear_solver
+from solver.parallel import global_sum
 from solver.types import Array
 
 REDUNDANT_UNKNOWNS = 20_000
 """Below this, each of several ranks factorizes the whole matrix: a distributed back substitution
 would cost more in messages than the whole one does in arithmetic."""
 
+BLOCK = 128
+"""Most right-hand sides at a time: one after another, each would read all of the factor."""
+
+BLOCK_BYTES = 64e6
+"""Memory of a block of right-hand sides, of which a solver makes a few copies; at least 16."""
+
+CG_TOLERANCE = 1e-11
+"""Residual that CG leaves of the right-hand side. Corrections need no more: what they leave of an
+error is as small a part of it."""
+
+CG_ENTRIES = 30.0
+"""Work of a solve by CG, in passes over the matrix."""
+
+
+class Inverse(Protocol):
+    """A matrix to solve with, on vectors of the owned unknowns."""
+
+    name: str
+    """The solver."""
+    entries: float
+    """Numbers that a solve reads, on all ranks together."""
+
+    def solve(self, right: Array) -> Array:
+        """K^-1 r for one vector."""
+
+    def solve_many(self, right: Array) -> Array:
+        """K^-1 B for columns, (owned, n) in the order of Fortran, as the answer is."""
+
 
 class Factorization:
-    """Back substitutions with one factorization, on vectors of the owned unknowns."""
+    """Back substitutions with one factorization, or CG in their place."""
 
-    def __init__(self, matrix: PETSc.Mat):
-        """Factorize `matrix`, which is kept."""
+    def __init__(
+        self, matrix: PETSc.Mat, *, dimension: int = 2, modes: Sequence[Array] | None = None
+    ):
+        """Factorize `matrix`, which is kept.
+
+        Args:
+            matrix: Symmetric and positive definite.
+            dimension: Of the mesh, by which the size of factors is judged.
+            modes: Rigid motions of the owned unknowns, for the multigrid; without them a matrix is
+                factorized whatever its size.
+        """
         self._comm: MPI.Intracomm = matrix.comm.tompi4py()
         start, end = matrix.getOwnershipRange()
         self._own = slice(start, end)
@@ -26,20 +73,33 @@ class Factorization:
         if self._redundant:
             matrix = matrix.getRedundantMatrix(self._comm.size, MPI.COMM_SELF)
             self._counts = np.array(self._comm.allgather(end - start))
+            self._offsets = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
         self.matrix = matrix
-        candidates = [("cholmod", "cholesky")] if matrix.comm.size == 1 else []
+        self._solver: PETSc.KSP | None = None
+        self._b, self._x = matrix.createVecs()
+        # Views that are kept: asking PETSc for an array costs as much as a back substitution.
+        self._right, self._solution = self._b.array, self._x.array
+        solver = linear_solver(matrix.size[0], dimension, matrix.comm.size)
+        if solver == "CG + GAMG" and modes is not None:
+            self._iterate(modes)
+        else:
+            self._set_up()
+
+    def _set_up(self) -> None:
+        """Factorize with the first package that can."""
+        candidates = [("cholmod", "cholesky")] if self.matrix.comm.size == 1 else []
         for package, kind in [*candidates, ("mumps", "lu")]:
             try:
-                self._factor = self._factorize(package, kind)
+                self._factor = self._factorized(package, kind)
+                self.name = package.upper()
                 break
             except PETSc.Error:
                 if package == "mumps":
                     raise
-        self._b, self._x = matrix.createVecs()
-        # Views that are kept: asking PETSc for an array costs as much as a back substitution.
-        self._right, self._solution = self._b.array, self._x.array
+        used = self._factor.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        self.entries = max(float(used), float(self.matrix.size[0]))
 
-    def _factorize(self, package: str, kind: str) -> PETSc.Mat:
+    def _factorized(self, package: str, kind: str) -> PETSc.Mat:
         """Set up a factorization with one of PETSc's packages; PETSc.Error where it is missing."""
         self._pc = PETSc.PC().create(self.matrix.comm)
         self._pc.setOperators(self.matrix)
@@ -48,19 +108,121 @@ class Factorization:
         self._pc.setUp()
         return self._pc.getFactorMatrix()
 
+    def _iterate(self, modes: Sequence[Array]) -> None:
+        """Set up CG, preconditioned by algebraic multigrid."""
+        basis: list[PETSc.Vec] = []
+        for mode in modes:
+            vector = self.matrix.createVecRight()
+            vector.array[:] = mode
+            for other in basis:
+                vector.axpy(-vector.dot(other), other)
+            vector.normalize()
+            basis.append(vector)
+        self.matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=basis, comm=self.matrix.comm))
+        solver = PETSc.KSP().create(self.matrix.comm)
+        solver.setOperators(self.matrix)
+        solver.setType("cg")
+        solver.getPC().setType("gamg")
+        solver.setTolerances(rtol=CG_TOLERANCE, max_it=1000)
+        solver.setErrorIfNotConverged(True)
+        solver.setUp()
+        self._solver, self.name = solver, "CG + GAMG"
+        used = self.matrix.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        self.entries = CG_ENTRIES * float(used)
+
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
         if self._redundant:
-            offsets = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
-            self._comm.Allgatherv(right, [self._right, (self._counts, offsets), MPI.DOUBLE])
+            self._comm.Allgatherv(right, [self._right, (self._counts, self._offsets), MPI.DOUBLE])
         else:
             self._right[:] = right
-        self._factor.solve(self._b, self._x)
+        if self._solver is None:
+            self._factor.solve(self._b, self._x)
+        else:
+            self._solver.solve(self._b, self._x)
         return self._solution[self._own].copy() if self._redundant else self._solution.copy()
 
     def solve_many(self, right: Array) -> Array:
-        """K^-1 B, column by column."""
+        """K^-1 B for columns, (owned, n) in the order of Fortran, as the answer is."""
+        result: Array = np.empty(right.shape, order="F")
+        for columns in blocks(right.shape[1], self.matrix.size[0]):
+            if self._solver is None:
+                result[:, columns] = self._solved_block(right[:, columns])
+            else:
+                for k in range(columns.start, columns.stop):
+                    result[:, k] = self.solve(np.ascontiguousarray(right[:, k]))
+        return result
+
+    def _solved_block(self, right: Array) -> Array:
+        """K^-1 B for as many columns as are solved for at a time."""
+        own, size = self._own if self._redundant else slice(None), self.matrix.size[0]
+        if self._redundant:
+            whole: Array = np.empty((right.shape[1], size))
+            parts = self._comm.allgather(np.ascontiguousarray(right.T))
+            for part, start, count in zip(parts, self._offsets, self._counts, strict=True):
+                whole[:, start : start + count] = part
+            right = whole.T
+        given, found = np.asfortranarray(right), np.empty(right.shape, order="F")
+        shape: Any = (right.shape[0], size), (None, right.shape[1])
+        b, x = (
+            PETSc.Mat().createDense(shape, array=values, comm=self.matrix.comm)
+            for values in (given, found)
+        )
+        self._factor.matSolve(b, x)
+        b.destroy()
+        x.destroy()
+        return found[own]
+
+
+def blocks(columns: int, unknowns: int) -> Iterator[slice]:
+    """Columns that are solved for at a time."""
+    most = min(BLOCK, max(16, int(BLOCK_BYTES / (8 * max(unknowns, 1)))))
+    for first in range(0, columns, most):
+        yield slice(first, min(first + most, columns))
+
+
+class MassInverse:
+    """The inverse of a mass matrix, direction by direction: it knows of no other.
+
+    Directions in which the same nodes are held share a factorization, of 1/d of the unknowns.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, fixed: NDArray[np.int32], dimension: int):
+        """Factorize the mass of one direction, and of others where other unknowns are held."""
+        self._comm: MPI.Intracomm = matrix.comm.tompi4py()
+        self._d = d = dimension
+        start, end = matrix.getOwnershipRange()
+        rows = PETSc.IS().createStride((end - start) // d, start, d, comm=matrix.comm)
+        scalar = matrix.createSubMatrix(rows, rows)
+        held = [fixed[fixed % d == k] // d for k in range(d)]
+        self._factors: list[Factorization] = []
+        for k in range(d):
+            same = [j for j in range(k) if self._everywhere(np.array_equal(held[j], held[k]))]
+            if same:
+                self._factors.append(self._factors[same[0]])
+                continue
+            mass = scalar.copy()
+            mass.zeroRowsColumns((held[k] + start // d).astype(np.int32), 1.0)
+            self._factors.append(Factorization(mass, dimension=dimension))
+        self.name = self._factors[0].name
+        self.entries = sum(factor.entries for factor in self._factors)
+
+    def _everywhere(self, flag: bool) -> bool:
+        """Whether something is so on every rank."""
+        return bool(self._comm.allreduce(int(flag), MPI.MIN))
+
+    def solve(self, right: Array) -> Array:
+        """M^-1 r for one vector."""
         result = np.empty_like(right)
-        for k in range(right.shape[1]):
-            result[:, k] = self.solve(np.ascontiguousarray(right[:, k]))
+        for k, factor in enumerate(self._factors):
+            result[k :: self._d] = factor.solve(np.ascontiguousarray(right[k :: self._d]))
+        return result
+
+    def solve_many(self, right: Array) -> Array:
+        """M^-1 B for columns; where a column has no part in a direction, nothing is solved for."""
+        result: Array = np.zeros(right.shape, order="F")
+        for k, factor in enumerate(self._factors):
+            part = right[k :: self._d]
+            some = global_sum(self._comm, np.any(part != 0, axis=0).astype(float)) > 0
+            result[k :: self._d, some] = factor.solve_many(np.asfortranarray(part[:, some]))
         return result

@@ -59,3 +59,18 @@ def rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     vector = np.empty(3)
     vector_of(rotation, vector)
     return vector
+
+
+def rigid_modes(arm: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Small rigid motions of nodes (n, d), as vectors (n d,): translations, then turns."""
+    modes: list[NDArray[np.float64]] = []
+    d = arm.shape[1]
+    for k in range(d):
+        mode = np.zeros_like(arm)
+        mode[:, k] = 1.0
+        modes.append(mode.ravel())
+    for i, j in ((0, 1), (1, 2), (2, 0))[: 1 if d == 2 else 3]:
+        mode = np.zeros_like(arm)
+        mode[:, i], mode[:, j] = -arm[:, j], arm[:, i]
+        modes.append(mode.ravel())
+    return modes

@@ -12,6 +12,7 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.law.friction import TOUCHING_SLOPE, Bounds, is_frictionless
+from solver.law.many_points import MANY_ROWS, ManyPoints
 from solver.law.newton import Local, lengths, newton
 from solver.law.one_point import settle_one_point
 from solver.law.rescues import RESCUES, rescue
@@ -120,6 +121,9 @@ class LocalProblem:
             np.eye(dimension).reshape(1, dimension, 1, -1), ones, ones, Bounds.uniform(0.5, 1)
         )
         self.counts = new_counts()
+        self._many = ManyPoints()
+        self.impulses = ManyPoints()
+        """Solver of the impulses of many points."""
 
     @property
     def rescues(self) -> Counter[str]:
@@ -132,8 +136,13 @@ class LocalProblem:
         Raises:
             NoContactSolution: Where every method failed.
         """
-        m, force = len(start), start.copy()
+        m, force = len(start), np.ascontiguousarray(start).copy()
         whole, free = np.ascontiguousarray(W), np.ascontiguousarray(q)
-        if m and not solve_points(whole, free, bounds, force, self.counts):
+        if force.size > MANY_ROWS:
+            flat = whole.reshape(force.size, force.size), free.ravel()
+            settled = self._many.solve(force.shape[1], *flat, bounds, force.reshape(-1))
+        else:
+            settled = not m or solve_points(whole, free, bounds, force, self.counts)
+        if not settled:
             raise NoContactSolution(f"the local contact problem of {m} points did not settle")
         return force

@@ -189,7 +189,7 @@ def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) 
 
 
 @compiled
-def _error(d: int, f: Array, trial: Array, nearest: Array) -> float:
+def error_of(d: int, f: Array, trial: Array, nearest: Array) -> float:
     """Difference between f and P(f - r y), 1 being what is tolerated; infinite beyond numbers."""
     noise, worst = 0.0, 0.0
     for k in range(len(f)):
@@ -207,7 +207,7 @@ def _error(d: int, f: Array, trial: Array, nearest: Array) -> float:
 
 
 @compiled
-def _best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) -> float:
+def best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) -> float:
     """The part of the way from f to its target that lowers |f - P(f - r y)| enough, else most."""
     nearest, states = np.empty_like(f), np.empty(len(r), np.int64)
     step, best, least, before = 1.0, 1.0, np.inf, np.inf
@@ -237,18 +237,18 @@ def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvi
     before, seen = np.empty_like(states), np.full_like(states, -9)
     trial = trial_of(local, r, f)
     project(local, trial, nearest, states)
-    error = _error(local.d, f, trial, nearest)
+    error = error_of(local.d, f, trial, nearest)
     if error <= EXACT:
         return True
     for k in range(rounds):
         if not linearised(local, r, trial, states, target):
             return False
-        step = 1.0 if halvings == 0 else _best_step(local, r, force, target, halvings)
+        step = 1.0 if halvings == 0 else best_step(local, r, force, target, halvings)
         force = target.copy() if step == 1.0 else force + step * (target - force)
         before[:], last = states, error
         trial = trial_of(local, r, force)
         project(local, trial, nearest, states)
-        error = _error(local.d, force, trial, nearest)
+        error = error_of(local.d, force, trial, nearest)
         if local.d < 3 and step == 1.0 and error < np.inf and np.array_equal(states, before):
             f[:] = force
             return True

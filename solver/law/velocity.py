@@ -25,6 +25,7 @@ import numpy as np
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds, at_bound
 from solver.law.local_problem import LocalProblem, solve
+from solver.law.many_points import MANY_ROWS
 from solver.types import Array, Indices
 
 #: Relative diagonal added to W: closed points may outnumber the unknowns, W is singular then.
@@ -72,31 +73,87 @@ def friction_share(tangential: float, lost: float, taken: float) -> float:
     return min(max(tangential, -taken), max(lost, -taken))
 
 
+class Rung(NamedTuple):
+    """One of the problems that are tried for the impulses, one after another."""
+
+    W: Array
+    """Mobility with the friction that follows the normal impulses, (d m, d m), 1/kg."""
+    free: Array
+    """Velocities without impulses but those given, (d m,), m/s."""
+    bounds: Bounds
+    """Of the impulses; none where friction is no unknown."""
+    given: Array
+    """Impulses that act in any case, (d m,), N s."""
+    ratio: Array
+    """Tangential impulse for each unit of the normal one, besides, (d m,)."""
+
+
 @compiled
-def _solve_rung(
-    d: int, W: Array, free: Array, bounds: Bounds, given: Array, ratio: Array, counts: Indices
-) -> tuple[bool, Array]:
-    """Whether there are impulses that obey the law, and which.
+def rung_of(d: int, number: int, W: Array, free: Array, impulse: Array, bounds: Bounds) -> Rung:
+    """The problem that is tried first, second or third.
+
+    In the first, points that slipped stay at their bound; in the second they keep their friction;
+    in the third all points do.
 
     Args:
         d: Rows of a point.
+        number: 0 to 2.
         W: Of the points, (d m, d m), 1/kg.
         free: Velocities without impulses, (d m,), m/s.
-        bounds: Of the impulses; none where friction is no unknown.
-        given: Impulses that act in any case, (d m,), N s.
-        ratio: Tangential impulse for each unit of the normal one, besides, (d m,).
-        counts: Of outcomes of local problems.
+        impulse: dt f of the step, (d m,), N s.
+        bounds: Of the impulses.
     """
-    m, mobility, states = len(bounds.mu), W.copy(), np.empty(len(bounds.mu), np.int64)
-    for n in range(0, d * m, d):
+    m, slipping, mobility = len(bounds.mu), _slipping(d, impulse, bounds), W.copy()
+    given, ratio = np.zeros_like(impulse), np.zeros_like(impulse)
+    mu, cohesion = bounds.mu.copy(), bounds.cohesion.copy()
+    for i in range(m):
+        if number < 2 and slipping[i] == 0:
+            continue
+        tangential = slice(d * i + 1, d * i + d)
+        mu[i] = cohesion[i] = 0.0
+        given[tangential] = impulse[tangential]
+        size = math.sqrt(np.sum(impulse[tangential] ** 2))
+        if number == 0 and size > 0.0:
+            given[tangential] *= bounds.cohesion[i] / size
+            ratio[tangential] = bounds.mu[i] / size * impulse[tangential]
+            for k in range(d * i + 1, d * i + d):
+                mobility[:, d * i] += W[:, k] * ratio[k]
+    left = Bounds(mu, cohesion, bounds.slope)
+    return Rung(mobility, free + W @ given, left, given, ratio)
+
+
+@compiled
+def completed(d: int, rung: Rung, total: Array) -> None:
+    """Add to the impulses of a solution what is given, and friction that follows normal ones."""
+    for n in range(0, len(total), d):
         for k in range(n + 1, n + d):
-            mobility[:, n] += W[:, k] * ratio[k]
-    total = np.zeros_like(free)
-    settled = solve(d, mobility, free + W @ given, bounds, total, states, counts)
-    for n in range(0, d * m, d):
-        for k in range(n + 1, n + d):
-            total[k] += given[k] + ratio[k] * total[n]
-    return settled, total
+            total[k] += rung.given[k] + rung.ratio[k] * total[n]
+
+
+@compiled
+def judged(
+    d: int, W: Array, velocity: Array, impulse: Array, total: Array, taken: float
+) -> ImpulseCorrection:
+    """The correction by which impulses become others; not found where it returns too much energy.
+
+    Arguments as those of `correct_impulses`; `total` are the other impulses, (d m,), N s.
+    """
+    q = total - impulse
+    work = q * (velocity + 0.5 * (W @ q))
+    normal, lost = -np.sum(work[::d]), -np.sum(work)
+    if lost + taken < -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
+        return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
+    friction = friction_share(lost - normal, lost, taken)
+    return ImpulseCorrection(True, q, lost - friction, friction)
+
+
+@compiled
+def regularised(W: Array) -> Array:
+    """W with a diagonal that makes impulses unique."""
+    regular = W.copy()
+    for k in range(len(W)):
+        regular[k, k] *= 1.0 + REGULAR
+    return regular
 
 
 @compiled
@@ -120,33 +177,15 @@ def correct_impulses(
         taken: Energy that friction took in the step, J.
         counts: Of outcomes of local problems.
     """
-    m, regular, slipping = len(bounds.mu), W.copy(), _slipping(d, impulse, bounds)
-    for k in range(len(W)):
-        regular[k, k] *= 1.0 + REGULAR
-    free, taken = velocity - regular @ impulse, max(taken, 0.0)
-    for rung in range(3):
-        given, ratio = np.zeros_like(impulse), np.zeros_like(impulse)
-        mu, cohesion = bounds.mu.copy(), bounds.cohesion.copy()
-        for i in range(m):
-            if rung < 2 and slipping[i] == 0:
-                continue
-            tangential = slice(d * i + 1, d * i + d)
-            mu[i] = cohesion[i] = 0.0
-            given[tangential] = impulse[tangential]
-            size = math.sqrt(np.sum(impulse[tangential] ** 2))
-            if rung == 0 and size > 0.0:
-                given[tangential] *= bounds.cohesion[i] / size
-                ratio[tangential] = bounds.mu[i] / size * impulse[tangential]
-        left = Bounds(mu, cohesion, bounds.slope)
-        settled, total = _solve_rung(d, regular, free, left, given, ratio, counts)
-        if not settled:
-            continue
-        q = total - impulse
-        work = q * (velocity + 0.5 * (W @ q))
-        normal, lost = -np.sum(work[::d]), -np.sum(work)
-        if lost + taken >= -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
-            friction = friction_share(lost - normal, lost, taken)
-            return ImpulseCorrection(True, q, lost - friction, friction)
+    regular, taken = regularised(W), max(taken, 0.0)
+    free, states = velocity - regular @ impulse, np.empty(len(bounds.mu), np.int64)
+    for number in range(3):
+        rung, total = rung_of(d, number, regular, free, impulse, bounds), np.zeros_like(impulse)
+        if solve(d, rung.W, rung.free, rung.bounds, total, states, counts):
+            completed(d, rung, total)
+            found = judged(d, W, velocity, impulse, total, taken)
+            if found.found:
+                return found
     counts[-1] += 1
     return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
 
@@ -169,6 +208,29 @@ def slip_reversal(friction: Array, velocity: Array) -> float:
     return power / total if power > 0.0 else 0.0
 
 
+def correct_many(
+    local: LocalProblem,
+    d: int,
+    W: Array,
+    velocity: Array,
+    impulse: Array,
+    bounds: Bounds,
+    taken: float,
+) -> ImpulseCorrection:
+    """As `correct_impulses`, for many points; `local` has their solver and counts the outcomes."""
+    regular, taken = regularised(W), max(taken, 0.0)
+    free = velocity - regular @ impulse
+    for number in range(3):
+        rung, total = rung_of(d, number, regular, free, impulse, bounds), impulse - 0.0
+        if local.impulses.solve(d, rung.W, rung.free, rung.bounds, total):
+            completed(d, rung, total)
+            found = judged(d, W, velocity, impulse, total, taken)
+            if found.found:
+                return found
+    local.counts[-1] += 1
+    return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
+
+
 def impulse_correction(
     local: LocalProblem, velocity: Array, W: Array, impulse: Array, bounds: Bounds, taken: float
 ) -> ImpulseCorrection | None:
@@ -181,5 +243,8 @@ def impulse_correction(
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    found, q, contact, friction = correct_impulses(d, *flat, bounds, taken, local.counts)
+    if impulse.size > MANY_ROWS:
+        found, q, contact, friction = correct_many(local, d, *flat, bounds, taken)
+    else:
+        found, q, contact, friction = correct_impulses(d, *flat, bounds, taken, local.counts)
     return ImpulseCorrection(found, q.reshape(m, d), contact, friction) if found else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
 from solver.excitation.description import describe_motion
 from solver.excitation.motion import GroundMotion, read_ground
@@ -33,9 +34,19 @@ def describe(scene: Scene) -> str:
     for block in scene.blocks:
         of = f" of {block.name}" if len(scene.blocks) > 1 else ""
         lines.append((f"mesh{of}", block.mesh_size(scene.dimension)))
+        lines += _linear_solver(block, scene)
     lines.append(("time", _steps(scene.time)))
     lines += [("caution", text) for text in cautions_of_scene(scene, ground)]
     return table(lines)
+
+
+def _linear_solver(block: BlockSpec, scene: Scene) -> Lines:
+    """How the equations of a meshed block are solved; nothing where it has no mesh."""
+    if block.model == "rigid":
+        return []
+    counts = [block.degree * count + 1 for count in block.cells]
+    unknowns, points = scene.dimension * math.prod(counts), math.prod(counts[:-1])
+    return [("  linear solver", solver_in_words(unknowns, points, scene.dimension))]
 
 
 def _steps(span: TimeSpec) -> str:

@@ -197,6 +197,7 @@ class MeshedRun:
             "damped_steps": self._damped,
             "newton_iterations": self._iterations,
             "factorizations": sum(body.factorizations for body in bodies),
+            "linear_solvers": sorted({name for body in bodies for name in body.solvers}),
             "unknowns": system.unknowns,
             "ranks": system.comm.size,
             "local_problems_rescued": dict(stepper.local.rescues),

@@ -1,18 +1,20 @@
 """Contact compliance (Delassus operator) of an elastic body.
 
-It is computed column by column, as points come near contact.
+It is computed many columns at a time, as points come near contact.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.factorization import Factorization
+from solver.bodies.factorization import Inverse, blocks
+from solver.bodies.memory import BYTES_AN_ENTRY, compliance_bytes, require
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
 from solver.types import Array, Indices
@@ -30,6 +32,24 @@ class InterfaceDofs:
     """Rows of the same shape that read the response."""
     count: int
     """Number of points."""
+    symmetric: bool
+    """Whether both are the same numbers."""
+
+
+class PointRows(NamedTuple):
+    """Points of one group in a set of points.
+
+    Attributes:
+        layer: The nodes that their rows refer to.
+        force: Their force rows, (rows, layer unknowns).
+        read: Their read rows, likewise.
+        place: Where their rows are among those of the set.
+    """
+
+    layer: Layer
+    force: sp.csr_matrix
+    read: sp.csr_matrix
+    place: Indices
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,31 +60,42 @@ class PortCompliance:
     """Their numbers."""
     matrix: Array
     """Compliance among them, (m d, m d), m/N."""
-    responses: Array
-    """Displacements of the owned unknowns, (owned, m d), m/N."""
+    responses: Array | None
+    """Displacements of the owned unknowns, (owned, m d), m/N; None where a back substitution costs
+    less than to read them."""
 
 
 class Compliance:
     """What unit forces at the ports of a body move: K^-1 (force rows)^T, read through other rows.
 
     In the frame that rotates with the body all of it is constant. A column is computed when its
-    point first comes near contact, so that a standing block never pays for its sides and top.
+    point first comes near contact, so that a standing block never pays for its sides and top; and
+    only the rows of such points are kept.
     """
 
-    def __init__(self, body: ElasticBody, factor: Factorization, ports: Sequence[InterfaceDofs]):
+    def __init__(self, body: ElasticBody, factor: Inverse, ports: Sequence[InterfaceDofs]):
         """Start without any column; the factor is that of a tangent or mass.
 
         Ports are groups of points, which are numbered on from group to group.
         """
         self.body, self.factor, self.ports = body, factor, tuple(ports)
+        self._symmetric = all(port.symmetric for port in ports)
         self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])
-        count = int(self._first[-1])
-        self._place = np.full(count, -1)
-        self._response = np.empty((body.size, 0))
-        self._matrix = np.empty((count * body.dimension, 0))
-        nothing = np.empty(0, dtype=np.int64)
+        self._place = np.full(int(self._first[-1]), -1)
+        self._known: Indices = np.empty(0, dtype=np.int64)
         self._batches: list[Indices] = []
-        self._gathered = PortCompliance(nothing, np.empty((0, 0)), np.empty((body.size, 0)))
+        self._matrix = np.empty((0, 0))
+        self._responses: Array | None = np.empty((body.size, 0), order="F")
+        self._gathered = PortCompliance(self._known, self._matrix, self._responses)
+
+    @property
+    def nbytes(self) -> float:
+        """Memory of the factor and of what is kept of its columns, on all ranks together, bytes."""
+        columns = 0 if self._responses is None else self._responses.shape[1]
+        compliance = self.body.comm.size * self._matrix.nbytes
+        return (
+            BYTES_AN_ENTRY * self.factor.entries + 8.0 * columns * self.body.unknowns + compliance
+        )
 
     def among(self, chosen: Indices) -> PortCompliance:
         """The compliance of some ports; kept for as long as the same ports are asked for."""
@@ -72,10 +103,7 @@ class Compliance:
             missing = chosen[self._place[chosen] < 0]
             if len(missing):
                 self._compute(missing)
-            rows, columns = self._expand(chosen), self._expand(self._place[chosen])
-            self._gathered = PortCompliance(
-                chosen, self._matrix[np.ix_(rows, columns)], self._response[:, columns]
-            )
+            self._gathered = self._gather(chosen)
         return self._gathered
 
     def saved(self) -> tuple[list[Indices], Indices]:
@@ -93,31 +121,125 @@ class Compliance:
         if len(gathered):
             self.among(gathered)
 
+    def _gather(self, chosen: Indices) -> PortCompliance:
+        """The compliance of known ports: what is kept itself where these are all of them."""
+        if same(chosen, self._known):
+            return PortCompliance(chosen, self._matrix, self._responses)
+        rows = self._expand(self._place[chosen])
+        responses = None if self._responses is None else self._responses[:, rows]
+        return PortCompliance(chosen, self._matrix[np.ix_(rows, rows)], responses)
+
+    def displacement(self, ports: Indices, vectors: Array) -> Array:
+        """What forces (m, d) at some ports do to the owned unknowns, m."""
+        responses = self.among(ports).responses
+        if responses is not None:
+            return np.asarray(responses @ vectors.ravel())
+        right = np.zeros((self.body.owned, self.body.dimension))
+        for port, own, mine in self._groups(ports):
+            rows = port.force_rows[self._expand(own)]
+            nodal = rows.T @ vectors[mine].ravel()
+            port.layer.add(right, np.asarray(nodal).reshape(port.layer.size, -1))
+        flat = right.ravel()
+        flat[self.body.fixed] = 0.0
+        return self.factor.solve(flat)
+
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
         d = self.body.dimension
         return (points[:, None] * d + np.arange(d)).ravel()
 
-    def _compute(self, missing: Indices) -> None:
-        """Solve for the columns of further points."""
-        self._batches.append(missing.copy())
-        d, owned = self.body.dimension, self.body.owned
-        right = np.zeros((owned, d, len(missing) * d))
+    def _groups(self, points: Indices) -> Iterator[tuple[InterfaceDofs, Indices, Indices]]:
+        """For each group that has any of the points: itself, their numbers in it, places here."""
         for port, first in zip(self.ports, self._first[:-1], strict=True):
-            mine = np.flatnonzero((missing >= first) & (missing < first + port.count))
+            mine = np.flatnonzero((points >= first) & (points < first + port.count))
             if len(mine):
-                rows = port.force_rows[self._expand(missing[mine] - first)]
-                unit = (rows if isinstance(rows, np.ndarray) else rows.toarray()).T
-                columns = np.zeros((owned, d, unit.shape[1]))
-                port.layer.add(columns, unit.reshape(port.layer.size, d, -1))
-                right[:, :, self._expand(mine)] = columns
-        right = right.reshape(self.body.size, -1)
+                yield port, points[mine] - first, mine
+
+    def _compute(self, missing: Indices) -> None:
+        """Solve for the columns of further points, and keep them beside those known before.
+
+        Raises:
+            MemoryExceeded: There is no room for as many.
+        """
+        self._batches.append(missing.copy())
+        d, before = self.body.dimension, len(self._matrix)
+        known = np.concatenate([self._known, missing])
+        require(
+            compliance_bytes(len(known), d) - compliance_bytes(len(self._known), d),
+            f"{self.body.name}: the compliance of {len(known)} contact points",
+            "use larger cells on the faces that touch",
+            self.body.comm,
+        )
+        matrix = np.empty((len(known) * d, len(known) * d))
+        matrix[:before, :before] = self._matrix
+        self._make_room(len(matrix))
+        acting, near = self._parts(missing), self._parts(known)
+        for block in blocks(len(matrix) - before, self.body.unknowns):
+            place = slice(before + block.start, before + block.stop)
+            response = self.factor.solve_many(self._unit_forces(acting, block, forces=True))
+            matrix[:, place] = self._read(near, response, forces=False)
+            if self._responses is not None:
+                self._responses[:, place] = response
+            if before and not self._symmetric:
+                response = self.factor.solve_many(self._unit_forces(acting, block, forces=False))
+                matrix[place, :before] = self._read(near, response, forces=True)[:before].T
+        if self._symmetric:
+            matrix[before:, :before] = matrix[:before, before:].T
+            own = matrix[before:, before:]
+            own[:] = 0.5 * (own + own.T)
+        self._place[missing] = len(self._known) + np.arange(len(missing))
+        self._known, self._matrix = known, matrix
+
+    def _make_room(self, columns: int) -> None:
+        """Room for the responses to as many unit forces; none where they would be read slowly.
+
+        A back substitution takes less time from then on.
+        """
+        if self._responses is None:
+            return
+        before, self._responses = self._responses, None
+        if columns * self.body.unknowns <= 2 * self.factor.entries:
+            self._responses = np.empty((self.body.size, columns), order="F")
+            self._responses[:, : before.shape[1]] = before
+
+    def _parts(self, points: Indices) -> list[PointRows]:
+        """Rows of points, and of their layers the nodes that these touch; collective."""
+        found, d = [], self.body.dimension
+        for port, own, mine in self._groups(points):
+            chosen = self._expand(own)
+            force, read = (
+                sp.csr_matrix(port.force_rows[chosen]),
+                sp.csr_matrix(port.read_rows[chosen]),
+            )
+            nodes = np.unique(np.concatenate([force.indices, read.indices]) // d).astype(np.int64)
+            columns = self._expand(nodes)
+            rows = force[:, columns], read[:, columns]
+            found.append(PointRows(port.layer.part(nodes), *rows, self._expand(mine)))
+        return found
+
+    def _unit_forces(self, parts: Sequence[PointRows], block: slice, *, forces: bool) -> Array:
+        """Nodal forces of unit forces at points, those of a block of rows, (owned, rows).
+
+        With `forces` by the rows that make nodal forces, else by those that read.
+        """
+        d, count = self.body.dimension, block.stop - block.start
+        right: Array = np.zeros((self.body.size, count), order="F")
+        columns = right.T.reshape(count, self.body.owned, d).transpose(1, 2, 0)
+        for part in parts:
+            inside = np.flatnonzero((part.place >= block.start) & (part.place < block.stop))
+            unit = (part.force if forces else part.read)[inside].toarray()
+            whole = np.zeros((part.layer.size * d, count))
+            whole[:, part.place[inside] - block.start] = unit.T
+            part.layer.add(columns, whole.reshape(part.layer.size, d, count))
         right[self.body.fixed] = 0.0
-        response = self.factor.solve_many(right)
-        read = []
-        for port in self.ports:
-            near = port.layer.gather(response.reshape(owned, -1)).reshape(port.layer.size * d, -1)
-            read.append(port.read_rows @ near)
-        self._place[missing] = self._matrix.shape[1] // d + np.arange(len(missing))
-        self._matrix = np.hstack([self._matrix, np.vstack(read)])
-        self._response = np.hstack([self._response, response])
+        return right
+
+    def _read(self, parts: Sequence[PointRows], response: Array, *, forces: bool) -> Array:
+        """Rows of points in displacements (owned, n), all of them on every rank, (m d, n)."""
+        d, count = self.body.dimension, response.shape[1]
+        nodes = response.T.reshape(count, self.body.owned, d).transpose(1, 2, 0)
+        result = np.empty((sum(len(part.place) for part in parts), count))
+        for part in parts:
+            near = part.layer.gather(nodes).reshape(part.layer.size * d, count)
+            result[part.place] = (part.force if forces else part.read) @ near
+        return result

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.bodies.factorization import Factorization
+from solver.bodies.factorization import Inverse
+from solver.bodies.memory import kept_limit
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
@@ -27,7 +28,8 @@ class ContactSolve:
     """Solves balances of the same bodies and interfaces.
 
     One factorization for each body, step size and rho_inf is kept, and the Delassus operator of the
-    last correction.
+    last correction. Where they take more than their part of the memory, those are dropped whose
+    last use is longest ago.
     """
 
     def __init__(
@@ -122,16 +124,32 @@ class ContactSolve:
     def _tangents_for(self, weights: tuple[TangentWeights, ...]) -> Tangents:
         """What the bodies offer for a step size and rho_inf."""
         if weights not in self._tangents:
+            self._make_room()
             system, links = self._model.system, self._model.points.links
             responses = [
                 response_of(system, number, links, _factor(body, own), own)
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
             self._tangents[weights] = Tangents(weights, responses, self._stiffness)
-        return self._tangents[weights]
+        found = self._tangents.pop(weights)
+        self._tangents[weights] = found  # the one used last stands last
+        return found
+
+    def _make_room(self) -> None:
+        """Drop the tangents used least recently, where one more would be too many; collective."""
+        comm = self._model.system.comm
+        for weights in list(self._tangents):
+            kept = [tangents.nbytes for tangents in self._tangents.values()]
+            if sum(kept) + max(kept) <= kept_limit(comm):
+                return
+            del self._tangents[weights]
+            self._kept.forget()
+            for body, own in zip(self._model.system.bodies, weights, strict=True):
+                if not isinstance(body, DenseBody):
+                    body.forget(own)
 
 
-def _factor(body: Body, weights: TangentWeights) -> Factorization | Array:
+def _factor(body: Body, weights: TangentWeights) -> Inverse | Array:
     """The factorized tangent of a meshed body; the diagonal of a rigid one's."""
     if isinstance(body, DenseBody):
         return body.tangent(weights)

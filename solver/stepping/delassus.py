@@ -82,6 +82,10 @@ class LastDelassus:
         """Start without any."""
         self.operator: Delassus | None = None
 
+    def forget(self) -> None:
+        """Keep none: it belongs to compliances that are dropped."""
+        self._kept = None
+
     def get(
         self,
         key: DelassusKey,

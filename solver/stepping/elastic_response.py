@@ -92,6 +92,11 @@ class ElasticResponse:
         unturned = np.eye(body.dimension)
         self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
 
+    @property
+    def nbytes(self) -> float:
+        """Memory of the factorization and of compliances, on all ranks together, bytes."""
+        return self.compliance.nbytes
+
     def at(self, u: Array, start: Array | None) -> ElasticConfiguration:
         """The rotations R and R_m at a displacement."""
         rotation = self.body.rotation(u)
@@ -201,7 +206,7 @@ class ElasticResponse:
         point_vectors(force, weight, near.frames, at.middle, vectors)
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
-        strain = self.compliance.among(coupling.ports).responses @ vectors.ravel()
+        strain = self.compliance.displacement(coupling.ports, vectors)
         add_motion(motion, strain, at.shift, vectors)
 
     def owned(self, at: ElasticConfiguration, motion: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.bodies.factorization import Factorization
+from solver.bodies.factorization import Inverse, MassInverse
 from solver.contact.projection import in_frames
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
@@ -66,11 +66,11 @@ class VelocityImpulses:
         self._local = local
         self._responses = []
         for number, body in enumerate(system.bodies):
-            factor: Factorization | Array
+            factor: Inverse | Array
             if isinstance(body, DenseBody):
                 factor = body.diagonal
             else:
-                factor = Factorization(body.hold(body.mass_matrix.copy()))
+                factor = MassInverse(body.mass_matrix, body.fixed, body.dimension)
             self._responses.append(response_of(system, number, links, factor))
         # The mass of a meshed body commutes with rotations: on planes that do not turn G M^-1 G^T
         # does not change while the same points are closed.

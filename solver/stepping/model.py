@@ -39,3 +39,8 @@ class Tangents:
     """Responses of all bodies."""
     stiffness: int
     """How often the stiffness of bodies was made anew before."""
+
+    @property
+    def nbytes(self) -> float:
+        """Memory that factors and compliances take on all ranks together, bytes."""
+        return sum(response.nbytes for response in self.responses)

@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from solver.errors import SceneError
+from solver.errors import RockslipError, SceneError
 from solver.stepping.convergence import Convergence, IterationRecord, IterationTolerances
 from solver.stepping.petsc_options import PREFIX, PetscOptions, parse_options, refuse_unused
 from solver.types import Array
@@ -83,6 +83,8 @@ class Correction:
         self._failure = failure
         self._problem: NonlinearProblem | None = None
         self.trouble: Exception | None = None
+        self.refusal: RockslipError | None = None
+        """What ends the run, not only the step."""
 
     def begin(self, problem: NonlinearProblem) -> None:
         """Correct the residuals of this problem from now on."""
@@ -96,6 +98,9 @@ class Correction:
         except (self._failure, np.linalg.LinAlgError) as trouble:
             # No exception may pass through PETSc: not-a-number ends SNES.
             self.trouble = trouble
+            negative.array[:] = np.nan
+        except RockslipError as refusal:
+            self.refusal = refusal
             negative.array[:] = np.nan
 
 
@@ -220,6 +225,9 @@ class NonlinearSolver:
         """Solve a problem from a guess; where SNES stopped, and how it ended.
 
         The tolerance is the Euclidean norm of the residual that counts as zero, N.
+
+        Raises:
+            RockslipError: A correction needs what this machine has not.
         """
         self._problem = problem
         self._correction.begin(problem)
@@ -230,6 +238,8 @@ class NonlinearSolver:
         with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
             with in_data_base(self._late):
                 self.snes.solve(None, self._x)
+        if self._correction.refusal is not None:
+            raise self._correction.refusal
         code = self.snes.getConvergedReason()
         trouble = self._correction.trouble
         reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")

@@ -91,6 +91,10 @@ class CandidateSet(NamedTuple):
 class Response(Protocol[Configuration, Coupling]):
     """What a body offers to the contact problem."""
 
+    @property
+    def nbytes(self) -> float:
+        """Memory that it takes, on all ranks together, bytes."""
+
     def at(self, u: Array, start: Array | None) -> Configuration:
         """The configuration at u, in a step at whose start the body had the rotation `start`."""
 
@@ -159,6 +163,11 @@ class DenseResponse:
         """Take the body, the diagonal of its tangent or mass, and its parts in interfaces."""
         self.body, self.tangent, self.sides = body, tangent, sides
         self._standing = None if body.turns else self._configuration(np.zeros(body.unknowns))
+
+    @property
+    def nbytes(self) -> float:
+        """Next to nothing."""
+        return 0.0
 
     def at(self, u: Array, start: Array | None) -> DenseConfiguration:
         """Rows of all surface points at a displacement; those of a step's start are not needed."""

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.factorization import Factorization
+from solver.bodies.factorization import Inverse
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
@@ -108,7 +108,7 @@ def response_of(
     system: System,
     body: int,
     links: Sequence[Link],
-    factor: Factorization | Array,
+    factor: Inverse | Array,
     weights: TangentWeights | None = None,
 ) -> AnyResponse:
     """What a body offers to the contact problem, by its number.
@@ -121,7 +121,7 @@ def response_of(
     if isinstance(member, DenseBody):
         assert isinstance(factor, np.ndarray)
         return DenseResponse(member, factor, sides)
-    assert isinstance(factor, Factorization)
+    assert not isinstance(factor, np.ndarray)
     ports = [
         ports_of(side.points, links[side.interface].interface, tractions=tractions)
         for side in sides
@@ -136,14 +136,15 @@ def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) ->
         d = points.dimension
         rows = (points.chosen[:, None] * d + np.arange(d)).ravel()
         rows = compact(sp.identity(points.layer.size * d, format="csr")[rows])
-        return InterfaceDofs(points.layer, rows, rows, points.count)
+        return InterfaceDofs(points.layer, rows, rows, points.count, symmetric=True)
     assert isinstance(points, NitschePoints)
     position = points.points.position_rows()
     if not tractions:
         rows = compact(position)
-        return InterfaceDofs(points.points.layer, rows, rows, points.count)
+        return InterfaceDofs(points.points.layer, rows, rows, points.count, symmetric=True)
     traction = points.points.traction_rows()
     scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
     read = compact(position - scale @ traction)
     force = compact(position - interface.theta * scale @ traction)
-    return InterfaceDofs(points.points.layer, force, read, points.count)
+    symmetric = interface.theta == 1
+    return InterfaceDofs(points.points.layer, force, read, points.count, symmetric=symmetric)

@@ -1,0 +1,187 @@
+"""Compliance, factorizations and memory of large bodies."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("dolfinx")
+
+from mpi4py import MPI
+
+from benchmarks import scaling
+from rockslip import parse_scene, simulate
+from solver.bodies import factorization, memory
+from solver.bodies.elastic_body import ElasticBody
+from solver.build.assembly import build
+from solver.cli import main
+from solver.scene import scene_to_toml
+from solver.stepping import contact_solve
+from solver.stepping.elastic_response import ElasticResponse
+from solver.stepping.system import response_of
+
+BLOCK = {"width": 1.0, "height": 1.0, "mass": 1000.0, "young": 5e8, "poisson": 0.2, "cells": [5, 4]}
+SPACE = BLOCK | {"thickness": 0.8, "cells": [4, 3, 3]}
+LYING = {"kind": "half_sine", "amplitude_g": 0.7, "duration": 0.1}
+
+
+def scene_of(block: dict[str, object], **contact: object) -> dict[str, object]:
+    """A block that is pushed."""
+    return {
+        "dimension": 3 if "thickness" in block else 2,
+        "block": [block],
+        "contact": {"friction": 0.4} | contact,
+        "motion": LYING,
+        "time": {"end": 0.03, "step": 1e-3},
+    }
+
+
+def response(scene: dict[str, object], *, mass: bool = False) -> ElasticResponse:
+    """The response of the block of a scene in a step, or that of its mass."""
+    stepper = build(parse_scene(scene), comm=MPI.COMM_SELF).stepper
+    stepper.start(np.zeros(stepper.system.size), np.zeros(stepper.system.size))
+    body = stepper.system.bodies[0]
+    assert isinstance(body, ElasticBody)
+    weights = body.weights(stepper.scheme, 1e-3)
+    if mass:
+        inverse = factorization.MassInverse(body.mass_matrix, body.fixed, body.dimension)
+        made = response_of(stepper.system, 0, stepper.links, inverse)
+    else:
+        factor = body.factorization(weights)
+        made = response_of(stepper.system, 0, stepper.links, factor, weights)
+    assert isinstance(made, ElasticResponse)
+    return made
+
+
+def whole_rows(made: ElasticResponse, *, forces: bool) -> np.ndarray:
+    """Rows of all ports on all unknowns, dense."""
+    parts = []
+    for port in made.compliance.ports:
+        rows = port.force_rows if forces else port.read_rows
+        rows = rows if isinstance(rows, np.ndarray) else rows.toarray()
+        d = made.body.dimension
+        spread = np.zeros((len(rows), made.body.owned, d))
+        spread[:, port.layer.index] = rows.reshape(len(rows), -1, d)
+        parts.append(spread.reshape(len(rows), -1))
+    return np.vstack(parts)
+
+
+@pytest.mark.parametrize("mass", [False, True])
+@pytest.mark.parametrize("block", [BLOCK, SPACE])
+@pytest.mark.parametrize("contact", [{}, {"theta": -1, "gamma": 20000}, {"points": "gauss"}])
+def test_the_compliance_is_that_of_dense_matrices(
+    block: dict[str, object], contact: dict[str, object], mass: bool
+) -> None:
+    """G K^-1 G^T, made in two portions, of ports in any order; and what forces do."""
+    made = response(scene_of(block, **contact), mass=mass)
+    compliance, body, d = made.compliance, made.body, made.body.dimension
+    if mass:
+        K = body.mass_matrix.copy()
+    else:
+        K = compliance.factor.matrix.copy()
+    dense = K.convert("dense").getDenseArray()
+    count, rng = compliance.ports[0].count, np.random.default_rng(0)
+    first = np.sort(rng.choice(count, count // 3, replace=False))
+    both = np.sort(rng.choice(count, 2 * count // 3, replace=False))
+    G, R = (whole_rows(made, forces=forces) for forces in (True, False))
+    exact = R @ np.linalg.solve(dense, G.T)
+    compliance.among(first)
+    for chosen in (both, first):
+        rows = (chosen[:, None] * d + np.arange(d)).ravel()
+        matrix = compliance.among(chosen).matrix
+        np.testing.assert_allclose(
+            matrix, exact[np.ix_(rows, rows)], rtol=0, atol=1e-11 * np.abs(exact).max()
+        )
+        if compliance.ports[0].symmetric:
+            assert (matrix == matrix.T).all()
+        force = rng.standard_normal((len(chosen), d))
+        moved = np.linalg.solve(dense, G[rows].T @ force.ravel())
+        found = compliance.displacement(chosen, force)
+        np.testing.assert_allclose(found, moved, rtol=0, atol=1e-11 * np.abs(moved).max())
+
+
+def test_responses_are_dropped_where_a_back_substitution_is_cheaper() -> None:
+    made = response(scene_of(SPACE))
+    compliance, d = made.compliance, 3
+    few, all_of_them = np.arange(2), np.arange(compliance.ports[0].count)
+    assert compliance.among(few).responses is not None
+    kept = compliance.displacement(few, np.ones((2, d)))
+    made.compliance.factor.entries = 0.0  # type: ignore[misc]
+    assert compliance.among(all_of_them).responses is None
+    assert compliance.nbytes < 9 * (d * len(all_of_them)) ** 2
+    solved = compliance.displacement(few, np.ones((2, d)))
+    np.testing.assert_allclose(solved, kept, rtol=1e-9, atol=1e-12 * np.abs(kept).max())
+
+
+def histories(scene: dict[str, object]) -> dict[str, np.ndarray]:
+    """Places and angles of a run, and the summary's costs."""
+    result = simulate(parse_scene(scene))
+    assert result.status == "completed", result.summary["reason"]
+    names = [name for name in result.history.columns if name.endswith(("_m", "_rad"))]
+    return {name: np.asarray(result.history[name]) for name in names} | {
+        "cost": result.summary["cost"]
+    }
+
+
+def test_cg_with_multigrid_and_few_kept_factors_give_the_same_history(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = scene_of(SPACE | {"tilt_deg": 0.3}) | {"time": {"end": 0.06, "step": 2e-3}}
+    plain = histories(scene)
+    assert plain["cost"]["linear_solvers"] == ["CHOLMOD"]
+    monkeypatch.setattr(memory, "DIRECT_PART", 0.0)
+    iterated = histories(scene)
+    assert iterated["cost"]["linear_solvers"] == ["CG + GAMG"]
+    monkeypatch.undo()
+    monkeypatch.setattr(contact_solve, "kept_limit", lambda comm: 0.0)
+    dropped = histories(scene)
+    assert dropped["cost"]["factorizations"] > plain["cost"]["factorizations"]
+    for other, limit in ((iterated, 1e-9), (dropped, 1e-12)):
+        for name in plain.keys() - {"cost"}:
+            np.testing.assert_allclose(other[name], plain[name], rtol=0, atol=limit)
+
+
+def test_contact_that_does_not_fit_into_memory_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(scene_to_toml(parse_scene(scene_of(SPACE))))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(memory, "SMALL", 0.0)
+    monkeypatch.setattr(memory, "free_memory", lambda: 0.0)
+    assert main(["run", "scene.toml"]) == 2
+    lines = [line for line in capsys.readouterr().err.splitlines() if "memory" in line]
+    assert len(lines) == 1
+    assert "block: the compliance of 20 contact points takes" in lines[0]
+    assert "use larger cells" in lines[0]
+    for summary in tmp_path.glob("*/summary.json"):
+        assert json.loads(summary.read_text())["status"] != "completed"
+
+
+def test_check_says_the_solver_and_the_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(scene_to_toml(parse_scene(scene_of(SPACE | {"cells": [31, 31, 31]}))))
+    monkeypatch.setattr(memory, "total_memory", lambda: 16e9)
+    assert main(["check", str(file)]) == 0
+    text = capsys.readouterr().out
+    assert "CHOLMOD (MUMPS with ranks), 726 MB for each step size and rho_inf" in text
+    assert "377 MB for 1024 points on its bottom" in text
+    monkeypatch.setattr(memory, "total_memory", lambda: 2e9)
+    assert main(["check", str(file)]) == 0
+    assert "CG + GAMG" in capsys.readouterr().out
+
+
+def test_info_says_the_linear_solver(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info"]) == 0
+    assert "CG + GAMG beyond" in capsys.readouterr().out
+
+
+def test_the_benchmark_of_scaling_has_a_row_for_every_case() -> None:
+    for cells, motion, _, _ in scaling.CASES:
+        assert parse_scene(scaling.scene_of(cells, motion)).blocks[0].cells == cells
+    row = scaling.run_case((4, 6), "rocks")
+    assert row["unknowns"] == 70
+    assert float(row["factorizations_s"]) > 0
