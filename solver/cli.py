@@ -122,6 +122,23 @@ def build_parser() -> Parser:
         "--resume", metavar="DIR", type=Path, help="go on from the checkpoint of a run in DIR"
     )
     run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
+    scale = command("scale", scale_scene, "a scene at another scale, such as a 1:15 model of it")
+    add_scene(scale)
+    add_overrides(scale)
+    scale.add_argument(
+        *("--lengths", "-l"),
+        metavar="N",
+        type=float,
+        required=True,
+        help="lengths become 1/N, times 1/sqrt(N), accelerations stay",
+    )
+    scale.add_argument(
+        "--keep",
+        choices=("density", "young"),
+        default="density",
+        help="of the material: moduli become 1/N, masses 1/N^3; or masses 1/N^2; default density",
+    )
+    scale.add_argument("-o", "--output", metavar="FILE", type=Path, help="default standard output")
     plot = command("plot", plot_runs, "pictures of one run, or of several runs overlaid")
     plot.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
     plot.add_argument(
@@ -256,6 +273,21 @@ def run_reference(options: argparse.Namespace) -> int:
     if not options.quiet:
         say(f"{summary['model']}\n{report(summary)}written to {folder}\n")
     return 0
+
+
+def scale_scene(options: argparse.Namespace) -> int:
+    """`rockslip scale`."""
+    if launched_rank() == 0:
+        from solver.run.rescale import rescaled
+        from solver.scene import load_scene
+        from solver.scene.scaling import Scale
+
+        if not 0 < options.lengths < float("inf"):
+            raise SceneError("--lengths", f"{options.lengths:g}", "a number > 0")
+        scene = load_scene(options.scene, options.overrides)
+        text = rescaled(scene, Scale(1 / options.lengths, options.keep), options.output)
+        say(f"written to {options.output}\n" if options.output else text)
+    return OutputTrouble.exit_code if FULL else 0
 
 
 def plot_runs(options: argparse.Namespace) -> int:

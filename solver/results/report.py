@@ -28,11 +28,24 @@ def report(summary: Mapping[str, Any]) -> str:
             f"{_number(energy['ledger_error_fraction'], '.1e')} of {_number(energy['scale_J'])} J"
         )
         lines.append(_losses(energy["loss"]))
+    if "horizon" in summary:
+        lines.append(_horizon(summary["horizon"]))
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
     lines += [f"caution: {text}" for text in summary.get("cautions", [])]
     lines += overlap_lines(summary)
     return "\n".join(lines) + "\n"
+
+
+def _horizon(found: Mapping[str, Any]) -> str:
+    """Up to when a run and its twin are the same."""
+    if found["status"] != "completed":
+        return f"horizon: not known, the twin is {found['status']}"
+    more = f"{found['perturbation']:g} more motion"
+    if found["time_s"] is None:
+        return f"horizon: {more} changes nothing up to the end"
+    beyond = f"{more} makes a difference of {found['apart']:g} alpha there"
+    return f"horizon: the history means something up to t = {found['time_s']:.4g} s; {beyond}"
 
 
 def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:

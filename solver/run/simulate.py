@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -194,8 +195,25 @@ def simulate(
         history = files.open_history(scene_columns(scene))
         desk = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
         cautions = cautions_of_input(scene, ground)
-        status, summary = _run(engine, desk, began, cautions, resumed)
+        twin = partial(_twin, comm=comm, many=many, seconds=seconds)
+        status, summary = _run(engine, desk, began, cautions, resumed, twin)
     return Result(status, history, summary)
+
+
+def _twin(scene: Scene, *, comm: Comm, many: bool, seconds: float | None) -> Result:
+    """The twin of a scene, run without any files."""
+    from solver.run.twin import twin_of
+
+    return simulate(twin_of(scene), comm=comm, many=many, seconds=seconds)
+
+
+def _horizon(scene: Scene, history: History, twin: Callable[[Scene], Result]) -> dict[str, Any]:
+    """What the summary says of the time up to which a run and its twin are the same."""
+    from solver.run.twin import APART, PERTURBATION, horizon
+
+    beside = twin(scene)
+    known = {"perturbation": PERTURBATION, "apart": APART, "status": beside.status}
+    return known | {"time_s": horizon(scene, history, beside.history)}
 
 
 def _run(
@@ -204,11 +222,13 @@ def _run(
     began: float,
     cautions: Sequence[str],
     resumed: Checkpoint | None,
+    twin: Callable[[Scene], Result],
 ) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint.
+    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs the twin of the
+    scene, where the scene wants it.
     """
     for text in cautions:
         desk.files.log(f"caution: {text}")
@@ -242,6 +262,8 @@ def _run(
         reason=reason,
         cautions=cautions,
     )
+    if scene.output.twin and status == "completed":
+        summary["horizon"] = _horizon(scene, history, twin)
     for line in overlap_lines(summary):
         files.log(line)
     files.finish(summary, f"{status}{': ' if reason else ''}{reason}")

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
 from solver.errors import SceneError, not_applicable
 from solver.scene.checking import Checked, Number, exactly_one, shown
@@ -22,6 +22,8 @@ SHORTEST_PERIOD_OF_RECORDS = 0.1
 
 Units: TypeAlias = Literal["g", "m/s2", "cm/s2"]
 """Units of accelerations in files."""
+
+Shaped = TypeVar("Shaped", bound="Motion")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +57,13 @@ class Motion(Checked):
     def shortest_period(self) -> float:
         """Period of the fastest part of the motion that moves blocks, s; infinite without one."""
         return SHORTEST_PERIOD_OF_RECORDS
+
+    def times(self: Shaped, factor: float) -> Shaped:
+        """The motion in all directions times a factor."""
+        sizes = (key for key in ("scale", "amplitude_g") if hasattr(self, key))
+        changed: dict[str, Any] = {key: factor * getattr(self, key) for key in sizes}
+        changed |= {direction: motion.times(factor) for direction, motion in self.beside()}
+        return replace(self, **changed)
 
     def beside(self) -> Iterator[tuple[str, MotionSpec]]:
         """The motions in the other directions, with their keys."""

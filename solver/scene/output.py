@@ -37,3 +37,7 @@ class OutputSpec(Checked):
     checkpoint: CheckpointSpec | None = None
     """How often `checkpoint.npz` is written, from which `rockslip run --resume DIR` goes on, a
     table as `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: never."""
+    twin: bool = False
+    """Whether the scene is run once more with a motion that is stronger by a millionth, or without
+    motion from such a start: `summary.json` then says up to which time both are the same. It takes
+    as long as the run."""

@@ -14,6 +14,7 @@ def studies() -> dict[str, ModuleType]:
     """
     from solver.study import error_runtime, stability
     from solver.study.damping import command as damping
+    from solver.study.horizon import command as horizon
     from solver.study.inertia import command as inertia
     from solver.study.modes import command as modes
     from solver.study.overturning import command as overturning
@@ -22,6 +23,7 @@ def studies() -> dict[str, ModuleType]:
     return {
         "damping": damping,
         "error-runtime": error_runtime,
+        "horizon": horizon,
         "inertia": inertia,
         "modes": modes,
         "overturning": overturning,

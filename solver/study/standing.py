@@ -27,7 +27,7 @@ def standing_block(path: Path, overrides: Sequence[str]) -> Tables:
     set_values(tables, overrides)
     tables.pop("motion", None)
     scene = parse_scene(tables, folder=path.parent, source=path.name)
-    _refuse(scene)
+    refuse_others(scene)
     return tables
 
 
@@ -59,8 +59,8 @@ def is_elastic(tables: Tables) -> bool:
     return "young" in block and "poisson" in block
 
 
-def _refuse(scene: Scene) -> None:
-    """Refuse what is not one upright block at rest on firm ground in the plane."""
+def refuse_others(scene: Scene) -> None:
+    """Refuse what is not one upright block at rest on firm ground in the plane: SceneError."""
     if scene.dimension != 2:
         raise SceneError("dimension", "3", "2 in this study")
     if len(scene.blocks) != 1:

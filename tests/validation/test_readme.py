@@ -147,6 +147,8 @@ def shortened(words: list[str]) -> list[str]:
             at = words.index(option)
             words = [*words[:at], *words[at + 2 :]]
         more = (*tiny, *(() if "--resume" in words else ("--force",)))
+    elif task == "study horizon":
+        more = (*TINY_STUDY, "-j", "1", *(() if "--resume" in words else ("--force",)))
     elif task == "study damping":
         words[3:4] = ["demos/free_rocking/scene.toml"]
         coarse = ("block.cells=[1,2]", "time.end=0.2", "time.tolerance=1")
@@ -238,7 +240,7 @@ def test_the_pages_have_commands() -> None:
     """Nothing is lost where pages are written in another way."""
     assert len(RUN) > 12
     tasks = {command.split()[1] for _, command in RUN if command.startswith("rockslip ")}
-    assert tasks == {"run", "check", "reference", "plot", "info", "study"}
+    assert tasks == {"run", "check", "reference", "scale", "plot", "info", "study"}
 
 
 SNIPPETS = [

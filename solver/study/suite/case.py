@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from solver.errors import SceneError
 from solver.scene import Scene, parse_scene
 from solver.scene.checking import shown
+from solver.study.suite.engines import ODE, equation, with_model
+from solver.study.suite.intensity import Intensity
 from solver.study.suite.motions import SuiteMotion
 
 if TYPE_CHECKING:
@@ -44,6 +46,12 @@ class SuiteCase:
     """The motion."""
     varied: tuple[tuple[str, str], ...]
     """Keys and values, as text, that differ from case to case."""
+    engine: str | None
+    """What answers, one of `ENGINES`; None: the scene as it stands."""
+    level: float | None
+    """Intensity that the motion is scaled to; None: it stays as it is."""
+    intensity: Intensity | None
+    """The measure of the level."""
     tables: Mapping[str, Any]
     """The scene as plain tables."""
     folder: Path
@@ -76,10 +84,15 @@ def scene_of(case: SuiteCase) -> tuple[Scene, GroundMotion]:
     from solver.excitation.motion import GroundMotion, base_motion, read_ground
     from solver.excitation.sampled import SampledMotion
 
-    tables = dict(case.tables) | {"motion": dict(case.motion.table)}
+    tables = with_model(case.tables, case.engine) | {"motion": dict(case.motion.table)}
     sets = [f"{key}={value}" for key, value in case.varied]
     scene = parse_scene(tables, folder=case.folder, overrides=sets)
-    ground, time = read_ground(scene), scene.time
+    ground = read_ground(scene)
+    if case.level is not None and case.intensity is not None:
+        assert isinstance(ground.along, SampledMotion)  # as all motions of suites
+        scene = _scaled(scene, case.level / case.intensity.of(ground.along))
+        ground = read_ground(scene)
+    time = scene.time
     if ground.along is None:  # no motion of a suite is one of these
         raise SceneError("motion", "nothing that moves", "a motion along x")
     last = max(part.stop for part in ground.parts if part is not None)
@@ -94,6 +107,16 @@ def scene_of(case: SuiteCase) -> tuple[Scene, GroundMotion]:
     return replace(scene, time=replace(time, end=end)), GroundMotion(tuple(parts))
 
 
+def _scaled(scene: Scene, factor: float) -> Scene:
+    """A scene under a stronger motion, by the same factor in all directions.
+
+    It ends once a block has overturned: what comes then does not tell how strong the motion was.
+    """
+    assert scene.motion is not None
+    time = replace(scene.time, stop="overturned")
+    return replace(scene, motion=scene.motion.times(factor), time=time)
+
+
 def run_case(case: SuiteCase) -> dict[str, Any]:
     """Run a case on one process; its row of the table, without name, motion and varied keys.
 
@@ -106,6 +129,8 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
     from solver.scene.units import G_UNIT
 
     scene, ground = scene_of(case)
+    if case.engine == ODE:
+        return equation(scene, ground)
     if case.keep is not None:
         shutil.rmtree(case.keep, ignore_errors=True)  # what an interrupted suite left
     result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF, ground=ground, many=True)

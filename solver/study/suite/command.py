@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
 from solver.run.streams import say
+from solver.study.suite.ensemble import Ensemble, EnsemblePart, add_ensemble
 
 if TYPE_CHECKING:
     from solver.study.suite.case import SuiteCase
@@ -43,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="run all motions with each of these values, such as contact.friction=0.1,0.2",
     )
+    add_ensemble(parser)
     add("--tail", type=float, default=0.0, metavar="S", help="go on after the motion, s; default 0")
     add("--reference", action="store_true", help="the rigid-body answer beside each run")
     add("--keep", action="store_true", help="keep all files of each run, in DIR/runs")
@@ -56,13 +58,17 @@ class Plan:
     Attributes:
         folder: Where the suite goes.
         cases: All of them.
-        varied: The keys that vary.
+        varied: The columns that vary: keys, engine and level.
+        ensemble: Engines and levels of intensity.
+        slenderness: alpha of each block, rad, by the varied values and its name.
         rows: Rows of the cases that have been done before, by name.
     """
 
     folder: Path
     cases: tuple[SuiteCase, ...]
     varied: tuple[str, ...]
+    ensemble: Ensemble
+    slenderness: dict[tuple[tuple[str, str], ...], dict[str, float]]
     rows: dict[str, dict[str, Any]]
 
 
@@ -106,6 +112,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     from solver.scene.overrides import read_toml
     from solver.study.folder import finished
     from solver.study.suite.case import variations
+    from solver.study.suite.ensemble import read_ensemble
     from solver.study.suite.folder import FOLDER
     from solver.study.suite.motions import find_motions
 
@@ -118,22 +125,34 @@ def prepare(options: argparse.Namespace) -> Plan:
     )
     varied = list(variations(options.vary))
     base = parse_scene(tables, folder=path.parent, source=path.name)
+    ensemble = read_ensemble(options, tables, path.parent)
+    slenderness = {}
     for values in varied:
         sets = [f"{key}={value}" for key, value in values]
         moving = tables | {"motion": dict(motions[0].table)}
-        parse_scene(moving, folder=path.parent, overrides=sets, source=path.name)
+        scene = parse_scene(moving, folder=path.parent, overrides=sets, source=path.name)
+        slenderness[values] = {block.name: block.shape.slenderness for block in scene.blocks}
     if options.reference:
         from solver.reference.answer import reference_name
 
         reference_name(base)
     folder = options.output or Path(path.stem + ".suite")
-    settings = _settings(options, base.to_dict(), motions)
+    settings = _settings(options, base.to_dict(), motions) | ensemble.settings()
     FOLDER.claim(folder, settings, force=options.force, resume=options.resume)
     cases = tuple(
-        _case(options, motion, values, tables, folder) for values in varied for motion in motions
+        _case(options, motion, values, tables, folder, part)
+        for values in varied
+        for part in ensemble.parts()
+        for motion in motions
     )
-    keys = tuple(key for key, _ in varied[0])
-    return Plan(folder=folder, cases=cases, varied=keys, rows=finished(folder))
+    return Plan(
+        folder=folder,
+        cases=cases,
+        varied=(*(key for key, _ in varied[0]), *ensemble.columns),
+        ensemble=ensemble,
+        slenderness=slenderness,
+        rows=finished(folder),
+    )
 
 
 def _check_numbers(options: argparse.Namespace) -> None:
@@ -170,17 +189,22 @@ def _case(
     values: tuple[tuple[str, str], ...],
     tables: dict[str, Any],
     folder: Path,
+    part: EnsemblePart,
 ) -> SuiteCase:
-    """One motion with one combination of the varied values."""
+    """One motion with one combination of the varied values, for one engine and level."""
     from solver.study.suite.case import SuiteCase
     from solver.study.suite.folder import RUNS
 
-    parts = [motion.name, *(f"{key}={value}" for key, value in values)]
+    differing = (*values, *part.columns().items())
+    parts = [motion.name, *(f"{key}={value}" for key, value in differing)]
     name = re.sub(r"[^\w.=+-]+", "_", ",".join(parts).replace(",", "__"))
     return SuiteCase(
         name=name,
         motion=motion,
         varied=values,
+        engine=part.engine,
+        level=part.level,
+        intensity=part.intensity,
         tables=tables,
         folder=options.scene.parent,
         tail=options.tail,
@@ -195,12 +219,17 @@ def _row(case: SuiteCase, outcome: Mapping[str, Any] | Exception) -> dict[str, A
 
     if isinstance(outcome, ImportError):
         raise EnvironmentTrouble(f"{outcome}; see README.md, or use ./in-env rockslip ...")
-    row: dict[str, Any] = {"motion": case.motion.name, **dict(case.varied)}
+    row: dict[str, Any] = {"motion": case.motion.name, **dict(case.varied), **_part(case).columns()}
     if isinstance(outcome, Exception):
         refused = isinstance(outcome, SceneError)
         reason = str(outcome) if refused else in_one_line(outcome)
         return row | {"status": "failed", "reason": reason}
     return row | dict(outcome)
+
+
+def _part(case: SuiteCase) -> EnsemblePart:
+    """Engine and level of a case."""
+    return EnsemblePart(case.engine, case.level, case.intensity)
 
 
 def _ordered(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> list[dict[str, Any]]:
@@ -222,14 +251,25 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     completed = sum(row["status"] == "completed" for row in ordered)
     counts = {"cases": len(plan.cases), "completed": completed}
     counts["failed"] = len(ordered) - completed
-    write(plan.folder / SUMMARY, counts | {"ratios": ratios(ordered, plan.varied)})
+    found: dict[str, Any] = {"ratios": ratios(ordered, plan.varied)}
+    if plan.ensemble.is_one:
+        from solver.study.suite.findings import write_findings
+
+        found |= write_findings(plan.folder, ordered, plan.varied, plan.slenderness, plan.ensemble)
+    write(plan.folder / SUMMARY, counts | found)
 
 
 def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
-    """Print the table and where it is."""
-    from solver.study.suite.table import as_text
+    """Print the table, of ensembles the statistics, and where it is."""
+    from solver.study.suite.folder import FRAGILITY_TEXT
+    from solver.study.suite.table import as_text, remarks
 
     ordered = _ordered(plan, rows)
     completed = sum(row["status"] == "completed" for row in ordered)
-    say(as_text(ordered, plan.varied) if ordered else "")
+    if plan.ensemble.is_one and ordered:
+        failed = [row for row in ordered if row["status"] != "completed"]
+        text = (plan.folder / FRAGILITY_TEXT).read_text(encoding="utf-8")
+        say(text + "".join(f"{line}\n" for line in remarks(failed, plan.varied)))
+    else:
+        say(as_text(ordered, plan.varied) if ordered else "")
     say(f"{completed} of {len(plan.cases)} completed; written to {plan.folder}\n")

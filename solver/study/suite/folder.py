@@ -6,10 +6,12 @@ from solver.study.folder import StudyFolder
 
 RUNS = "runs"
 TABLE, TEXT, SUMMARY = "suite.csv", "suite.txt", "summary.json"
+FRAGILITY, FRAGILITY_TEXT = "fragility.csv", "fragility.txt"
+CURVES, DISTRIBUTIONS = "fragility.png", "peaks.png"
 
 FOLDER = StudyFolder(
     kind="suite",
     same="the same scene, motions and options",
-    files=(TABLE, TEXT, SUMMARY),
+    files=(TABLE, TEXT, SUMMARY, FRAGILITY, FRAGILITY_TEXT, CURVES, DISTRIBUTIONS),
     folders=(RUNS,),
 )

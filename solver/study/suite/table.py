@@ -52,7 +52,7 @@ def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
     lines = in_columns(table)
     means = [_sentence(mean, varied) for mean in ratios(rows, varied)]
     lines += ["", *means] if means else []
-    lines += _remarks(rows, varied)
+    lines += remarks(rows, varied)
     return "\n".join(lines) + "\n"
 
 
@@ -101,7 +101,7 @@ def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
     )
 
 
-def _remarks(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
+def remarks(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
     """A line for each case that has a reason."""
     lines = []
     for row in rows:

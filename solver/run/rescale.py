@@ -1,0 +1,60 @@
+"""`rockslip scale`: a scene at another scale, and the motions of its ground beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from solver.errors import SceneError
+from solver.excitation.motion import read_ground
+from solver.excitation.sampled import SampledMotion
+from solver.results.summary import write_whole
+from solver.run.folders import open_folder
+from solver.scene import Scene, parse_scene, scene_to_toml
+from solver.scene.scaling import Scale, scaled_tables
+
+
+def rescaled(scene: Scene, scale: Scale, file: Path | None) -> str:
+    """The scene at another scale as TOML; motions from samples are written beside its file.
+
+    Args:
+        scene: The prototype.
+        scale: Of the model.
+        file: Where the scene goes, which names those of the motions; None: nowhere.
+
+    Raises:
+        SceneError: There are samples and no file beside which they could go, or the model is
+            beyond the limits of scenes; the file exists.
+    """
+    if file is not None:
+        open_folder(file.parent)
+        if file.exists():
+            raise SceneError("-o", f"{file}, which exists", "a new file")
+    motions = dict[str, dict[str, Any]]()
+    if scene.motions:
+        ground = read_ground(scene)
+        for path, part in zip(scene.directions, ground.parts, strict=True):
+            if isinstance(part, SampledMotion):
+                motions[path] = _table(part, path, scale, file)
+    tables = scaled_tables(scene, scale, motions)
+    times = 1 / scale.lengths if scale.lengths < 1 else scale.lengths
+    ratio = f"1:{times:.6g}" if scale.lengths < 1 else f"{times:.6g}:1"
+    tables["title"] = f"{scene.title}, {ratio}" if scene.title else ratio
+    text = scene_to_toml(parse_scene(tables, folder=file.parent if file else "."))
+    if file is not None:
+        write_whole(file, text)
+    return text
+
+
+def _table(motion: SampledMotion, path: str, scale: Scale, file: Path | None) -> dict[str, Any]:
+    """The table of a motion whose samples have been written at the new scale."""
+    if file is None:
+        allowed = "-o FILE, beside which its samples go at the new scale"
+        raise SceneError(path, "a motion from samples", allowed)
+    direction = path.rpartition("motion.")[2] if path != "motion" else ""
+    beside = file.with_name(f"{file.stem}_{f'{direction}_' if direction else ''}motion.csv")
+    rows = zip(motion.time.tolist(), motion.value.tolist(), strict=True)
+    lines = ["time_s,acceleration_m_s2"]
+    lines += [f"{time * scale.times!r},{value!r}" for time, value in rows]
+    write_whole(beside, "\n".join(lines) + "\n")
+    return {"kind": "table", "file": str(beside.resolve()), "units": "m/s2"}

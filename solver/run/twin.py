@@ -1,0 +1,76 @@
+"""A run and its twin, which starts or is shaken a millionth more: up to when both are the same.
+
+Rocking is sensitive: an impact of a block that comes a little later meets another ground. What two
+runs so close do not share is not a matter of the scene any more, but of its last digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from solver.history.history import History
+from solver.scene import Scene
+from solver.types import Array
+
+PERTURBATION = 1e-6
+"""Relative difference between both."""
+
+APART = 1e-2
+"""Difference of two angles, over alpha, from which on they are not the same."""
+
+ANGLES = ("angle_rad", "angle_x_rad", "angle_y_rad")
+"""Columns that are compared, as far as a block has them."""
+
+
+def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
+    """The scene with other amplitudes of the ground's motion; where it is still, another start."""
+    output, factor = replace(scene.output, twin=False), 1 + perturbation
+    if scene.motion is not None:
+        return replace(scene, motion=scene.motion.times(factor), output=output)
+    blocks = tuple(
+        replace(
+            block,
+            tilt_deg=factor * block.tilt_deg,
+            velocity=tuple(factor * v for v in block.velocity),
+            angular_velocity=_times(block.angular_velocity, factor),
+        )
+        for block in scene.blocks
+    )
+    return replace(scene, blocks=blocks, output=output)
+
+
+def _times(rotation: Any, factor: float) -> Any:
+    """One number, or three, times a factor."""
+    if isinstance(rotation, tuple):
+        return tuple(factor * value for value in rotation)
+    return factor * rotation
+
+
+def difference(scene: Scene, history: History, twin: History) -> tuple[Array, Array]:
+    """Times up to which both go, and the largest difference of an angle of a block over its alpha.
+
+    The steps of both may differ: the twin is read between its rows.
+    """
+    own, other = history["time_s"], twin["time_s"]
+    time = own[own <= other[-1] * (1 + 1e-12)]
+    apart: Array = np.zeros(len(time))
+    for block in scene.blocks:
+        for column in (f"{block.name}.{name}" for name in ANGLES):
+            if column in history.columns:
+                beside = np.interp(time, other, twin[column])
+                turned = np.abs(history[column][: len(time)] - beside)
+                apart = np.maximum(apart, turned / block.shape.slenderness)
+    return time, apart
+
+
+def horizon(scene: Scene, history: History, twin: History) -> float | None:
+    """The time up to which a history means something, s; None: to its end."""
+    time, apart = difference(scene, history, twin)
+    beyond = np.flatnonzero(apart > APART)
+    if len(beyond):
+        return float(time[beyond[0]])
+    # One of both has ended before: it overturned, or fell.
+    return None if len(time) == len(history["time_s"]) else float(time[-1])

@@ -1,0 +1,64 @@
+"""What answers a case of a suite: rigid blocks, elastic ones, or Housner's equation."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any
+
+from solver.errors import SceneError
+
+if TYPE_CHECKING:
+    from solver.excitation.motion import GroundMotion
+    from solver.scene import Scene
+
+RIGID, ELASTIC, ODE = ENGINES = ("rigid", "elastic", "ode")
+
+
+def with_model(tables: Mapping[str, Any], engine: str | None) -> dict[str, Any]:
+    """The tables of a scene for an engine; without one they stay as they are.
+
+    A restitution is of rigid blocks alone: elastic ones have their own.
+    """
+    made = deepcopy(dict(tables))
+    for block in made["block"] if engine else ():
+        block["model"] = ELASTIC if engine == ELASTIC else RIGID
+        if engine == ELASTIC:
+            block.pop("restitution", None)
+    return made
+
+
+def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
+    """The row of a case by Housner's equation, which knows no slip.
+
+    Raises:
+        SceneError: The ground does not move along x alone, by samples.
+    """
+    from solver.excitation.sampled import SampledMotion
+    from solver.reference.rocking_peaks import sampled_rocking
+    from solver.scene.units import G_UNIT
+
+    along = ground.along
+    if not isinstance(along, SampledMotion) or any(ground.parts[1:]):
+        raise SceneError("motion", "another one", "samples along x alone for Housner's equation")
+    block, began = scene.blocks[0], time.perf_counter()
+    found = sampled_rocking(
+        block.shape,
+        along,
+        gravity=scene.gravity,
+        end=scene.time.end,
+        restitution=block.restitution,
+    )
+    stood = min(found.angle, math.pi / 2)
+    return {
+        "status": "completed",
+        "reason": "",
+        "end_s": scene.time.end if found.overturned_at is None else found.overturned_at,
+        "pga_g": along.peak / G_UNIT,
+        f"{block.name}.peak_angle_rad": stood,
+        f"{block.name}.peak_angle_while_standing_rad": stood,
+        f"{block.name}.overturned_at_s": found.overturned_at,
+        "wall_s": time.perf_counter() - began,
+    }

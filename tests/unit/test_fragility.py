@@ -1,0 +1,98 @@
+"""Statistics of ensembles: intervals, a known curve recovered, distances; measures of motions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import ks_2samp, norm
+
+from solver.errors import SceneError
+from solver.excitation.sampled import SampledMotion
+from solver.study.suite.fragility import distance, fitted, interval
+from solver.study.suite.intensity import Intensity
+
+
+def samples(
+    median: float, beta: float, levels: list[float], trials: int, seed: int
+) -> tuple[list[int], list[int]]:
+    """How many of so many motions overturn a block of a known fragility at each level."""
+    rng = np.random.default_rng(seed)
+    probability = norm.cdf(np.log(np.array(levels) / median) / beta)
+    return rng.binomial(trials, probability).tolist(), [trials] * len(levels)
+
+
+LEVELS = [0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3]
+
+
+@pytest.mark.parametrize(("median", "beta"), [(0.5, 0.4), (0.8, 0.25), (0.35, 0.6)])
+def test_a_known_fragility_is_recovered(median: float, beta: float) -> None:
+    """From 20000 motions a level within 1 %; from expected numbers of motions exactly."""
+    found = fitted(LEVELS, *samples(median, beta, LEVELS, 20000, seed=1))
+    assert found is not None
+    assert found.median == pytest.approx(median, rel=0.01)
+    assert found.beta == pytest.approx(beta, rel=0.02)
+    trials = 10**9
+    expected = (trials * norm.cdf(np.log(np.array(LEVELS) / median) / beta)).round()
+    exact = fitted(LEVELS, expected.astype(int).tolist(), [trials] * len(LEVELS))
+    assert exact is not None
+    assert (exact.median, exact.beta) == pytest.approx((median, beta), rel=1e-4)
+
+
+def test_intervals_hold_as_often_as_they_say() -> None:
+    """300 ensembles of 100 motions: the true median within its interval in about 95 % of them."""
+    inside, errors, spreads = 0, [], []
+    for seed in range(300):
+        found = fitted(LEVELS, *samples(0.5, 0.4, LEVELS, 100, seed))
+        assert found is not None
+        inside += found.median_interval[0] < 0.5 < found.median_interval[1]
+        errors.append(found.beta - 0.4)
+        spreads.append(found.beta_error)
+    assert 0.91 < inside / 300 < 0.98
+    assert np.std(errors) == pytest.approx(np.mean(spreads), rel=0.15)
+
+
+def test_samples_that_no_curve_goes_through() -> None:
+    """None overturns, all do, or a step; and one that falls."""
+    assert fitted([0.1, 0.2, 0.3], [0, 0, 0], [9, 9, 9]) is None
+    assert fitted([0.1, 0.2, 0.3], [9, 9, 9], [9, 9, 9]) is None
+    assert fitted([0.1, 0.2, 0.3], [0, 0, 9], [9, 9, 9]) is None
+    assert (
+        fitted([0.1, 0.2, 0.3], [0, 4, 9], [9, 9, 9]) is None
+    )  # any steep enough curve is as good
+    assert fitted([0.1, 0.2, 0.3], [8, 4, 1], [9, 9, 9]) is None
+    assert fitted([0.1, 0.2, 0.3], [1, 4, 8], [9, 9, 9]) is not None
+
+
+def test_intervals_of_probabilities() -> None:
+    """Clopper and Pearson's: closed forms where none or all overturn."""
+    low, high = interval(0, 20)
+    assert low == 0.0 and high == pytest.approx(1 - 0.025 ** (1 / 20))
+    assert interval(20, 20) == pytest.approx((0.025 ** (1 / 20), 1.0))
+    low, high = interval(10, 100)
+    assert (low, high) == pytest.approx((0.0490, 0.1762), abs=1e-4)
+
+
+def test_distances() -> None:
+    rng = np.random.default_rng(3)
+    one, other = rng.normal(size=100), rng.normal(0.5, size=80)
+    assert distance(one, other) == pytest.approx(ks_2samp(one, other).statistic)
+    assert distance([0.1, 0.2, math.inf, math.inf], [0.1, 0.2, 0.3, math.inf]) == 0.25
+    assert distance([1.0], [1.0]) == 0.0
+
+
+def test_intensities() -> None:
+    """Of 2 m/s^2 sin(2 pi t/0.5): PGA, PGV = a T/pi from rest, PSA at rest and in resonance."""
+    time = np.arange(0.0, 20.0005, 0.001)
+    motion = SampledMotion(time=time, value=2.0 * np.sin(4 * math.pi * time), step=0.001)
+    assert Intensity.read("pga").of(motion) == pytest.approx(2 / 9.81)
+    assert Intensity.read("PGV").of(motion) == pytest.approx(2 * 0.5 / math.pi, rel=1e-4)
+    assert Intensity.read("PSA:0.5").of(motion) == pytest.approx(2 / 9.81 / (2 * 0.05), rel=0.01)
+    assert Intensity.read("PSA:0.5").name == "PSA(0.5 s)"
+    for word in ("PGD", "PSA", "PSA:0", "PSA:x", "PGA:1"):
+        with pytest.raises(SceneError, match="--intensity"):
+            Intensity.read(word)
+    uneven = SampledMotion(time=time**1.1, value=motion.value)
+    with pytest.raises(SceneError, match="uneven"):
+        Intensity.read("PSA:1").of(uneven)

@@ -1,0 +1,135 @@
+"""`rockslip scale`: what becomes of each quantity of a scene, and of the motion of its ground."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import typing
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+from rockslip import load_scene, parse_scene
+from solver.cli import main
+from solver.excitation.motion import read_ground
+from solver.scene import Scene
+from solver.scene.motion import RecordSpec, SyntheticSpec, TableSpec
+from solver.scene.scaling import DIMENSIONS, Scale, scaled_tables
+
+pytestmark = pytest.mark.serial
+
+BLOCK = {"width": 0.25, "height": 1.0, "thickness": 0.75, "density": 2700.0, "young": 5e10,
+         "poisson": 0.2, "velocity": [0.1, 0.0], "tilt_deg": 1.0}  # fmt: skip
+FRICTION = {"static": 0.6, "dynamic": 0.5, "decay": 20.0, "cohesion": 10.0}
+PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
+
+
+def scene(**tables: Any) -> Scene:
+    base = {"block": [BLOCK], "time": {"end": 1.0, "step": 1e-3}}
+    return parse_scene(base | tables)
+
+
+def specs(cls: Any, found: set[Any]) -> set[Any]:
+    """All tables that a scene may have."""
+    found.add(cls)
+    for hint in typing.get_type_hints(cls).values():
+        for below in _dataclasses(hint):
+            if below not in found:
+                specs(below, found)
+    return found
+
+
+def _dataclasses(hint: Any) -> set[Any]:
+    if dataclasses.is_dataclass(hint):
+        return {hint}
+    return {below for part in get_args(hint) for below in _dataclasses(part)}
+
+
+def _holds_floats(hint: Any) -> bool:
+    return hint is float or any(_holds_floats(part) for part in get_args(hint))
+
+
+def test_every_number_of_every_table_has_dimensions() -> None:
+    """Also those of keys that are new; motions from samples become files."""
+    sampled = {TableSpec, RecordSpec, SyntheticSpec}
+    for cls in specs(Scene, set()) - sampled:
+        hints = typing.get_type_hints(cls)
+        numbers = {name for name, hint in hints.items() if _holds_floats(hint)}
+        assert numbers == set(DIMENSIONS.get(cls.__name__, {})), cls
+
+
+@pytest.mark.parametrize(("keeps", "masses"), [("density", 3375.0), ("young", 225.0)])
+def test_a_model_of_one_to_fifteen(keeps: Any, masses: float) -> None:
+    """Lengths 1/15, times 1/3.873, masses 1/3375 or 1/225, moduli and pressures alike."""
+    prototype = scene(foundation=PLATFORM, contact={"friction": FRICTION})
+    model = parse_scene(scaled_tables(prototype, Scale(1 / 15, keeps), {}))
+    old, new = prototype.blocks[0], model.blocks[0]
+    stress = masses / 225
+    time = math.sqrt(15)
+    assert time == pytest.approx(3.873, abs=1e-4)
+    assert old.height / new.height == pytest.approx(15)
+    assert old.shape.mass / new.shape.mass == pytest.approx(masses)
+    assert old.young / new.young == pytest.approx(stress)  # type: ignore[operator]
+    assert old.velocity[0] / new.velocity[0] == pytest.approx(time)
+    assert old.damping.stiffness / new.damping.stiffness == pytest.approx(time)  # type: ignore[union-attr]
+    assert new.default_damping(2).stiffness == pytest.approx(new.damping.stiffness)  # type: ignore[union-attr]
+    assert prototype.time.end / model.time.end == pytest.approx(time)
+    friction = model.friction_of(new)
+    assert 20.0 / friction.decay == pytest.approx(1 / time)
+    assert 10.0 / friction.cohesion == pytest.approx(stress)
+    platforms = prototype.platform(), model.platform()
+    assert platforms[0].mass / platforms[1].mass == pytest.approx(masses)
+    assert platforms[0].period / platforms[1].period == pytest.approx(time)
+    again = parse_scene(scaled_tables(model, Scale(15.0, keeps), {}))
+    assert again.blocks[0].shape.mass == pytest.approx(old.shape.mass, rel=1e-12)
+    assert (again.gravity, again.time.rho_inf) == (prototype.gravity, prototype.time.rho_inf)
+
+
+def test_the_command_writes_a_scene(granite: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scale", str(granite), "--lengths", "15", "--set", "block.height=1.5"]) == 0
+    model = parse_scene(capsys.readouterr().out)
+    assert model.blocks[0].height == pytest.approx(0.1)
+    assert model.title == "A block of granite, 1:15"
+    assert main(["scale", str(granite), "--lengths", "0.1", "-o", "large.toml"]) == 0
+    assert load_scene("large.toml").blocks[0].height == pytest.approx(10.0)
+    assert load_scene("large.toml").title.endswith(", 10:1")
+
+
+def test_samples_go_beside_the_scene(tmp_path: Path) -> None:
+    """Their times shrink, their accelerations stay; in every direction."""
+    still = {"kind": "synthetic", "seed": 3, "vertical": {"kind": "synthetic", "scale": 0.5}}
+    base = 'title = "a"\n[[block]]\nmodel = "rigid"\nwidth = 0.3\nheight = 1.2\ndensity = 2700.0\n'
+    motion = "[motion]\n" + "".join(f"{k} = {v!r}\n" for k, v in still.items() if k != "vertical")
+    motion += '[motion.vertical]\nkind = "synthetic"\ncomponent = 3\nscale = 0.5\n'
+    file, model = tmp_path / "scene.toml", tmp_path / "model.toml"
+    file.write_text(base + motion + "[time]\nend = 20.0\n")
+    assert main(["scale", str(file), "--lengths", "15", "-o", str(model)]) == 0
+    grounds = [read_ground(load_scene(path)) for path in (file, model)]
+    times = np.linspace(0, 20, 777)
+    old, new = grounds[0].accelerations(times), grounds[1].accelerations(times / math.sqrt(15))
+    assert np.abs(old).max() > 1.0
+    assert np.abs(old - new).max() < 1e-9 * np.abs(old).max()
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "scene.toml", "model.toml", "model_motion.csv", "model_vertical_motion.csv"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--lengths", "0"], "--lengths: got 0, allowed a number > 0"),
+        (["--lengths", "15", "-o", "granite.toml"], "-o: got granite.toml, which exists"),
+        (
+            ["--lengths", "15", "--set", "motion.kind=synthetic"],
+            "motion: got a motion from samples",
+        ),
+        (["--lengths", "1e7"], "at least 1e-06"),
+    ],
+)
+def test_what_is_refused(
+    words: list[str], said: str, granite: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["scale", str(granite), *words]) == 2
+    assert said in capsys.readouterr().err

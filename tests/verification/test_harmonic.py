@@ -1,0 +1,127 @@
+"""Steady rocking under a sine; runs beside their twins, and the study of horizons."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockslip import Scene, parse_scene, simulate
+from solver.cli import main
+from solver.reference.housner import housner
+from solver.run.twin import difference, horizon, twin_of
+
+pytestmark = pytest.mark.serial
+
+SIZE = {"width": 0.25, "height": 1.0, "thickness": 0.75, "mass": 503.0, "friction": 3.0}
+STONE = {"young": 5e10, "poisson": 0.2, "cells": [6, 16], "damping": {"stiffness": 3e-5}}
+G, SLENDERNESS = 9.81, math.atan(0.25)
+P = math.sqrt(0.75 * G / (math.hypot(0.25, 1.0) / 2))
+PERIOD = 2 * math.pi / (4 * P)
+
+
+def under_a_sine(cycles: int, times: float = 2.0, **keys: Any) -> Scene:
+    """The paper's block under omega/p = 4 and so many times g tan alpha."""
+    motion = {"kind": "sine", "amplitude_g": times * math.tan(SLENDERNESS), "period": PERIOD}
+    time = {"end": cycles * PERIOD} | ({"step": PERIOD / 800} if "model" in keys else {})
+    return parse_scene({"block": [SIZE | keys], "motion": motion, "time": time})
+
+
+def steady(time: Any, angle: Any, cycles: int) -> float:
+    """Largest |theta|/alpha in the last ten periods."""
+    return float(np.abs(angle[time > (cycles - 10) * PERIOD]).max()) / SLENDERNESS
+
+
+@pytest.mark.parametrize(("restitution", "most"), [(None, 0.18875), (0.925, 0.1890)])
+def test_steady_rocking_of_a_rigid_block(restitution: float | None, most: float) -> None:
+    """Within 1 % of Housner's equation; a slender, linear block has 0.18951."""
+    keys = {"model": "rigid"} | ({"restitution": restitution} if restitution else {})
+    history = simulate(under_a_sine(60, **keys), many=True).history
+    found = steady(history["time_s"], history["block.angle_rad"], 60)
+    assert found == pytest.approx(most, rel=0.01)
+    assert found == pytest.approx(0.18951, rel=0.01)
+
+
+@pytest.mark.slow
+def test_steady_rocking_of_an_elastic_block() -> None:
+    """Damped, within 3 % of the equation with the restitution that it has, 0.936."""
+    scene = under_a_sine(30, **STONE)
+    history = simulate(scene, many=True).history
+    amplitude, omega = 2 * math.tan(SLENDERNESS) * G, 4 * P
+    equation = housner(
+        scene.blocks[0].shape, gravity=G, end=30 * PERIOD, step=PERIOD / 200, restitution=0.936,
+        acceleration=lambda t: amplitude * math.sin(omega * t),
+    )  # fmt: skip
+    expected = steady(equation.time, equation.angle, 30)
+    found = steady(history["time_s"], history["block.angle_rad"], 30)
+    assert found == pytest.approx(expected, rel=0.03)
+
+
+def test_steady_rocking_has_no_horizon() -> None:
+    """A millionth more motion is a millionth more answer."""
+    scene = under_a_sine(30, model="rigid")
+    runs = [simulate(each, many=True).history for each in (scene, twin_of(scene))]
+    _, apart = difference(scene, *runs)
+    assert 0 < apart.max() < 1e-4
+    assert horizon(scene, *runs) is None
+
+
+def test_a_scene_without_motion_has_a_twin_with_another_start() -> None:
+    scene = parse_scene({
+        "block": [SIZE | {"model": "rigid", "tilt_deg": 3.0, "velocity": [0.1, 0.0]}],
+        "time": {"end": 1.0},
+    })  # fmt: skip
+    twin = twin_of(scene, 1e-3).blocks[0]
+    assert (twin.tilt_deg, twin.velocity) == pytest.approx((3.003, (0.1001, 0.0)))
+    assert twin_of(scene, 0.0) == scene
+
+
+def test_a_run_tells_its_horizon(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In the summary and in words; without it, nothing is said."""
+    words = ["run", str(SCENE), "--set", "motion.kind=synthetic", "motion.scale=3",
+             "time.end=8", "time.step=2e-3"]  # fmt: skip
+    assert main([*words, "output.twin=true", "-o", str(tmp_path / "out")]) == 0
+    found = json.loads((tmp_path / "out" / "summary.json").read_text())["horizon"]
+    assert found["perturbation"] == 1e-6 and found["status"] == "completed"
+    assert capsys.readouterr().out.count("horizon: ") == 1
+    assert main([*words, "-o", str(tmp_path / "other")]) == 0
+    assert "horizon" not in json.loads((tmp_path / "other" / "summary.json").read_text())
+    files = [(tmp_path / name / "history.csv").read_text() for name in ("out", "other")]
+    assert files[0] == files[1]
+
+
+SCENE = Path(__file__).parents[2] / "demos" / "ensemble" / "scene.toml"
+
+
+def test_the_study(tmp_path: Path) -> None:
+    """Smaller differences last longer; the horizon is that of the two runs themselves."""
+    pytest.importorskip("matplotlib")
+    words = ["study", "horizon", str(SCENE), "-o", str(tmp_path / "out"), "-q", "-j", "1",
+             "--set", "motion.kind=synthetic", "motion.scale=3", "time.end=20", "time.step=2e-3",
+             "--differences", "1e-3,1e-6,1e-9"]  # fmt: skip
+    assert main(words) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    sizes = [row["perturbation"] for row in summary["twins"]]
+    assert sizes == [1e-9, 1e-6, 1e-3]
+    ends = [row["horizon_s"] or math.inf for row in summary["twins"]]
+    assert ends[0] >= ends[1] >= ends[2] and ends[2] < 20
+    assert (tmp_path / "out" / "horizon.png").stat().st_size > 10_000
+    assert main([*words, "--resume"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--differences", "0.5"], "--differences: got 0.5"),
+        (["--engines", "ode"], '--engines: got "ode", allowed rigid, elastic'),
+    ],
+)
+def test_what_is_refused(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["study", "horizon", str(SCENE), "-o", str(tmp_path / "out"), *words]) == 2
+    assert said in capsys.readouterr().err

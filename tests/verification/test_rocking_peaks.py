@@ -1,0 +1,62 @@
+"""Housner's block in compiled steps, against the adaptive integration of the same equation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from geometry.block import Block
+from solver.excitation.sampled import SampledMotion
+from solver.reference.housner import housner
+from solver.reference.rocking_peaks import sampled_rocking
+
+PAPER = Block(width=0.25, height=1.0, thickness=0.75, density=503.0 / 0.1875)
+
+
+def noise(seed: int, peak: float, duration: float = 3.0, step: float = 0.02) -> SampledMotion:
+    """Samples that a block feels, of a largest acceleration (m/s2), the first one after 0.1 s."""
+    time = 0.1 + step * np.arange(round(duration / step) + 1)
+    rng = np.random.default_rng(seed)
+    value = sum(
+        rng.normal() * np.sin(2 * math.pi * f * time + rng.uniform(0, 7))
+        for f in (0.8, 1.3, 2.1, 3)
+    )
+    value[0] = value[-1] = 0.0
+    return SampledMotion(time=time, value=peak * value / np.abs(value).max(), step=step)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("restitution", [None, 0.95])
+def test_peaks_and_impacts_of_the_equation(seed: int, restitution: float | None) -> None:
+    motion = noise(seed, 4.5)
+    found = sampled_rocking(PAPER, motion, gravity=9.81, end=4.0, restitution=restitution)
+    equation = housner(
+        PAPER, gravity=9.81, end=4.0, step=1e-3, acceleration=motion.acceleration,
+        restitution=restitution,
+    )  # fmt: skip
+    assert found.angle > 0.1 * PAPER.slenderness
+    assert (found.overturned_at is not None) == equation.overturned
+    # The equation's history is sampled: a peak between two samples is missed by up to 1e-5.
+    if not equation.overturned:
+        assert found.angle == pytest.approx(np.abs(equation.angle).max(), rel=1e-4)
+        assert found.impacts == pytest.approx(len(equation.impacts), abs=2)
+
+
+def test_no_uplift_below_g_tan_alpha() -> None:
+    limit = 9.81 * math.tan(PAPER.slenderness)
+    still, moves = (
+        sampled_rocking(PAPER, noise(1, part * limit), gravity=9.81, end=4.0)
+        for part in (0.999, 1.05)
+    )
+    assert (still.angle, still.impacts) == (0.0, 0)
+    assert 0 < moves.angle < 0.1
+
+
+def test_a_scale_is_a_stronger_motion() -> None:
+    twice = sampled_rocking(PAPER, noise(2, 2.0), gravity=9.81, end=4.0, scale=2.0)
+    assert twice == sampled_rocking(PAPER, noise(2, 4.0), gravity=9.81, end=4.0)
+    fallen = sampled_rocking(PAPER, noise(2, 40.0), gravity=9.81, end=4.0)
+    assert fallen.overturned_at is not None and fallen.overturned_at < 2.0
+    assert fallen.angle == math.pi / 2
