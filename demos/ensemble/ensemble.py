@@ -52,7 +52,7 @@ Rows = list[dict[str, str]]
 #
 # One command does it all:
 #
-#     rockslip study suite scene.toml --count 100 --levels 0.3:1.5:7 --engines rigid,ode
+#     rockslip study suite scene.toml --count 100 --levels 0.3:0.7:5 --engines rigid,ode
 #
 # The elastic block takes longer, some ten seconds for each motion: `--engines rigid,ode,elastic`.
 
@@ -61,7 +61,7 @@ Rows = list[dict[str, str]]
 def run(words: list[str], output: Path = OUTPUT) -> int:
     """Run the study; returns its exit code."""
     again = [] if "--force" in words else ["--resume"]
-    command = ["study", "suite", str(SCENE), "--levels", "0.3:1.5:7", "--engines", "rigid,ode"]
+    command = ["study", "suite", str(SCENE), "--levels", "0.3:0.7:5", "--engines", "rigid,ode"]
     return rockslip([*command, *again, "-o", str(output), *words])
 
 

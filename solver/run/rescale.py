@@ -53,8 +53,10 @@ def _table(motion: SampledMotion, path: str, scale: Scale, file: Path | None) ->
         raise SceneError(path, "a motion from samples", allowed)
     direction = path.rpartition("motion.")[2] if path != "motion" else ""
     beside = file.with_name(f"{file.stem}_{f'{direction}_' if direction else ''}motion.csv")
-    rows = zip(motion.time.tolist(), motion.value.tolist(), strict=True)
     lines = ["time_s,acceleration_m_s2"]
-    lines += [f"{time * scale.times!r},{value!r}" for time, value in rows]
+    lines += [
+        f"{float(time) * scale.times!r},{float(value)!r}"
+        for time, value in zip(motion.time, motion.value, strict=True)
+    ]
     write_whole(beside, "\n".join(lines) + "\n")
     return {"kind": "table", "file": str(beside.resolve()), "units": "m/s2"}

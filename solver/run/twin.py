@@ -34,7 +34,7 @@ def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
         replace(
             block,
             tilt_deg=factor * block.tilt_deg,
-            velocity=tuple(factor * v for v in block.velocity),
+            velocity=_times(block.velocity, factor),
             angular_velocity=_times(block.angular_velocity, factor),
         )
         for block in scene.blocks
@@ -42,11 +42,11 @@ def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
     return replace(scene, blocks=blocks, output=output)
 
 
-def _times(rotation: Any, factor: float) -> Any:
-    """One number, or three, times a factor."""
-    if isinstance(rotation, tuple):
-        return tuple(factor * value for value in rotation)
-    return factor * rotation
+def _times(rate: Any, factor: float) -> Any:
+    """One number, or several, times a factor."""
+    if isinstance(rate, tuple):
+        return tuple(factor * value for value in rate)
+    return factor * rate
 
 
 def difference(scene: Scene, history: History, twin: History) -> tuple[Array, Array]:

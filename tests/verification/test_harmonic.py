@@ -76,7 +76,7 @@ def test_a_scene_without_motion_has_a_twin_with_another_start() -> None:
         "time": {"end": 1.0},
     })  # fmt: skip
     twin = twin_of(scene, 1e-3).blocks[0]
-    assert (twin.tilt_deg, twin.velocity) == pytest.approx((3.003, (0.1001, 0.0)))
+    assert (twin.tilt_deg, *twin.velocity) == pytest.approx((3.003, 0.1001, 0.0))
     assert twin_of(scene, 0.0) == scene
 
 

@@ -82,7 +82,9 @@ def prepare(options: argparse.Namespace) -> Plan:
     differences = numbers("--differences", options.differences)
     if not all(1e-12 <= value <= 0.1 for value in differences):
         raise SceneError("--differences", options.differences, "1e-12 <= D <= 0.1")
-    engines = words("--engines", options.engines, (RIGID, ELASTIC)) if options.engines else [None]
+    engines: list[str | None] = [None]
+    if options.engines:
+        engines = list(words("--engines", options.engines, (RIGID, ELASTIC)))
     path: Path = options.scene
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)

@@ -63,9 +63,9 @@ def as_text(rows: Sequence[Row]) -> str:
         size = f"{row['perturbation']:g}"
         table.append([row["engine"], f"{row['scale']:g}", size, until, largest, peak])
     lines = in_columns(table)
-    for row in rows:
-        rate = growth(row)
+    for run in rows:
+        rate = growth(run)
         if rate is not None:
-            name = f"{row['engine'] or 'scene'}, scale {row['scale']:g}"
+            name = f"{run['engine'] or 'scene'}, scale {run['scale']:g}"
             lines.append(f"{name}: differences grow by e in {1 / rate:.3g} s")
     return "\n".join(lines) + "\n"

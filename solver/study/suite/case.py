@@ -46,11 +46,11 @@ class SuiteCase:
     """The motion."""
     varied: tuple[tuple[str, str], ...]
     """Keys and values, as text, that differ from case to case."""
-    engine: str | None
+    engine: str | None = None
     """What answers, one of `ENGINES`; None: the scene as it stands."""
-    level: float | None
+    level: float | None = None
     """Intensity that the motion is scaled to; None: it stays as it is."""
-    intensity: Intensity | None
+    intensity: Intensity | None = None
     """The measure of the level."""
     tables: Mapping[str, Any]
     """The scene as plain tables."""

@@ -169,12 +169,12 @@ def as_text(
         table.append([sample.words, sample.engine or "-", level, *counts, between, *angles, *slips])
     lines = in_columns(table, left=2)
     lines += [_sentence(own[0], curve, ensemble) for own, curve in curves]
-    for row in apart:
-        level = "" if row["level"] is None else f" at {row['level']:g}"
-        slip = "" if row["slip"] is None else f", of slip {row['slip']:.3f}"
+    for pair in apart:
+        level = "" if pair["level"] is None else f" at {pair['level']:g}"
+        slip = "" if pair["slip"] is None else f", of slip {pair['slip']:.3f}"
         lines.append(
-            f"{_words(row)}, {' and '.join(row['engines'])}{level}: distance of angles "
-            f"{row['angle']:.3f}{slip}, overturned {100 * row['overturned']:+.0f} points"
+            f"{_words(pair)}, {' and '.join(pair['engines'])}{level}: distance of angles "
+            f"{pair['angle']:.3f}{slip}, overturned {100 * pair['overturned']:+.0f} points"
         )
     return "\n".join(lines) + "\n"
 

@@ -67,7 +67,9 @@ def _distributions(samples: Sequence[Sample], axis: str) -> Figure:
     figure = new_figure(2.7 * len(groups) + 0.5)
     panels = figure.subplots(len(groups), 2, squeeze=False, sharey=True)
     levels = sorted({sample.level for sample in samples if sample.level is not None})
-    shown = sorted({levels[0], levels[len(levels) // 2], levels[-1]}) if levels else [None]
+    shown: list[float | None] = (
+        list(sorted({levels[0], levels[len(levels) // 2], levels[-1]})) if levels else [None]
+    )
     for line, group in zip(panels, groups, strict=True):
         for sample in (s for s in samples if s.group == group and s.level in shown):
             label = NAMES[sample.engine]
