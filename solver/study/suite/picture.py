@@ -19,6 +19,9 @@ NAMES = {"": "scene", "rigid": "rigid", "elastic": "elastic", "ode": "Housner's 
 MARKS = {"": "o", "rigid": "o", "elastic": "s", "ode": "^"}
 STYLES: tuple[Any, ...] = ("-", DASHES, (0, (1, 1)))
 
+LEAST_SLIP = 0.1
+"""Shortest axis of slips, mm."""
+
 Curves = Sequence[tuple[list[Sample], Lognormal | None]]
 
 
@@ -36,6 +39,7 @@ def _curves(curves: Curves, axis: str) -> Figure:
         for number, (own, curve) in enumerate(inside):
             _curve(axes, own, curve, number - (len(inside) - 1) / 2)
         axes.set(ylabel="probability of overturning", ylim=(-0.03, 1.03))
+        axes.set_xlim(0, 1.12 * max(sample.level or 0.0 for own, _ in inside for sample in own))
         axes.set_title(f"{inside[0][0][0].words}, {len(inside[0][0][0].angle)} motions", loc="left")
     panels[-1].set_xlabel(axis)
     legend_above(figure, columns=3)
@@ -84,6 +88,7 @@ def _distributions(samples: Sequence[Sample], axis: str) -> Figure:
             _steps(line[1], [1e3 * slip for slip in sample.slip], style)
         line[0].set_ylabel(f"part of the motions, {group[-1][1]}")
         line[0].set(xlim=(0, 1.05), ylim=(0, 1.02))
+        line[1].set_xlim(0, max(LEAST_SLIP, line[1].get_xlim()[1]))  # not round-off
     panels[-1][0].set_xlabel("peak |theta|/alpha; the rest overturned")
     panels[-1][1].set_xlabel("peak slip while it stands, mm")
     legend_above(figure, columns=3)
