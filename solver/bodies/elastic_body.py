@@ -12,7 +12,6 @@ from functools import cached_property
 from petsc4py import PETSc
 
 import numpy as np
-import ufl
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
@@ -69,7 +68,8 @@ class ElasticBody:
             supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
         self.clamped, self.fixed = bool(supports), self._held(supports)
         self._assemble()
-        self._spring, self._dashpot = self._spread(domain, spring)
+        self._spring = None if spring is None else spring.matrix(self.space)
+        self._dashpot = 0.0 if spring is None else spring.dashpot / spring.stiffness
         self._measure_inertia()
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
@@ -111,24 +111,6 @@ class ElasticBody:
             held += [nodes * self.dimension + k for k in support.directions]
         unknowns = np.unique(np.concatenate(held))
         return unknowns[unknowns < self.size].astype(np.int32)
-
-    def _spread(
-        self, domain: mesh.Mesh, spring: GroundSpring | None
-    ) -> tuple[PETSc.Mat | None, float]:
-        """Stiffness of the spring to the ground, and its dashpot over it (s)."""
-        if spring is None:
-            return None, 0.0
-        order = np.argsort(spring.facets)
-        facets = mesh.meshtags(
-            domain, domain.topology.dim - 1, spring.facets[order], np.ones_like(spring.facets)
-        )
-        ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
-        area = self.comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds)))
-        trial, test = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        horizontal = sum(trial[k] * test[k] for k in range(self.dimension - 1))
-        density = fem.Constant(domain, spring.stiffness / area)
-        matrix = PackedForm(density * horizontal * ds).matrix()
-        return matrix, spring.dashpot / spring.stiffness
 
     def _measure_inertia(self) -> None:
         """Mass, centre and moments that the best-fit rotation needs, from the consistent mass."""

@@ -88,6 +88,7 @@ class MeshedRun:
 
     def saved(self) -> dict[str, Any]:
         """How the run stands, for `resume`."""
+        self._ahead = None  # solved anew, here as in a run that goes on from this
         return {
             "state": self.state,
             "stepper": self._stepper.saved(),
@@ -157,15 +158,21 @@ class MeshedRun:
         """A step from a state; one that was looked ahead to is not solved twice."""
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
+            self._stepper.prepare(start, dt)
             return ahead.new, ahead.exchange
         return self._stepper.advance(start, dt)
 
     def _following(self, start: State, dt: float) -> State | None:
-        """Look ahead to the state a step after another; None if the step fails."""
+        """Look ahead to the state a step after another; None if the step fails.
+
+        The stepper stands where it stood: rows and fields of the step before are read through it.
+        """
         try:
             new, exchange = self._stepper.advance(start, dt)
         except StepFailed:
             return None
+        finally:
+            self._stepper.prepare(self.state, dt)
         self._ahead = _Ahead(start, dt, new, exchange)
         return new
 

@@ -107,6 +107,7 @@ class Stepper:
     def saved(self) -> dict[str, Any]:
         """What the digits of further steps depend on besides the state, for `resume`."""
         bodies = self.system.bodies
+        self.local.forget()  # here as in a run that goes on from this
         return {
             "faces": self._faces,
             "strained": [getattr(body, "strained_at", None) for body in bodies],

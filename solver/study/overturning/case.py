@@ -46,7 +46,8 @@ class OverturningCase:
     def name(self) -> str:
         """Its own in the study; also the name of its file."""
         e = "" if self.restitution is None else f",e={self.restitution:g}"
-        return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}"
+        beside = "".join(f",{amplitude:.8g}" for amplitude, _, _ in self.rigid)
+        return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}{beside}"
 
     def scene(self) -> Scene:
         """The scene with a rigid block; its impacts are plastic where no restitution is given."""
