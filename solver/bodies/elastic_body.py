@@ -100,7 +100,7 @@ class ElasticBody:
         self.factorizations = 0
         """Number of tangents factorized so far."""
         self.solvers: set[str] = set()
-        """What solved them."""
+        """Names of the linear solvers that solved with them."""
 
     def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
         """Owned unknowns that supports hold."""
