@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -115,13 +116,10 @@ def _elastic(case: OverturningCase) -> tuple[list[Boundary], int]:
 
     kind, found = PULSES[case.pulse], []
 
-    def overturns(amplitude: float) -> bool:
-        return elastic_fate(case.tables, kind, case.frequency, amplitude).overturns
-
-    counted = _Counted(overturns)
+    counted = _Counted(partial(elastic_fate, case.tables, kind, case.frequency))
     for amplitude, below, above in case.rigid:
         if STAYS in (below, above):
-            ends = near(counted, amplitude, below == STAYS, TOLERANCE["elastic"])
+            ends = near(counted, amplitude, below, above, TOLERANCE["elastic"])
             if ends is not None:
                 found.append(Boundary(sum(ends) / 2, below, above))
     return found, counted.calls
