@@ -7,14 +7,15 @@ the faces of their surfaces, those behind drawn first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from solver.types import Array, Indices, Mask
+from solver.pictures.surfaces import FieldFiles, polygons
+from solver.types import Array
 
 #: From where bodies in space are seen: to the right of the front and above the horizontal, rad.
 ASIDE, ABOVE = math.radians(25), math.radians(20)
@@ -48,78 +49,21 @@ class Snapshot:
 
 def read_snapshots(fields: Path, times: Sequence[float], dimension: int = 2) -> list[Snapshot]:
     """The snapshots nearest to some times, each once."""
-    import pyvista
-
-    reader = pyvista.get_reader(str(fields))
-    written = np.array(reader.time_values)
-    nearest = sorted({int(np.argmin(np.abs(written - time))) for time in times})
-    read = _faces if dimension == 3 else _cells
+    files = FieldFiles(fields, dimension)
     snapshots = []
-    for index in nearest:
-        reader.set_active_time_value(written[index])
-        parts = [read(grid) for grid in reader.read() if grid is not None and grid.n_cells]
-        outlines = [outline for part, _ in parts for outline in part]
-        stress = np.concatenate([part for _, part in parts])
+    for index in files.nearest(times):
+        surfaces = files.read(index)
+        outlines = [polygon for surface in surfaces for polygon in polygons(surface)]
+        stress = np.concatenate([np.asarray(s.cell_data["von_mises"], float) for s in surfaces])
         if dimension == 3:
+            outlines = [seen_from_front(outline) for outline in outlines]
             # Nearer to the eye is later; the third coordinate has served then.
             order = np.argsort([float(outline[:, 2].mean()) for outline in outlines])
-            outlines, stress = [outlines[i][:, :2] for i in order], stress[order]
-        time = float(written[index])
+            outlines, stress = [outlines[i] for i in order], stress[order]
+        outlines = [outline[:, :2] for outline in outlines]
+        time = float(files.times[index])
         snapshots.append(Snapshot(time_s=time, outlines=outlines, von_mises=stress))
     return snapshots
-
-
-def _cells(grid: Any) -> tuple[list[Array], Array]:
-    """Outlines and stress of the cells of a body in the plane, those of each rank once."""
-    place = np.asarray(grid.points)[:, :2] + np.asarray(grid.point_data["displacement"])[:, :2]
-    stress = np.asarray(grid.cell_data["von_mises"], dtype=float)
-    cells = np.split(grid.cell_connectivity, grid.offset[1:-1])
-    own = np.flatnonzero(_owned(grid))
-    outlines = [place[_around(cells[cell], int(grid.celltypes[cell]))] for cell in own]
-    return outlines, stress[own]
-
-
-def _faces(grid: Any) -> tuple[list[Array], Array]:
-    """Outlines and stress of the faces of the surface of a body in space, as they are seen."""
-    import pyvista
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-
-    # VTK's own filter: pyvista's changes its defaults from version to version.
-    skin = vtkDataSetSurfaceFilter()
-    skin.SetInputData(grid.extract_cells(_owned(grid)))
-    skin.SetNonlinearSubdivisionLevel(0)
-    skin.Update()
-    surface = pyvista.wrap(skin.GetOutput())
-    place = np.asarray(surface.points) + np.asarray(surface.point_data["displacement"])
-    seen = seen_from_front(place)
-    outlines = [seen[polygon] for polygon in _polygons(surface.faces)]
-    return outlines, np.asarray(surface.cell_data["von_mises"], dtype=float)
-
-
-def _polygons(faces: Indices) -> Iterator[Indices]:
-    """Points of each face in VTK's list of them: number of points, points, number, points, ..."""
-    start = 0
-    while start < len(faces):
-        end = start + 1 + int(faces[start])
-        yield faces[start + 1 : end]
-        start = end
-
-
-def _owned(grid: Any) -> Mask:
-    """Cells that are no copies: the ghosts of a rank are in its neighbour's file, too."""
-    copies = np.asarray(grid.cell_data.get("vtkGhostType", np.zeros(grid.n_cells)))
-    return np.asarray(copies == 0)
-
-
-def _around(points: Indices, cell_type: int) -> Indices:
-    """Points of a cell in the order of its outline; 69 and 70 are VTK's triangle and quadrilateral.
-
-    Corners come first, then the points inside the edges: one to an edge at degree 2.
-    """
-    corners = {5: 3, 9: 4, 22: 3, 23: 4, 69: 3, 70: 4}[cell_type]
-    if len(points) < 2 * corners:
-        return points[:corners]
-    return np.stack([points[:corners], points[corners : 2 * corners]], axis=1).ravel()
 
 
 def seen_from_front(place: Array) -> Array:
