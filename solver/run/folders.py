@@ -19,6 +19,8 @@ LEFT_BEHIND = (
     "checkpoint.npz",
     "checkpoint.npz.part",
     "run.log",
+    "film.mp4",
+    "film.gif",
     "open_in_paraview.py",
     "fields*.pvd",
     "fields*.pvtu",

@@ -71,8 +71,8 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
 def interpolated(time: Array, values: Array, times: Array) -> Array:
     """Columns of a table between its rows, (n, ...)."""
     flat = values.reshape(len(time), -1)
-    found = np.stack([np.interp(times, time, column) for column in flat.T], axis=1)
-    return found.reshape(len(times), *values.shape[1:])
+    found = [np.asarray(np.interp(times, time, column)) for column in flat.T]
+    return np.stack(found, axis=1, dtype=np.float64).reshape(len(times), *values.shape[1:]
 
 
 def _turned(time: Array, frames: Array, times: Array) -> Array:
@@ -130,7 +130,7 @@ def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
     normal = _means(time, np.nan_to_num(history[f"{name}.normal_force_N"]), times)
     weight = carried_weight(run.scene, block) or 1.0
     spacing = times[1] - times[0] if len(times) > 1 else 1.0
-    moved = np.zeros(len(times))
+    moved: Array = np.zeros(len(times))
     for column in (f"{name}.slip_m", f"{name}.slip_second_m"):
         if column in history:
             slip = history[column]

@@ -17,7 +17,7 @@ from solver.errors import EnvironmentTrouble, SceneError
 Pixels = NDArray[np.uint8]
 """A frame: rows, columns, red, green and blue."""
 
-COLOURS = 128
+COLOURS = 192
 """Colours of a GIF; more make the file larger, fewer make bands of the stress."""
 
 SAMPLED = 6

@@ -87,7 +87,7 @@ def frame_times(span: tuple[float, float], slow: float | None, rate: int) -> Arr
         raise SceneError(
             "--slow", f"{factor:g}, which makes {count} frames", f"at most {MOST_FRAMES} frames"
         )
-    return np.linspace(*span, count)
+    return np.asarray(np.linspace(*span, count), dtype=np.float64)
 
 
 def _frames(takes: Sequence[Take], span: tuple[float, float], width: int) -> Iterator[Pixels]:

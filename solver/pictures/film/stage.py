@@ -198,9 +198,8 @@ def _hatch(level: float, spacing: float, count: int) -> Any:
     ends = [(-count * spacing, level, 0.0), (count * spacing, level, 0.0)]
     for k in range(-count, count + 1):
         ends += [(k * spacing, level, 0.0), ((k - 0.4) * spacing, level - 0.4 * spacing, 0.0)]
-    lines = pyvista.PolyData(np.array(ends))
-    lines.lines = np.array([(2, k, k + 1) for k in range(0, len(ends), 2)]).ravel()
-    return lines
+    lines = np.array([(2, k, k + 1) for k in range(0, len(ends), 2)]).ravel()
+    return pyvista.PolyData(np.array(ends), lines=lines)
 
 
 def _round_down(length: float) -> float:
