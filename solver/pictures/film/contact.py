@@ -72,7 +72,7 @@ def interpolated(time: Array, values: Array, times: Array) -> Array:
     """Columns of a table between its rows, (n, ...)."""
     flat = values.reshape(len(time), -1)
     found = [np.asarray(np.interp(times, time, column)) for column in flat.T]
-    return np.stack(found, axis=1, dtype=np.float64).reshape(len(times), *values.shape[1:]
+    return np.stack(found, axis=1, dtype=np.float64).reshape(len(times), *values.shape[1:])
 
 
 def _turned(time: Array, frames: Array, times: Array) -> Array:
