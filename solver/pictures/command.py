@@ -29,6 +29,14 @@ def add_pictures(command: AddCommand) -> None:
     plot.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="folder of the pictures; default the first"
     )
+    plot.add_argument(
+        "--format",
+        dest="formats",
+        nargs="+",
+        choices=("png", "pdf", "svg"),
+        default=["png"],
+        help="of the pictures, one or several; default png",
+    )
     film = command("animate", film_runs, "a film of one run, or of several runs side by side")
     _add_runs(film)
     add = film.add_argument
@@ -96,7 +104,10 @@ def plot_runs(options: argparse.Namespace) -> int:
         raise not_installed(error) from error
     folder = options.output or options.runs[0]
     open_folder(folder)
-    files = picture_run(runs[0], folder) if len(runs) == 1 else picture_runs(runs, folder)
+    if len(runs) == 1:
+        files = picture_run(runs[0], folder, options.formats)
+    else:
+        files = picture_runs(runs, folder, options.formats)
     say("".join(f"{file}\n" for file in files))
     return 0
 

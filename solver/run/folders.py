@@ -11,6 +11,9 @@ from pathlib import Path
 from solver.errors import SceneError, Statement
 from solver.launcher import hidden_by_in_env
 
+#: Pictures that are drawn of runs.
+PICTURES = ("angle", "phase", "platform", "forces", "energy", "motion", "deformed", "overlay")
+
 #: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
 LEFT_BEHIND = (
     "history.csv",
@@ -25,10 +28,7 @@ LEFT_BEHIND = (
     "fields*.pvd",
     "fields*.pvtu",
     "fields*.vtu",
-    *(
-        f"{name}.png"
-        for name in ("angle", "phase", "forces", "energy", "deformed", "overlay", "platform")
-    ),
+    *(f"{name}.{ending}" for name in PICTURES for ending in ("png", "pdf", "svg")),
 )
 
 

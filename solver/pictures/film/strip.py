@@ -12,9 +12,9 @@ import numpy as np
 from solver.pictures.film.contact import State
 from solver.pictures.film.encode import Pixels
 from solver.pictures.film.stage import BODY, FORCE, STRESS
+from solver.pictures.ground import add_ground
 from solver.pictures.style import STYLE, colour, least_span, new_figure, zero_line
 from solver.results.runs import Run
-from solver.scene.units import G_UNIT
 
 #: Pixels an inch of the still parts.
 RESOLUTION = 100
@@ -56,7 +56,9 @@ def draw_strip(runs: Sequence[Run], span: tuple[float, float], width: int) -> St
         figure.set_dpi(RESOLUTION)
         panels = list(np.atleast_1d(figure.subplots(rows, 1, sharex=True)))
         if moving:
-            _add_ground(panels[0], moving[0])
+            add_ground(panels[0], moving[0])
+            if panels[0].get_legend_handles_labels()[0]:
+                panels[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         _add_angles(panels[-1], runs)
         panels[-1].set(xlim=span, xlabel="time (s)")
         figure.align_ylabels()
@@ -65,20 +67,6 @@ def draw_strip(runs: Sequence[Run], span: tuple[float, float], width: int) -> St
     height = pixels.shape[0]
     places = [(height - round(b.y1), height - round(b.y0), round(b.x0), round(b.x1)) for b in boxes]
     return Strip(pixels=pixels, panels=places, span=span)
-
-
-def _add_ground(axes: Any, run: Run) -> None:
-    """The accelerogram, in each direction in which there is one."""
-    names = {"": "along x", "second_": "along y", "vertical_": "vertical"}
-    shown = {d: n for d, n in names.items() if f"base.{d}acceleration_m_s2" in run.history}
-    looks = zip(shown.items(), ("black", "#0072B2", "#D55E00"), strict=False)
-    for (direction, name), hue in looks:
-        ground = run.history[f"base.{direction}acceleration_m_s2"] / G_UNIT
-        axes.plot(run.history["time_s"], ground, color=hue, linewidth=0.9, label=name)
-    axes.set_ylabel("ground (g)")
-    zero_line(axes)
-    if len(shown) > 1:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def _add_angles(axes: Any, runs: Sequence[Run]) -> None:
