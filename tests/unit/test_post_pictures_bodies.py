@@ -197,8 +197,8 @@ def test_a_record_has_its_husid_plot_and_spectrum(tmp_path: Path) -> None:
     assert np.interp(5.0, grown.get_xdata(), grown.get_ydata()) == pytest.approx(50, abs=0.5)
     periods, psa = spectrum.lines[0].get_xdata(), spectrum.lines[0].get_ydata()
     assert periods[np.argmax(psa)] == pytest.approx(0.5, rel=0.05)
-    # steady state of the resonance, 1/(2 xi) times the ground
-    assert psa.max() == pytest.approx(0.2 / 0.1, rel=0.03)
+    # steady state of the resonance, 1/(2 xi) times the ground; periods are 3.5 % apart
+    assert psa.max() == pytest.approx(0.2 / 0.1, rel=0.06)
     assert "motion.png" in [file.name for file in picture_run(run)]
     record.unlink()
     assert sampled_motions(run) == []
