@@ -31,6 +31,7 @@ from solver.pictures.command import add_pictures
 from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
 from solver.study.command import add_studies
+from solver.study.report import add_report
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
@@ -121,6 +122,7 @@ def build_parser() -> Parser:
     )
     run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
     add_pictures(command)
+    add_report(command)
     add_studies(command("study", show_info, "many runs of a scene, and what they say together"))
     command("info", show_info, "versions of everything that matters, ranks, solvers found")
     return parser

@@ -14,6 +14,9 @@ from solver.launcher import hidden_by_in_env
 #: Pictures that are drawn of runs.
 PICTURES = ("angle", "phase", "platform", "forces", "energy", "motion", "deformed", "overlay")
 
+#: Name of the page about a run or a study.
+REPORT = "report.html"
+
 #: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
 LEFT_BEHIND = (
     "history.csv",
@@ -24,6 +27,7 @@ LEFT_BEHIND = (
     "run.log",
     "film.mp4",
     "film.gif",
+    REPORT,
     "open_in_paraview.py",
     "fields*.pvd",
     "fields*.pvtu",
