@@ -44,7 +44,7 @@ def _sheet(grid: Any) -> Any:
     around = [_around(cells[cell], int(grid.celltypes[cell])) for cell in own]
     faces = np.concatenate([[len(points), *points] for points in around])
     sheet = pyvista.PolyData(_places(grid), faces=faces)
-    sheet.cell_data["von_mises"] = np.asarray(grid.cell_data["von_mises"], dtype=float)[own]
+    sheet.cell_data["von_mises"] = _stress(grid)[own]
     return sheet
 
 
@@ -60,7 +60,14 @@ def _skin(grid: Any) -> Any:
     skin.Update()
     surface = pyvista.wrap(skin.GetOutput())
     surface.points = _places(surface)
+    surface.cell_data["von_mises"] = _stress(surface)
     return surface
+
+
+def _stress(grid: Any) -> Array:
+    """The von Mises stress of the cells, Pa; zero in rigid bodies."""
+    known = grid.cell_data.get("von_mises", np.zeros(grid.n_cells))
+    return np.asarray(known, dtype=float)
 
 
 def _places(grid: Any) -> Array:

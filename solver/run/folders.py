@@ -32,6 +32,7 @@ LEFT_BEHIND = (
     "fields*.pvd",
     "fields*.pvtu",
     "fields*.vtu",
+    *("fields/fields_*.pvd", "fields/fields_*.pvtu", "fields/fields_*.vtu"),
     *(f"{name}.{ending}" for name in PICTURES for ending in ("png", "pdf", "svg")),
 )
 
