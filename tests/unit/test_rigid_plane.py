@@ -166,9 +166,8 @@ def test_a_run_writes_what_a_run_writes(tmp_path: Path) -> None:
     assert result.summary["cost"]["steps"] == 101
     index = (tmp_path / "fields.pvd").read_text()
     for name in ("small", "block", "platform"):
-        assert (
-            index.count(f'name="{name}" file="fields/fields_{name}') == 4
-        )  # at 0, 0.04, 0.08 and the end
+        # at 0, 0.04, 0.08 and the end
+        assert index.count(f'name="{name}" file="fields/fields_{name}') == 4
     assert (tmp_path / "open_in_paraview.py").is_file()
 
 
