@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from solver.fields.ground import platform_corners
-from solver.pictures.film.contact import BlockFrames
+from solver.pictures.film.contact import BlockFrames, block_poses
 from solver.pictures.style import largest
 from solver.pictures.surfaces import FieldFiles
 from solver.results.runs import FIELDS, Run
+from solver.scene import BlockSpec
 from solver.types import Array
 
 #: Faces of a hexahedron in VTK's order of its corners, outwards.
@@ -24,11 +25,13 @@ SAMPLED = 25
 class Bodies(Protocol):
     """The surfaces of all bodies, frame by frame."""
 
+    names: list[str]
+    """What they are called."""
     stress_limit: float
     """Stress that has the last colour, Pa; 0 where no body has any."""
 
     def at(self, frame: int) -> list[Any]:
-        """Surface of each body as `pyvista.PolyData`, m; blocks first, in their order."""
+        """Surface of each body as `pyvista.PolyData`, m, in the order of `names`."""
 
 
 class Boxes:
@@ -41,6 +44,8 @@ class Boxes:
         self._blocks, self._drift = blocks, drift
         self._corners = [np.array(b.shape.corners(run.scene.dimension)) for b in run.scene.blocks]
         self._platform = platform_corners(run.scene) if run.scene.has_platform else None
+        self.names = [block.name for block in run.scene.blocks]
+        self.names += ["platform"] if self._platform is not None else []
 
     def at(self, frame: int) -> list[Any]:
         """Boxes as they stand."""
@@ -63,20 +68,57 @@ def _box(corners: Array) -> Any:
     return pyvista.PolyData(corners, faces=np.array([(4, *side) for side in SIDES]).ravel())
 
 
-class Fields:
-    """Bodies from the files of the fields, straight between two snapshots."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Poses:
+    """The motion of a block as a rigid body, at several times."""
 
-    def __init__(self, file: Path, dimension: int, times: Array):
-        """Open the files for frames at these times, s."""
-        self._files, self._times = FieldFiles(file, dimension), times
+    centres: Array
+    """Its centre of mass, m, (n, 3)."""
+    frames: Array
+    """Its axes as columns, (n, 3, 3)."""
+
+    def own(self, index: int, places: Array) -> Array:
+        """Places, m, (k, 3), as the block sees them."""
+        return np.asarray((places - self.centres[index]) @ self.frames[index])
+
+    def placed(self, index: int, own: Array) -> Array:
+        """Where places of the block's own stand, m, (k, 3)."""
+        return np.asarray(own @ self.frames[index].T + self.centres[index])
+
+
+def _poses(run: Run, block: BlockSpec, times: Array) -> Poses:
+    """The motion of a block at these times, s; of the plane in space."""
+    centres, frames = block_poses(run, block, times)
+    missing = 3 - centres.shape[1]
+    turned = np.tile(np.eye(3), (len(times), 1, 1))
+    turned[:, : frames.shape[1], : frames.shape[2]] = frames
+    return Poses(centres=np.pad(centres, ((0, 0), (0, missing))), frames=turned)
+
+
+class Fields:
+    """Bodies from the files of the fields.
+
+    Between two snapshots a block moves as the history says, and deforms evenly.
+    """
+
+    def __init__(self, run: Run, times: Array):
+        """Open the files of a run for frames at these times, s."""
+        self._files, self._times = FieldFiles(run.folder / FIELDS, run.scene.dimension), times
         self._read: dict[int, list[Any]] = {}
+        self.names = self._files.names
+        blocks = {block.name: block for block in run.scene.blocks}
+        self._poses = [
+            (_poses(run, blocks[name], self._files.times), _poses(run, blocks[name], times))
+            if name in blocks
+            else None
+            for name in self._files.names
+        ]
         last = len(self._files.times) - 1
         sampled = {int(k) for k in np.linspace(0, last, min(SAMPLED, last + 1))}
         found = [
             np.asarray(surface.cell_data["von_mises"])
             for index in sorted(sampled)
             for surface in self._files.read(index)
-            if surface.n_cells
         ]
         everything = np.concatenate(found)
         self.stress_limit = float(np.quantile(everything, 0.995)) if largest(everything) else 0.0
@@ -89,8 +131,22 @@ class Fields:
             return self._snapshot(0)
         before = after - 1
         part = float(np.clip((time - written[before]) / (written[after] - written[before]), 0, 1))
-        pairs = zip(self._snapshot(before), self._snapshot(after), strict=True)
-        return [_between(first, second, part) for first, second in pairs]
+        first, second = self._snapshot(before), self._snapshot(after)
+        poses = self._poses if len(self._poses) == len(first) else [None] * len(first)
+        bodies = []
+        for one, other, pose in zip(first, second, poses, strict=True):
+            if one.n_points != other.n_points or one.n_cells != other.n_cells:
+                # The ranks changed when the run was resumed.
+                bodies.append(one if part < 0.5 else other)
+                continue
+            places = [np.asarray(one.points), np.asarray(other.points)]
+            if pose is not None and time <= written[-1]:
+                seen = [pose[0].own(k, x) for k, x in zip((before, after), places, strict=True)]
+                moved = pose[1].placed(frame, (1 - part) * seen[0] + part * seen[1])
+            else:
+                moved = (1 - part) * places[0] + part * places[1]
+            bodies.append(_mixed(one, other, part, moved))
+        return bodies
 
     def _snapshot(self, index: int) -> list[Any]:
         """A snapshot; the last few stay in memory."""
@@ -100,21 +156,17 @@ class Fields:
         return self._read[index]
 
 
-def _between(first: Any, second: Any, part: float) -> Any:
-    """A body between two snapshots: `part` is 0 at the first, 1 at the second."""
-    if first.n_points != second.n_points or first.n_cells != second.n_cells:
-        return first if part < 0.5 else second  # ranks changed when the run was resumed
-    between = first.copy()
-    between.points = (1 - part) * np.asarray(first.points) + part * np.asarray(second.points)
+def _mixed(first: Any, second: Any, part: float, places: Array) -> Any:
+    """A body at these places, m, with stress between that of two snapshots."""
+    mixed = first.copy()
+    mixed.points = places
     stress = [np.asarray(surface.cell_data["von_mises"]) for surface in (first, second)]
-    between.cell_data["von_mises"] = (1 - part) * stress[0] + part * stress[1]
-    return between
+    mixed.cell_data["von_mises"] = (1 - part) * stress[0] + part * stress[1]
+    return mixed
 
 
 def bodies_of(run: Run, blocks: list[BlockFrames], drift: Array, times: Array) -> Bodies:
     """The bodies of a run; what is meshed and has left no fields is drawn as rigid boxes."""
-    fields = run.folder / FIELDS
-    meshed = run.model == "finite elements"
-    if meshed and fields.is_file():
-        return Fields(fields, run.scene.dimension, times)
+    if run.model == "finite elements" and (run.folder / FIELDS).is_file():
+        return Fields(run, times)
     return Boxes(run, blocks, drift)

@@ -52,20 +52,26 @@ class BlockFrames:
 
 def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
     """A block at the times of the frames, s, which are evenly spaced."""
-    time, box = run.history["time_s"], boxes(run.history, block)
     carrier = run.scene.carrier_of(block)
-    centres, frames = interpolated(time, box.centres, times), _turned(time, box.frames, times)
-    up = np.broadcast_to(np.eye(len(box.half))[-1], centres.shape)
+    centres, frames = block_poses(run, block, times)
+    half = np.array(block.shape.half_lengths(run.scene.dimension))
+    up = np.broadcast_to(np.eye(len(half))[-1], centres.shape)
     if carrier is not None:
-        up = _turned(time, boxes(run.history, carrier).frames, times)[:, :, -1]
+        up = block_poses(run, carrier, times)[1][:, :, -1]
     return BlockFrames(
         centres=centres,
         frames=frames,
-        half=box.half,
+        half=half,
         force=_force(run, block, times),
-        foot=_foot(centres, frames, box.half, up),
+        foot=_foot(centres, frames, half, up),
         states=_states(run, block, times),
     )
+
+
+def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:
+    """Centre of mass, m, (n, d), and axes as columns, (n, d, d), of a block at some times, s."""
+    time, box = run.history["time_s"], boxes(run.history, block)
+    return interpolated(time, box.centres, times), _turned(time, box.frames, times)
 
 
 def interpolated(time: Array, values: Array, times: Array) -> Array:

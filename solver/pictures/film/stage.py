@@ -45,6 +45,11 @@ class Stage:
         surfaces = take.bodies.at(0)
         self._actors = [self._add_body(surface) for surface in surfaces]
         self._arrows = [self._add_arrow() for _ in take.blocks]
+        names = take.bodies.names
+        self._of_block = [
+            names.index(block.name) if block.name in names else number
+            for number, block in enumerate(take.run.scene.blocks)
+        ]
         self._look(size, low, high)
 
     def _add_body(self, surface: Any) -> Any:
@@ -144,8 +149,9 @@ class Stage:
             actor.SetPosition(*ground)
         for number, (block, arrow) in enumerate(zip(take.blocks, self._arrows, strict=True)):
             state = block.states[frame]
-            if not self._has_stress(surfaces[number]):
-                self._actors[number].prop.color = BODY[state]
+            body = self._of_block[number]
+            if not self._has_stress(surfaces[body]):
+                self._actors[body].prop.color = BODY[state]
             arrow.prop.color = FORCE[state]
             shown = self._arrow(block.foot[frame], block.force[frame])
             arrow.SetVisibility(shown is not None)
