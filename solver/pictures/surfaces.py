@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -21,7 +21,7 @@ class FieldFiles:
 
         self._reader, self._dimension = pyvista.get_reader(str(file)), dimension
         self.times: Array = np.array(self._reader.time_values)
-        entries = list(ElementTree.parse(file).iter("DataSet"))
+        entries = list(ET.parse(file).iter("DataSet"))
         first = entries[0].get("timestep")
         self.names = [e.get("name", "") for e in entries if e.get("timestep") == first]
         """What the bodies are called, in their order; empty where the file does not say."""

@@ -20,6 +20,9 @@ PLATFORM = "#b5b5b5"
 
 STRESS = "viridis"
 
+#: Light that comes from everywhere, so that sides are not black.
+AMBIENT = 0.4
+
 #: An arrow is drawn no longer than this, over the one of the weight.
 LONGEST = 3.0
 
@@ -65,6 +68,7 @@ class Stage:
                 edge_color="#303030",
                 edge_opacity=0.4,
                 lighting=self._dimension == 3,
+                ambient=AMBIENT,
                 copy_mesh=True,
             )
         return self._plotter.add_mesh(
@@ -74,6 +78,7 @@ class Stage:
             line_width=2,
             edge_color="#303030",
             lighting=self._dimension == 3,
+            ambient=AMBIENT,
             copy_mesh=True,
         )
 
