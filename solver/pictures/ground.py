@@ -85,7 +85,7 @@ def draw_motion(motions: list[tuple[str, str, Array, float]]) -> Figure:
     panels["h"].sharex(panels["a"])
     panels["a"].tick_params(labelbottom=False)
     for name, hue, samples, step in motions:
-        time = step * np.arange(len(samples))
+        time: Array = step * np.arange(len(samples), dtype=np.float64)
         peak, _, _ = peak_ground(samples, step)
         label = f"{name}, PGA {peak / G_UNIT:.3g} g"
         panels["a"].plot(time, samples / G_UNIT, color=hue, linewidth=0.7, label=label)

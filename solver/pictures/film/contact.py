@@ -77,8 +77,10 @@ def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]
 def interpolated(time: Array, values: Array, times: Array) -> Array:
     """Columns of a table between its rows, (n, ...)."""
     flat = values.reshape(len(time), -1)
-    found = [np.asarray(np.interp(times, time, column)) for column in flat.T]
-    return np.stack(found, axis=1, dtype=np.float64).reshape(len(times), *values.shape[1:])
+    found: Array = np.empty((len(times), flat.shape[1]))
+    for number, column in enumerate(flat.T):
+        found[:, number] = np.interp(times, time, column)
+    return found.reshape(len(times), *values.shape[1:])
 
 
 def _turned(time: Array, frames: Array, times: Array) -> Array:
@@ -103,7 +105,8 @@ def _force(run: Run, block: BlockSpec, times: Array) -> Array:
     own = np.stack([*along, history[f"{name}.normal_force_N"]], axis=1)
     force = np.nan_to_num(np.einsum("nij,nj->ni", axes, own))
     weight = carried_weight(run.scene, block) or 1.0
-    return np.stack([_means(history["time_s"], part, times) for part in force.T], axis=1) / weight
+    means = [_means(history["time_s"], part, times) / weight for part in force.T]
+    return np.asarray(np.stack(means, axis=1), dtype=np.float64)
 
 
 def _means(time: Array, values: Array, times: Array) -> Array:
