@@ -121,7 +121,7 @@ class Fields:
             for surface in self._files.read(index)
         ]
         everything = np.concatenate(found)
-        self.stress_limit = float(np.quantile(everything, 0.995)) if largest(everything) else 0.0
+        self.stress_limit = float(np.quantile(everything, 0.98)) if largest(everything) else 0.0
 
     def at(self, frame: int) -> list[Any]:
         """Surfaces with their stress at the time of a frame."""

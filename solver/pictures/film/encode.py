@@ -81,7 +81,7 @@ class Gif(Encoder):
         if not pictures:
             raise ValueError("no frames")
         chosen = pictures[:: max(1, len(pictures) // SAMPLED)]
-        palette = _sample(chosen).quantize(COLOURS, dither=Image.Dither.NONE)
+        palette = _sample(chosen).quantize(COLOURS, kmeans=2, dither=Image.Dither.NONE)
         indexed = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
         indexed[0].save(
             file,

@@ -124,7 +124,7 @@ def _stage_size(low: Array, high: Array, width: int) -> tuple[int, int]:
     """Width and height of a stage, pixels: as what it shows, within bounds."""
     extent = high - low
     ratio = float(extent[-1] / (extent[0] if len(extent) == 2 else np.hypot(*extent[:2])))
-    return width, round(width * min(max(ratio, 0.4), 0.62 if width > 600 else 1.2))
+    return width, round(width * min(max(ratio, 0.4), 0.62 if width > 600 else 0.8))
 
 
 def _with_time(heading: Pixels, time: float) -> Pixels:

@@ -14,7 +14,7 @@ from solver.pictures.film.take import Take
 from solver.types import Array
 
 #: Colours of arrows and rigid bodies by state, and of platforms.
-FORCE = {State.STICKS: "#0072B2", State.SLIPS: "#D55E00", State.OPEN: "#0072B2"}
+FORCE = {State.STICKS: "#2aa9ff", State.SLIPS: "#ff6a00", State.OPEN: "#2aa9ff"}
 BODY = {State.STICKS: "#c9d3df", State.SLIPS: "#f6cf9b", State.OPEN: "#e8f4e4"}
 PLATFORM = "#b5b5b5"
 
@@ -67,8 +67,7 @@ class Stage:
                 show_edges=True,
                 edge_color="#303030",
                 edge_opacity=0.4,
-                lighting=self._dimension == 3,
-                ambient=AMBIENT,
+                **self._light(),
                 copy_mesh=True,
             )
         return self._plotter.add_mesh(
@@ -77,10 +76,15 @@ class Stage:
             show_edges=True,
             line_width=2,
             edge_color="#303030",
-            lighting=self._dimension == 3,
-            ambient=AMBIENT,
+            **self._light(),
             copy_mesh=True,
         )
+
+    def _light(self) -> dict[str, Any]:
+        """Sides are told apart in space; in the plane colours are those of the legend."""
+        if self._dimension == 2:
+            return {"lighting": False}
+        return {"lighting": True, "ambient": AMBIENT, "diffuse": 1 - AMBIENT}
 
     def _has_stress(self, surface: Any) -> bool:
         """Whether a body is meshed: a rigid one is a single cell, or its six sides."""

@@ -124,12 +124,22 @@ def _add_legend(figure: Any, limit: float) -> None:
     )
     if limit > 0:
         unit, factor = ("MPa", 1e-6) if limit >= 1e5 else ("kPa", 1e-3)
-        axes = figure.add_axes((0.68, 0.30, 0.18, 0.13))
+        # Inches from the right: the label, the bar, the zero.
+        wide, _ = figure.get_size_inches()
+        label, bar = 1.62, 1.0
+        left = 1 - (label + bar) / wide
+        axes = figure.add_axes((left, 0.30, bar / wide, 0.13))
         axes.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=STRESS, extent=(0, 1, 0, 1))
         axes.set_axis_off()
         look = {"va": "center", "fontsize": 8.5}
-        figure.text(0.672, 0.36, "0", ha="right", **look)
-        figure.text(0.866, 0.36, f"{factor * limit:.3g} {unit} von Mises", ha="left", **look)
+        figure.text(left - 0.05 / wide, 0.36, "0", ha="right", **look)
+        figure.text(
+            1 - (label - 0.05) / wide,
+            0.36,
+            f"{factor * limit:.3g} {unit} von Mises",
+            ha="left",
+            **look,
+        )
 
 
 def _pixels(figure: Any) -> Pixels:
