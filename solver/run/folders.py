@@ -51,6 +51,8 @@ def claim_folder(folder: Path, scene: Path, force: bool) -> None:
         for pattern in LEFT_BEHIND:
             for file in folder.glob(pattern):
                 file.unlink()
+        with suppress(OSError):  # of others where it is not empty, or not there
+            (folder / "fields").rmdir()
 
 
 def make_folder(folder: Path, *, force: bool, allowed: str = "an empty folder, or --force") -> bool:
