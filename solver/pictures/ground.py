@@ -17,7 +17,7 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
-from solver.pictures.style import BLUE, GREY, RED, legend_over, new_figure, zero_line
+from solver.pictures.style import BLUE, GREY, RED, legend_above, new_figure, zero_line
 from solver.results.runs import Run
 from solver.scene.units import G_UNIT
 from solver.types import Array
@@ -86,8 +86,7 @@ def draw_motion(motions: list[tuple[str, str, Array, float]]) -> Figure:
     panels["a"].tick_params(labelbottom=False)
     for name, hue, samples, step in motions:
         time: Array = step * np.arange(len(samples), dtype=np.float64)
-        peak, _, _ = peak_ground(samples, step)
-        label = f"{name}, PGA {peak / G_UNIT:.3g} g"
+        label = _label(name, samples, step)
         panels["a"].plot(time, samples / G_UNIT, color=hue, linewidth=0.7, label=label)
         _add_husid(panels["h"], time, samples, step, hue)
         spectrum = response_spectrum(samples, step, PERIODS, DAMPING) / G_UNIT
@@ -98,19 +97,23 @@ def draw_motion(motions: list[tuple[str, str, Array, float]]) -> Figure:
     panels["h"].margins(x=0)
     label = f"PSA (g), {DAMPING:.0%} of critical"
     panels["s"].set(xlabel="period (s)", ylabel=label, ylim=(0, None))
-    legend_over(panels["a"])
+    legend_above(figure, columns=1)
     return figure
 
 
 def _add_husid(axes: Any, time: Array, samples: Array, step: float, hue: str) -> None:
-    """The part of the Arias intensity that has come (Husid 1969), and the significant duration."""
+    """The part of the Arias intensity that has come (Husid 1969)."""
     grown = accumulated_intensity(samples, step)
     if grown[-1] == 0 or not math.isfinite(grown[-1]):
         return
-    lasts = significant_duration(samples, step)
-    label = f"{grown[-1]:.3g} m/s, D5-95 {lasts:.3g} s"
-    axes.plot(time, 100 * grown / grown[-1], color=hue, label=label)
+    axes.plot(time, 100 * grown / grown[-1], color=hue)
     for level in (5, 95):
         axes.axhline(level, color=GREY, linewidth=0.5, linestyle=":", zorder=0)
-    # The curve rises from the lower left to the upper right: below its end there is room.
-    axes.legend(loc="lower right")
+
+
+def _label(name: str, samples: Array, step: float) -> str:
+    """A motion and its measures."""
+    peak, _, _ = peak_ground(samples, step)
+    arias = accumulated_intensity(samples, step)[-1]
+    lasts = significant_duration(samples, step)
+    return f"{name}: PGA {peak / G_UNIT:.3g} g, Arias {arias:.3g} m/s, D5-95 {lasts:.3g} s"
