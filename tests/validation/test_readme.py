@@ -124,6 +124,10 @@ def shortened(words: list[str]) -> list[str]:
         return words  # the scene is in the folder
     if task in ("run", "reference"):
         more = ("--set", "time.end=0.02", "--force")
+    elif task == "animate":
+        more = ("--from", "0", "--until", "0.02", "--slow", "5", "--width", "320")
+    elif task == "report":
+        more = ("--no-film",)
     elif task == "study suite":
         synthetic = "synthetic" in words or "--motions" not in words
         more = (*TINY_STUDY, "-j", "1", *(("--count", "1") if synthetic else ()))
@@ -244,7 +248,7 @@ def test_the_pages_have_commands() -> None:
     """Nothing is lost where pages are written in another way."""
     assert len(RUN) > 12
     tasks = {command.split()[1] for _, command in RUN if command.startswith("rockslip ")}
-    assert tasks == {"run", "check", "reference", "plot", "info", "study"}
+    assert tasks == {*("run", "check", "reference", "plot", "animate", "report", "info", "study")}
 
 
 SNIPPETS = [

@@ -59,7 +59,7 @@ def write_all(
         title=title,
         summary=_sentences(findings),
         pictures=_pictures(folder, lines, findings),
-        table=words(findings),
+        numbers=words(findings),
         failed=told,
         scene=scene,
         command=command,

@@ -210,7 +210,7 @@ def _ordered(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> list[dict[str, A
 
 def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     """Write the tables of what has been done."""
-    from solver.study.suite.folder import SUMMARY, TABLE, TEXT
+    from solver.study.suite.folder import PICTURE, SUMMARY, TABLE, TEXT
     from solver.study.suite.table import as_csv, as_text, ratios
     from solver.study.tables import write
 
@@ -223,6 +223,10 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     counts = {"cases": len(plan.cases), "completed": completed}
     counts["failed"] = len(ordered) - completed
     write(plan.folder / SUMMARY, counts | {"ratios": ratios(ordered, plan.varied)})
+    if len(ordered) == len(plan.cases):
+        from solver.study.suite.picture import suite_picture
+
+        suite_picture(ordered, plan.varied, plan.folder / PICTURE)
 
 
 def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:

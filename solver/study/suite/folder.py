@@ -5,11 +5,11 @@ from __future__ import annotations
 from solver.study.folder import StudyFolder
 
 RUNS = "runs"
-TABLE, TEXT, SUMMARY = "suite.csv", "suite.txt", "summary.json"
+TABLE, TEXT, SUMMARY, PICTURE = "suite.csv", "suite.txt", "summary.json", "suite.png"
 
 FOLDER = StudyFolder(
     kind="suite",
     same="the same scene, motions and options",
-    files=(TABLE, TEXT, SUMMARY),
+    files=(TABLE, TEXT, SUMMARY, PICTURE),
     folders=(RUNS,),
 )
