@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
@@ -204,12 +206,18 @@ def test_a_run_can_be_stopped() -> None:
         def show(self, *arguments: Any) -> None:
             """No display."""
 
+        def keep(self, *arguments: Any, **named: Any) -> None:
+            """No checkpoint."""
+
     from rockslip import History
     from solver.results.endings import Watch
+    from solver.run.checkpoint import Schedule
     from solver.run.rigid import RigidRun
 
     class Files:
         """No files; a snapshot every 20 steps."""
+
+        schedule = Schedule(None, MPI.COMM_SELF)
 
         def next_snapshot(self, now: float) -> float:
             """The next one."""
