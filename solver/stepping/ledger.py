@@ -87,6 +87,8 @@ class StepEnds(NamedTuple):
     """u_{n+1} - u_n, m."""
     dp: Array
     """p_{n+1} - p_n, N."""
+    impulsive: Sequence[Array | None]
+    """Of each body what `impulsive_force` gives, N."""
     residual: Array
     """What the iteration left out of balance, N."""
 
@@ -100,11 +102,14 @@ def step_sums(system: System, ends: StepEnds) -> StepSums:
         increment=float(du @ ends.dp),
         residual=float(ends.residual @ du),
     )
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody):
-            squared = body.increment_energy(ends.u[own])
-            sums.increment += squared
-            sums.damping += body.damping.stiffness * squared / dt
+    for body, own, viscous in zip(system.bodies, system.slices, ends.impulsive, strict=True):
+        if isinstance(body, ElasticBody) and viscous is not None:
+            # The gradient of du at the midpoint is dE: du.C du/dt is beta_R/dt times int dE:C:dE.
+            lost = float(viscous @ du[own])
+            sums.damping += lost
+            sums.increment += dt / body.damping.stiffness * lost
+        elif isinstance(body, ElasticBody):
+            sums.increment += body.increment_energy(ends.u[own])
         spring, drag = body.spring(du[own]), body.drag(du[own])
         if spring is not None:
             sums.increment += float(du[own] @ spring)

@@ -94,8 +94,22 @@ def turned(system: System, p: Array, vectors: Sequence[Array]) -> Array:
     return joined([body.turned(p[own], vector) for body, own, vector in bodies])
 
 
+def impulsive_forces(system: System, u: Array, dt: float) -> list[Array | None]:
+    """Forces of all bodies that a step of length dt (s) to u does not average; None: there is none.
+
+    Of meshed bodies that is C du/dt by strain rates.
+    """
+    bodies = zip(system.bodies, system.slices, strict=True)
+    return [body.impulsive_force(u[own], dt) for body, own in bodies]
+
+
 def inertia_force(
-    system: System, links: Sequence[Link], state: State, step: Step, solution: StepSolution
+    system: System,
+    links: Sequence[Link],
+    state: State,
+    step: Step,
+    solution: StepSolution,
+    impulsive: Sequence[Array | None],
 ) -> Array:
     """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step."""
     scheme, dt = step.scheme, step.dt
@@ -104,8 +118,8 @@ def inertia_force(
     p = system.inertia(du - dt * state.v)
     p /= scheme.beta * dt**2
     p -= (impulse - 1) * step.p
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        for force in (body.impulsive_force(solution.u[own], dt), body.drag(mean[own])):
+    for body, own, force_of_rates in zip(system.bodies, system.slices, impulsive, strict=True):
+        for force in (force_of_rates, body.drag(mean[own])):
             if force is not None:
                 p[own] += impulse * force
     p -= impulse * step.load

@@ -80,6 +80,7 @@ class StepProblem:
         """
         self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
         self._points, self._system = model.points, model.system
+        self._static, self._weight = balance.static, balance.contact_weight
         self._number = number if model.turns else 0
         memories = balance.contact
         self.force: Array = np.concatenate([memory.force for memory in memories])
@@ -136,7 +137,7 @@ class StepProblem:
         add_contact_forces(
             self._system,
             link,
-            increment.in_equilibrium if balance.static else increment,
+            increment.in_equilibrium if self._static else increment,
             residual,
             traction_weight=weights.interface,
             contact_weight=weights.contact,
@@ -156,7 +157,7 @@ class StepProblem:
             new = self._solved(delassus, y)
             change = new - self.force.take(near, axis=0)
             self.force[near] = new
-            weight = self._balance.contact_weight
+            weight = self._weight
             self.forces = max(self.forces, weight * math.sqrt(float(np.vdot(new, new))))
             for k, response in enumerate(self._tangents.responses):
                 at, coupling = self._configurations[k], delassus.couplings[k]
@@ -258,7 +259,7 @@ class StepProblem:
                 tangents.responses,
                 self._configurations,
                 CandidateSet(near, self._points.frames_at(near), self._kinematics),
-                contact_weight=self._balance.contact_weight,
+                contact_weight=self._weight,
                 softness=self._points.softness,
                 beds=self._beds,
                 softening=self._softening,

@@ -24,7 +24,14 @@ from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.state import Exchange, State
-from solver.stepping.step import Step, balance_of, extrapolated, inertia_force, turned
+from solver.stepping.step import (
+    Step,
+    balance_of,
+    extrapolated,
+    impulsive_forces,
+    inertia_force,
+    turned,
+)
 from solver.stepping.system import Link, System
 from solver.stepping.turning import Turning
 from solver.types import Array
@@ -258,13 +265,14 @@ class Stepper:
         system, dt, old = self.system, step.dt, step.start.contacts
         u, du = solution.u, solution.u - state.u
         v = 2 * np.asarray(du / dt) - state.v
-        p = inertia_force(system, self.links, state, step, solution)
+        impulsive = impulsive_forces(system, u, dt)
+        p = inertia_force(system, self.links, state, step, solution, impulsive)
         remembered = [
             link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
         ]
         contacts = [memory for memory, _ in remembered]
-        ends = StepEnds(dt=dt, u=u, v=v, du=du, dp=p - step.p, residual=solution.residual)
+        ends = StepEnds(dt, u, v, du, p - step.p, impulsive, solution.residual)
         sums = step_sums(system, ends)
         lost = [dissipation for _, dissipation in remembered]
         rubbed = sum(each.friction for each in lost)
