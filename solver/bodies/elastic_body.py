@@ -1,7 +1,6 @@
 """An elastic body: its inertia, its resistance, its factorized tangents.
 
-All vectors hold the owned unknowns of a rank, node by node,
-and belong to the whole thickness.
+All vectors hold the owned unknowns of a rank, node by node, and belong to the whole thickness.
 """
 
 from __future__ import annotations
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import momenta, move_on, turn_all
+from solver.bodies.kernels.momenta import momenta, move_on, turn_all, velocities
 from solver.bodies.kernels.rotation import best_rotation
-from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes, turn
+from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
 from solver.parallel import global_sum
@@ -141,26 +140,20 @@ class ElasticBody:
         return self._image.copy()
 
     @cached_property
-    def inertia_tensor(self) -> Array:
-        """Inertia tensor of the unrotated body in space about its centre, (3, 3), kg m2."""
-        return np.trace(self._moment) * np.eye(self.dimension) - self._moment
+    def _tensor(self) -> Array:
+        """Inertia tensor of the unrotated body about its centre, kg m2; (1, 1) in the plane."""
+        if self.dimension == 2:
+            return np.array([[self.polar_inertia]])
+        return self.polar_inertia * np.eye(3) - self._moment
 
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """Motion of the rigid body that has the same momentum and angular momentum."""
-        d = self.dimension
-        own = np.empty(2 * d + (1 if d == 2 else 3))
+        d, axes = self.dimension, len(self._tensor)
+        own, motion, spin = np.empty(2 * d + axes), np.empty((2, d)), np.empty(axes)
         momenta(self.arm, u, v, self.inertia(v), self.directional_mass, own)
-        sums = global_sum(self.comm, own)
-        moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
-        if d == 2:
-            spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
-            return RigidMotion(moved, velocity, spin / self.polar_inertia, self.rotation(u))
-        rotation, tensor = self.rotation(u), self.inertia_tensor
-        x, y, z = (float(value) for value in moved)
-        a, b, c = (float(value) for value in velocity)
-        own = self.mass * np.array([y * c - z * b, z * a - x * c, x * b - y * a])
-        spin = rotation @ np.linalg.solve(tensor, rotation.T @ (sums[2 * d :] - own))
-        return RigidMotion(moved, velocity, spin, rotation)
+        rotation = self.rotation(u)
+        velocities(global_sum(self.comm, own), self.mass, rotation, self._tensor, motion, spin)
+        return RigidMotion(motion[0], motion[1], spin, rotation)
 
     def extrapolated(
         self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
@@ -173,7 +166,7 @@ class ElasticBody:
         if self.clamped:
             return u + dt * v
         after, way = np.empty_like(u), dt * motion.velocity
-        move_on(self.arm, u, motion.moved, turn(angle), way, after)
+        move_on(self.arm, u, motion.moved, angle, way, after)
         return after
 
     def turned(self, force: Array, vector: Array) -> Array:
@@ -181,7 +174,7 @@ class ElasticBody:
         if self.clamped:
             return force
         turned = np.empty_like(force)
-        turn_all(force, turn(vector), turned)
+        turn_all(force, vector, turned)
         return turned
 
     @property
