@@ -79,9 +79,9 @@ def test_histories_agree(serial: Path, ranks: int) -> None:
         for folder in ("serial", f"ranks{ranks}")
     )
     assert together["cost"]["ranks"] == ranks
-    # Later rocking amplifies round-off: impact times agree to 1e-3 s while the swings are swings.
+    # Later rocking amplifies round-off: impact times agree to 1e-3 s up to the tenth impact.
     times = [[i["time_s"] for i in s["blocks"]["block"]["impacts"]] for s in (alone, together)]
-    assert times[1][:12] == pytest.approx(times[0][:12], abs=1e-3)
+    assert times[1][:10] == pytest.approx(times[0][:10], abs=1e-3)
 
 
 @pytest.mark.mpi
