@@ -12,27 +12,26 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from solver import VERSION
 from solver.arguments import add_overrides, add_scene
 from solver.errors import (
     NO_ROOM,
-    EnvironmentTrouble,
     NotConverged,
     OutputTrouble,
     RockslipError,
     SceneError,
     missing_key,
     not_applicable,
+    not_installed,
 )
 from solver.launcher import launched_rank
-from solver.run.folders import claim_folder, open_folder, release_folders
+from solver.pictures.command import add_pictures
+from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
 from solver.study.command import add_studies
-
-if TYPE_CHECKING:
-    from solver.results.runs import Run
+from solver.study.report import add_report
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
@@ -139,11 +138,8 @@ def build_parser() -> Parser:
         help="of the material: moduli become 1/N, masses 1/N^3; or masses 1/N^2; default density",
     )
     scale.add_argument("-o", "--output", metavar="FILE", type=Path, help="default standard output")
-    plot = command("plot", plot_runs, "pictures of one run, or of several runs overlaid")
-    plot.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
-    plot.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help="folder of the pictures; default the first"
-    )
+    add_pictures(command)
+    add_report(command)
     add_studies(command("study", show_info, "many runs of a scene, and what they say together"))
     command("info", show_info, "versions of everything that matters, ranks, solvers found")
     return parser
@@ -159,7 +155,7 @@ def run_scene(options: argparse.Namespace) -> int:
     try:
         comm = world()
     except ImportError as error:
-        raise EnvironmentTrouble(_remedy(error)) from error
+        raise not_installed(error) from error
     abort_on_exceptions(comm)
     own = parse_options(options.petsc_options).own_words()  # refused before anything is written
     if options.scene is None and options.resume is None:
@@ -177,7 +173,7 @@ def run_scene(options: argparse.Namespace) -> int:
             _start_petsc(own, options.petsc_options)
             import_module("dolfinx")
     except ImportError as error:
-        raise EnvironmentTrouble(_remedy(error)) from error
+        raise not_installed(error) from error
     folder = options.resume or options.output or Path(_stem(path) + ".out")
     if not options.resume:
         on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
@@ -290,32 +286,6 @@ def scale_scene(options: argparse.Namespace) -> int:
     return OutputTrouble.exit_code if FULL else 0
 
 
-def plot_runs(options: argparse.Namespace) -> int:
-    """`rockslip plot`."""
-    if launched_rank() != 0:
-        return 0
-    from solver.results.runs import UNFINISHED, read_run
-
-    runs = [read_run(folder) for folder in options.runs]
-    try:
-        from solver.pictures.pictures import picture_run, picture_runs
-    except ImportError as error:
-        raise EnvironmentTrouble(_remedy(error)) from error
-    for run in runs:
-        if run.summary["status"] == UNFINISHED:
-            _tell(f"{run.folder}: no summary.json, made from the history up to {_end(run)}")
-    folder = options.output or options.runs[0]
-    open_folder(folder)
-    files = picture_run(runs[0], folder) if len(runs) == 1 else picture_runs(runs, folder)
-    say("".join(f"{file}\n" for file in files))
-    return 0
-
-
-def _end(run: Run) -> str:
-    """The time up to which a run has rows, in words."""
-    return f"t = {run.history['time_s'][-1]:.6g} s"
-
-
 def _stem(scene: Path) -> str:
     """What the folder of a run is named after: the scene, "scene" for the standard input."""
     return "scene" if str(scene) == "-" else scene.stem
@@ -337,9 +307,3 @@ def show_info(options: argparse.Namespace) -> int:
 def _tell(line: str) -> None:
     """Write a line of the log."""
     tell(line.rstrip("\n") + "\n")
-
-
-def _remedy(error: ImportError) -> str:
-    """Advice for a package that cannot be imported."""
-    said = " ".join(str(error).split())
-    return f"{said}; the environment is described in README.md, ./in-env rockslip ... has it all"

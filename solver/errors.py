@@ -108,6 +108,14 @@ class EnvironmentTrouble(RockslipError):
     exit_code = 4
 
 
+def not_installed(error: ImportError) -> EnvironmentTrouble:
+    """The error of a package that cannot be imported, with advice."""
+    said = " ".join(str(error).split())
+    return EnvironmentTrouble(
+        f"{said}; the environment is described in README.md, ./in-env rockslip ... has it all"
+    )
+
+
 class OutputTrouble(EnvironmentTrouble):
     """What was computed cannot be written; what was written before stays."""
 

@@ -1,7 +1,6 @@
 """An elastic body: its inertia, its resistance, its factorized tangents.
 
-All vectors hold the owned unknowns of a rank, node by node,
-and belong to the whole thickness.
+All vectors hold the owned unknowns of a rank, node by node, and belong to the whole thickness.
 """
 
 from __future__ import annotations
@@ -12,15 +11,14 @@ from functools import cached_property
 from petsc4py import PETSc
 
 import numpy as np
-import ufl
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import momenta, move_on, turn_all
+from solver.bodies.kernels.momenta import momenta, move_on, turn_all, velocities
 from solver.bodies.kernels.rotation import best_rotation
-from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes, turn
+from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
 from solver.parallel import global_sum
@@ -69,7 +67,8 @@ class ElasticBody:
             supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
         self.clamped, self.fixed = bool(supports), self._held(supports)
         self._assemble()
-        self._spring, self._dashpot = self._spread(domain, spring)
+        self._spring = None if spring is None else spring.matrix(self.space)
+        self._dashpot = 0.0 if spring is None else spring.dashpot / spring.stiffness
         self._measure_inertia()
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
@@ -100,7 +99,7 @@ class ElasticBody:
         self.factorizations = 0
         """Number of tangents factorized so far."""
         self.solvers: set[str] = set()
-        """What solved them."""
+        """Names of the linear solvers that solved with them."""
 
     def _held(self, supports: Sequence[Support]) -> NDArray[np.int32]:
         """Owned unknowns that supports hold."""
@@ -111,24 +110,6 @@ class ElasticBody:
             held += [nodes * self.dimension + k for k in support.directions]
         unknowns = np.unique(np.concatenate(held))
         return unknowns[unknowns < self.size].astype(np.int32)
-
-    def _spread(
-        self, domain: mesh.Mesh, spring: GroundSpring | None
-    ) -> tuple[PETSc.Mat | None, float]:
-        """Stiffness of the spring to the ground, and its dashpot over it (s)."""
-        if spring is None:
-            return None, 0.0
-        order = np.argsort(spring.facets)
-        facets = mesh.meshtags(
-            domain, domain.topology.dim - 1, spring.facets[order], np.ones_like(spring.facets)
-        )
-        ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
-        area = self.comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds)))
-        trial, test = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        horizontal = sum(trial[k] * test[k] for k in range(self.dimension - 1))
-        density = fem.Constant(domain, spring.stiffness / area)
-        matrix = PackedForm(density * horizontal * ds).matrix()
-        return matrix, spring.dashpot / spring.stiffness
 
     def _measure_inertia(self) -> None:
         """Mass, centre and moments that the best-fit rotation needs, from the consistent mass."""
@@ -159,26 +140,20 @@ class ElasticBody:
         return self._image.copy()
 
     @cached_property
-    def inertia_tensor(self) -> Array:
-        """Inertia tensor of the unrotated body in space about its centre, (3, 3), kg m2."""
-        return np.trace(self._moment) * np.eye(self.dimension) - self._moment
+    def _tensor(self) -> Array:
+        """Inertia tensor of the unrotated body about its centre, kg m2; (1, 1) in the plane."""
+        if self.dimension == 2:
+            return np.array([[self.polar_inertia]])
+        return self.polar_inertia * np.eye(3) - self._moment
 
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """Motion of the rigid body that has the same momentum and angular momentum."""
-        d = self.dimension
-        own = np.empty(2 * d + (1 if d == 2 else 3))
+        d, axes = self.dimension, len(self._tensor)
+        own, motion, spin = np.empty(2 * d + axes), np.empty((2, d)), np.empty(axes)
         momenta(self.arm, u, v, self.inertia(v), self.directional_mass, own)
-        sums = global_sum(self.comm, own)
-        moved, velocity = np.asarray(sums[: 2 * d] / self.mass).reshape(2, d)
-        if d == 2:
-            spin = sums[4:] - self.mass * (moved[1] * velocity[0] - moved[0] * velocity[1])
-            return RigidMotion(moved, velocity, spin / self.polar_inertia, self.rotation(u))
-        rotation, tensor = self.rotation(u), self.inertia_tensor
-        x, y, z = (float(value) for value in moved)
-        a, b, c = (float(value) for value in velocity)
-        own = self.mass * np.array([y * c - z * b, z * a - x * c, x * b - y * a])
-        spin = rotation @ np.linalg.solve(tensor, rotation.T @ (sums[2 * d :] - own))
-        return RigidMotion(moved, velocity, spin, rotation)
+        rotation = self.rotation(u)
+        velocities(global_sum(self.comm, own), self.mass, rotation, self._tensor, motion, spin)
+        return RigidMotion(motion[0], motion[1], spin, rotation)
 
     def extrapolated(
         self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
@@ -191,7 +166,7 @@ class ElasticBody:
         if self.clamped:
             return u + dt * v
         after, way = np.empty_like(u), dt * motion.velocity
-        move_on(self.arm, u, motion.moved, turn(angle), way, after)
+        move_on(self.arm, u, motion.moved, angle, way, after)
         return after
 
     def turned(self, force: Array, vector: Array) -> Array:
@@ -199,7 +174,7 @@ class ElasticBody:
         if self.clamped:
             return force
         turned = np.empty_like(force)
-        turn_all(force, turn(vector), turned)
+        turn_all(force, vector, turned)
         return turned
 
     @property

@@ -15,7 +15,8 @@ from petsc4py import PETSc
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.bodies.memory import linear_solver
+from solver.bodies.memory import linear_solver, memory_of
+from solver.errors import EnvironmentTrouble, NotConverged
 from solver.parallel import global_sum
 from solver.types import Array
 
@@ -32,6 +33,9 @@ BLOCK_BYTES = 64e6
 CG_TOLERANCE = 1e-11
 """Residual that CG leaves of the right-hand side. Corrections need no more: what they leave of an
 error is as small a part of it."""
+
+MOST_CG_ITERATIONS = 1000
+"""Iterations after which CG is given up."""
 
 CG_ENTRIES = 30.0
 """Work of a solve by CG, in passes over the matrix."""
@@ -79,7 +83,8 @@ class Factorization:
         self._b, self._x = matrix.createVecs()
         # Views that are kept: asking PETSc for an array costs as much as a back substitution.
         self._right, self._solution = self._b.array, self._x.array
-        solver = linear_solver(matrix.size[0], dimension, matrix.comm.size)
+        comm = matrix.comm.tompi4py()
+        solver = linear_solver(matrix.size[0], dimension, comm.size, memory_of(comm))
         if solver == "CG + GAMG" and modes is not None:
             self._iterate(modes)
         else:
@@ -93,9 +98,12 @@ class Factorization:
                 self._factor = self._factorized(package, kind)
                 self.name = package.upper()
                 break
-            except PETSc.Error:
+            except PETSc.Error as error:
                 if package == "mumps":
-                    raise
+                    size = self.matrix.size[0]
+                    raise EnvironmentTrouble(
+                        f"MUMPS did not factorize a matrix of {size} unknowns: {error}"
+                    ) from error
         used = self._factor.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
         self.entries = max(float(used), float(self.matrix.size[0]))
 
@@ -123,8 +131,7 @@ class Factorization:
         solver.setOperators(self.matrix)
         solver.setType("cg")
         solver.getPC().setType("gamg")
-        solver.setTolerances(rtol=CG_TOLERANCE, max_it=1000)
-        solver.setErrorIfNotConverged(True)
+        solver.setTolerances(rtol=CG_TOLERANCE, max_it=MOST_CG_ITERATIONS)
         solver.setUp()
         self._solver, self.name = solver, "CG + GAMG"
         used = self.matrix.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
@@ -140,6 +147,8 @@ class Factorization:
             self._factor.solve(self._b, self._x)
         else:
             self._solver.solve(self._b, self._x)
+            if self._solver.getConvergedReason() <= 0:
+                raise NotConverged(f"CG with multigrid did not end in {MOST_CG_ITERATIONS} rounds")
         return self._solution[self._own].copy() if self._redundant else self._solution.copy()
 
     def solve_many(self, right: Array) -> Array:

@@ -23,10 +23,10 @@ KEPT_PART = 0.5
 recently are dropped beyond it, and made anew when they are asked for."""
 
 LEFT_PART = 0.05
-"""Part of the memory that no compliance may take the last of."""
+"""Part of the memory that compliances leave free."""
 
 SMALL = 1e8
-"""Memory that is had without asking, bytes."""
+"""Memory below which free memory is not asked for, bytes."""
 
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 """Where Linux says how much memory a container may use."""
@@ -56,8 +56,10 @@ def free_memory() -> float:
         return total_memory()
     try:
         used = float(CONTROL_GROUP.with_name("memory.current").read_text())
-        return min(free, float(CONTROL_GROUP.read_text()) - used)
-    except (OSError, ValueError):
+        files = CONTROL_GROUP.with_name("memory.stat").read_text()
+        cached = float(files.split("inactive_file ")[1].split()[0])  # given back where needed
+        return min(free, float(CONTROL_GROUP.read_text()) - used + cached)
+    except (OSError, ValueError, IndexError):
         return free
 
 
@@ -76,9 +78,26 @@ def compliance_bytes(points: int, dimension: int) -> float:
     return 5 * 8.0 * (points * dimension) ** 2
 
 
-def linear_solver(unknowns: int, dimension: int, ranks: int) -> str:
+def machines(comm: Any) -> int:
+    """Number of machines that the ranks run on; collective."""
+    if comm.size == 1:
+        return 1
+    from mpi4py import MPI
+
+    shared = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    first = int(shared.rank == 0)
+    shared.Free()
+    return int(comm.allreduce(first))
+
+
+def memory_of(comm: Any) -> float:
+    """Memory of all machines that the ranks run on, bytes, the same on every rank; collective."""
+    return machines(comm) * float(min(comm.allgather(total_memory())))
+
+
+def linear_solver(unknowns: int, dimension: int, ranks: int, memory: float) -> str:
     """The solver of a body: by one factorization wherever that leaves room for a few of them."""
-    if factor_bytes(unknowns, dimension) > DIRECT_PART * ranks * total_memory():
+    if factor_bytes(unknowns, dimension) > DIRECT_PART * memory:
         return "CG + GAMG"
     return "CHOLMOD" if ranks == 1 else "MUMPS"
 
@@ -108,16 +127,16 @@ def require(needed: float, what: str, remedy: str, comm: Any) -> None:
     """
     if needed < SMALL:
         return
-    free = max(0.0, free_memory() - LEFT_PART * total_memory()) / comm.size
+    free = max(0.0, free_memory() - LEFT_PART * total_memory()) * machines(comm) / comm.size
     free = min(comm.allgather(free))
     if needed > free:
-        amounts = f"{in_words(needed)} of memory, {in_words(free)} can be had"
+        amounts = f"{in_words(needed)} of memory, {in_words(free)} are free"
         raise MemoryExceeded(f"{what} takes {amounts}: {remedy}")
 
 
 def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
     """The linear solver of a body on one rank, and the memory that it and contact take."""
-    solver = linear_solver(unknowns, dimension, 1)
+    solver = linear_solver(unknowns, dimension, 1, total_memory())
     contact = f"{in_words(compliance_bytes(points, dimension))} for {points} points on its bottom"
     if solver == "CG + GAMG":
         return f"{solver}; {contact}"
@@ -130,7 +149,8 @@ def limits_in_words(ranks: int) -> str:
     sizes = []
     for dimension in (2, 3):
         unknowns = 1000
-        while unknowns < 1e9 and linear_solver(2 * unknowns, dimension, ranks) != "CG + GAMG":
+        while factor_bytes(2 * unknowns, dimension) <= DIRECT_PART * total_memory():
             unknowns *= 2
         sizes.append(f"{unknowns / 1e6:.2g} million unknowns in {dimension}-D")
-    return f"{linear_solver(1000, 2, ranks)} to about {' and '.join(sizes)}, CG + GAMG beyond"
+    direct = linear_solver(1000, 2, ranks, total_memory())
+    return f"{direct} to about {' and '.join(sizes)}, CG + GAMG beyond"

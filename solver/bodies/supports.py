@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from petsc4py import PETSc
+
 import numpy as np
+import ufl
+from dolfinx import fem, mesh
 from numpy.typing import NDArray
+
+from solver.compat import PackedForm
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,3 +34,16 @@ class GroundSpring:
     """k of the whole spring, N/m."""
     dashpot: float = 0.0
     """c of the whole dashpot, N s/m."""
+
+    def matrix(self, space: fem.FunctionSpace) -> PETSc.Mat:
+        """Its stiffness for displacements of a space; collective."""
+        domain, order = space.mesh, np.argsort(self.facets)
+        facets = mesh.meshtags(
+            domain, domain.topology.dim - 1, self.facets[order], np.ones_like(self.facets)
+        )
+        ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
+        own = fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds))
+        trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
+        horizontal = sum(trial[k] * test[k] for k in range(domain.geometry.dim - 1))
+        density = fem.Constant(domain, self.stiffness / domain.comm.allreduce(own))
+        return PackedForm(density * horizontal * ds).matrix()

@@ -91,6 +91,7 @@ class MeshedContactPair:
         records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
         facets, _ = gather(space, records, extent(space.mesh))
         self._face, self._outward = facets.tag, facets.normal
+        self._found: dict[bytes, frozenset[int]] = {}  # faces, by the facets that are turned there
         # The bottom always takes part: the gaps in the history are those of its corners.
         self.always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
@@ -98,7 +99,10 @@ class MeshedContactPair:
         """Tags of faces with a facet turned towards the carrier, and of the bottom."""
         normal = self.surface.frame[0] @ rotation
         towards = self._outward @ normal < FACING
-        return self.always.union(self._face[towards].tolist())
+        key = towards.tobytes()
+        if key not in self._found:
+            self._found[key] = self.always.union(self._face[towards].tolist())
+        return self._found[key]
 
     def join(self, faces: frozenset[int]) -> Interface:
         """The interface of these faces, made anew; collective."""

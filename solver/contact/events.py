@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from solver.contact.kernels.memory import changed_forces
 from solver.contact.memory import Memory
-from solver.types import Mask
 
 INTERFACE_SHARE = 1e-3
 """Part of the forces of an interface: points that carry less than it together shake nothing."""
@@ -23,16 +22,8 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
     meshed.
     """
     changes = [
-        changed_forces(before.force, after.force, _slipping(before, alone), _slipping(after, alone))
+        changed_forces(before.force, after.force, before.past, after.past, alone)
         for before, after, alone in zip(old, new, rigid, strict=True)
     ]
     least = TOTAL_SHARE * sum(carried for _, carried in changes)
     return any(shaken > max(INTERFACE_SHARE * carried, least) for shaken, carried in changes)
-
-
-def _slipping(memory: Memory, rigid: bool) -> Mask:
-    """Points that slip; which of those of two rigid bodies do is chance, unless all of them do."""
-    if not rigid:
-        return memory.slipped
-    closed = memory.force[:, 0] > 0
-    return closed & bool(memory.slipped[closed].all())

@@ -155,10 +155,10 @@ class Interface:
         return self.carrier.kinematics(surface.position, carried)
 
     def augmented(self, surface: SurfaceState, kinematics: ContactKinematics) -> Array:
-        """Augmented positions y = (g, s) - T/gamma_h of all points, (points, d), m."""
+        """Augmented positions y = (g, s) - T/gamma_h of all points, (points, d), m; a new array."""
         if not isinstance(surface, NitscheState):
-            return kinematics.place
-        y = np.empty_like(kinematics.place)
+            return kinematics.place.copy()
+        y = np.empty(kinematics.place.shape)
         augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
         return y
 

@@ -81,7 +81,12 @@ def peak_ground(acceleration: Samples, step: float) -> tuple[float, float, float
 
 def arias_intensity(acceleration: Samples, step: float) -> float:
     """I_A = pi/(2 g) times the integral of a^2, m/s, with g = 9.81 m/s^2 (Arias 1970)."""
-    return math.pi / (2 * G_UNIT) * float(_squares(acceleration, step)[-1])
+    return float(accumulated_intensity(acceleration, step)[-1])
+
+
+def accumulated_intensity(acceleration: Samples, step: float) -> Samples:
+    """The Arias intensity of the motion up to every sample, m/s (Husid 1969)."""
+    return math.pi / (2 * G_UNIT) * _squares(acceleration, step)
 
 
 def significant_duration(

@@ -30,8 +30,18 @@ def floor_level(scene: Scene) -> float:
 
 
 def half_floor(scene: Scene) -> float:
-    """Half the length of the floor that is drawn, m."""
-    return float(
-        sum(np.hypot(block.width, block.height) for block in scene.blocks)
-        + max(abs(block.offset) for block in scene.blocks)
-    )
+    """Half the length of the floor that is drawn, m.
+
+    Twice what carries the blocks, and room for all of them to lie one beyond the other.
+    """
+    carrier = _carrier_length(scene)
+    lying = 2 * sum(np.hypot(block.width, block.height) for block in scene.blocks)
+    aside = max(max(abs(b.offset), abs(b.offset_second)) for b in scene.blocks)
+    return float(carrier + lying + aside)
+
+
+def _carrier_length(scene: Scene) -> float:
+    """The longer side of a plate, a deck or the platform in plan, m; 0 on the rigid ground."""
+    if scene.foundation.depth is not None:
+        return float(max(scene.foundation.top or (0.0,)))
+    return float(np.ptp(platform_corners(scene)[:, :-1], axis=0).max())

@@ -49,7 +49,9 @@ class Snapshots:
                 self._bodies.append(MeshedFields(run, number, body, file, index))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                writer = RigidFieldWriter(file, corners, index=index, part=number, writes=writes)
+                writer = RigidFieldWriter(
+                    file, corners, index=index, part=number, name=body.name, writes=writes
+                )
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         if writes:
             elastic = any(isinstance(body, ElasticBody) for body in system.bodies)
@@ -97,6 +99,7 @@ class MeshedFields:
             thickness=body.thickness,
             index=index,
             part=number,
+            name=body.name,
         )
 
     def write(self, time: float) -> None:

@@ -13,20 +13,25 @@ SCRIPT = Template('''\
 
 All bodies are drawn true to scale (displacement added to the mesh, factor 1),
 $coloured, above the floor. Press play.
+A film: pvpython open_in_paraview.py film.avi (or film.png: a picture of each time)
 """
 
+import sys
 from pathlib import Path
 
 from paraview.simple import (
+    AnnotateTimeFilter,
     ColorBy,
     GetActiveViewOrCreate,
     GetAnimationScene,
     GetColorTransferFunction,
+    GetScalarBar,
     Line,
     PVDReader,
     Plane,
     Render,
     ResetCamera,
+    SaveAnimation,
     Show,
     WarpByVector,
 )
@@ -45,23 +50,35 @@ shown.Representation = "Surface With Edges"
 $colours
 
 $floor
-shown = Show(floor, view)
-shown.LineWidth = 3.0
-shown.AmbientColor = shown.DiffuseColor = $grey
+ground = Show(floor, view)
+ground.LineWidth = 3.0
+ground.AmbientColor = ground.DiffuseColor = $grey
+
+Show(AnnotateTimeFilter(Input=fields, Format="t = {time:.3f} s"), view)
 
 GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
+# The bodies fill the view, not the floor
+ground.Visibility = 0
 ResetCamera(view)
+ground.Visibility = 1
 Render(view)
+
+films = [word for word in sys.argv[1:] if word.endswith((".avi", ".png"))]
+if films:
+    SaveAnimation(films[0], view, ImageResolution=[1280, 720], FrameRate=25)
 ''')
 
-BY_STRESS = '''\
+BY_STRESS = """\
 ColorBy(shown, ("CELLS", "von_mises"))
-shown.SetScalarBarVisibility(view, True)
 shown.RescaleTransferFunctionToDataRange(False, True)
 colours = GetColorTransferFunction("von_mises")
-colours.AutomaticRescaleRangeMode = "Grow and update every timestep"'''
+colours.AutomaticRescaleRangeMode = "Grow and update every timestep"
+bar = GetScalarBar(colours, view)
+bar.Title, bar.ComponentTitle = "von Mises stress (Pa)", ""
+shown.SetScalarBarVisibility(view, True)"""
 
-PLAIN = "ColorBy(shown, None)"
+#: ColorBy(shown, None) stops in ParaView 5.11 where nothing was coloured before.
+PLAIN = 'shown.ColorArrayName = [None, ""]'
 
 #: From the front, a little from the right and from above.
 CAMERA_3D = """\

@@ -10,6 +10,9 @@ HEAD = b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n  <Co
 TAIL = b"  </Collection>\n</VTKFile>\n"
 
 
+#: The folder of the pieces, beside the index.
+PIECES = "fields"
+
 ENTRY = re.compile(rb' *<DataSet timestep="([^"]+)"[^>]*/>\n')
 
 
@@ -29,9 +32,10 @@ class FieldsBefore:
     """Time up to which earlier pieces stay, s; None: there are none."""
 
     def file(self, folder: Path, name: str) -> Path:
-        """What the pieces of a body are named after."""
+        """What the pieces of a body are named after, in a folder of their own, which is made."""
         part = f"-{self.part}" if self.part > 1 else ""
-        return folder / f"fields_{name}{part}.pvd"
+        (folder / PIECES).mkdir(exist_ok=True)
+        return folder / PIECES / f"fields_{name}{part}.pvd"
 
 
 class PvdIndex:
@@ -52,14 +56,22 @@ class PvdIndex:
             file.write_bytes(HEAD + kept + TAIL)
             self._end += len(kept)
 
-    def add(self, time: float, piece: str, part: int = 0) -> None:
-        """List a piece by its name in the folder of the index; `part` is the number of the body.
+    def way_to(self, folder: Path) -> str:
+        """What stands before the names of pieces in a folder: empty in that of the index."""
+        way = folder.relative_to(self._file.parent).as_posix()
+        return "" if way == "." else f"{way}/"
 
-        The time (s) is the same number for all parts.
+    def add(self, time: float, piece: str, part: int = 0, name: str = "") -> None:
+        """List a piece by its way from the folder of the index.
+
+        `part` is the number of the body, `name` what ParaView calls it. The time (s) is the same
+        number for all parts.
         """
         if not self._writes:
             return
-        entry = f'    <DataSet timestep="{time:.17g}" part="{part}" file="{piece}" />\n'.encode()
+        called = f' name="{name}"' if name else ""
+        where = f'timestep="{time:.17g}" part="{part}"{called}'
+        entry = f'    <DataSet {where} file="{piece}" />\n'.encode()
         with self._file.open("r+b") as stream:
             stream.seek(self._end)
             stream.write(entry + TAIL)

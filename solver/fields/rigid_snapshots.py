@@ -42,7 +42,7 @@ class RigidSnapshots:
             parts.append(("platform", platform_corners(scene)))
         self._writers = [
             RigidFieldWriter(
-                before.file(folder, name), corners, index=index, part=part, writes=writes
+                before.file(folder, name), corners, index=index, part=part, name=name, writes=writes
             )
             for part, (name, corners) in enumerate(parts)
         ]

@@ -23,7 +23,6 @@ PIECE = """\
         <DataArray type="Int32" Name="offsets" format="ascii">{count}</DataArray>
         <DataArray type="UInt8" Name="types" format="ascii">{cell_type}</DataArray>
       </Cells>
-      <CellData>{stress}</CellData>
       <PointData>{{}}{{}}{pressure}</PointData>
     </Piece>
   </UnstructuredGrid>
@@ -34,7 +33,7 @@ PIECE = """\
 class RigidFieldWriter:
     """Writes a rigid body beside `fields.pvd`, with the fields of an elastic one.
 
-    Contact pressure and von Mises stress are zero: a rigid body has contact forces, but no stress.
+    Contact pressure is zero: a rigid body has contact forces, but they have no place on it.
     """
 
     def __init__(
@@ -44,17 +43,19 @@ class RigidFieldWriter:
         *,
         index: PvdIndex | None = None,
         part: int = 0,
+        name: str = "",
         writes: bool = True,
     ):
         """Prepare what does not change.
 
         The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`.
         Corners are those of the body in its own frame, m, (4, 2) or (8, 3), in VTK's order, which
-        is that of `Block.corners`. The index lists the pieces, by the number of the body; None: one
-        of its own.
+        is that of `Block.corners`. The index lists the pieces, by the number and the name of the
+        body; None: one of its own.
         """
-        self._folder, self._stem, self._part = file.parent, file.stem, part
+        self._folder, self._stem, self._part, self._name = file.parent, file.stem, part, name
         self._index = PvdIndex(file, writes=writes) if index is None else index
+        self._way = self._index.way_to(file.parent)
         self._writes, self._count = writes, 0
         count = len(corners)
         self._piece = PIECE.format(
@@ -62,7 +63,6 @@ class RigidFieldWriter:
             points=_array("", corners),
             connectivity=" ".join(map(str, range(count))),
             cell_type=CELL_TYPES[count],
-            stress=_array("von_mises", np.zeros(1)),
             pressure=_array("contact_pressure", np.zeros(count)),
         )
 
@@ -76,7 +76,7 @@ class RigidFieldWriter:
         name = f"{self._stem}{self._count:06d}.vtu"
         fields = _array("displacement", displacement), _array("velocity", velocity)
         (self._folder / name).write_text(self._piece.format(*fields), encoding="utf-8")
-        self._index.add(time, name, self._part)
+        self._index.add(time, self._way + name, self._part, self._name)
         self._count += 1
 
 

@@ -62,6 +62,7 @@ class FieldWriter:
         thickness: float = 1.0,
         index: PvdIndex | None = None,
         part: int = 0,
+        name: str = "",
     ):
         """Open the files, named after `file`: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
 
@@ -69,7 +70,7 @@ class FieldWriter:
         place in the ground frame minus mesh position, the velocity (m/s) relative to the ground,
         the contact pressure (Pa, >= 0) a scalar function of the same degree. The thickness (m) is
         what stresses of the material are times. The index lists the pieces of all bodies as they
-        are written; None: `file` does.
+        are written, by number and name of the body; None: `file` does.
         """
         mesh = displacement.function_space.mesh
         cellwise = fem.functionspace(mesh, ("DG", 0))
@@ -80,8 +81,8 @@ class FieldWriter:
             "contact_pressure": contact_pressure,
             "von_mises": self._stress,
         }
-        for name, function in named.items():
-            function.name = name
+        for field, function in named.items():
+            function.name = field
         self._functions = list(named.values())
         rule = {"quadrature_degree": 2 * displacement.function_space.element.basix_element.degree}
         test = ufl.TestFunction(cellwise)
@@ -90,7 +91,8 @@ class FieldWriter:
         self._volume = thickness * fem.assemble_vector(fem.form(test * ufl.dx)).array
         self._writer = io.VTKFile(mesh.comm, file, "w")
         self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
-        self._folder, self._stem, self._part, self._count = file.parent, file.stem, part, 0
+        self._folder, self._stem, self._count = file.parent, file.stem, 0
+        self._part, self._name, self._way = part, name, self._index.way_to(file.parent)
 
     def write(self, time: float) -> None:
         """Write the fields at a time (s)."""
@@ -102,7 +104,8 @@ class FieldWriter:
         self._writer.write_function(self._functions, time)
         self._check_piece()
         # dolfinx lists its pieces when it closes the file; a killed run would have no list.
-        self._index.add(time, f"{self._stem}{self._count:06d}.pvtu", self._part)
+        piece = f"{self._way}{self._stem}{self._count:06d}.pvtu"
+        self._index.add(time, piece, self._part, self._name)
         self._count += 1
 
     def _check_piece(self) -> None:

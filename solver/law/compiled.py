@@ -2,9 +2,10 @@
 
 Without numba, or with ROCKSLIP_NO_NUMBA=1 in the environment, they stay what they are and the same
 code is interpreted, as it is in runs that are over before numba is imported (`solver.law.switch`).
-Machine code is kept between runs, in a folder per version of the sources:
-numba itself looks at the file of a function only, not at those of the functions that it calls, and
-would run old code after an update. Nothing is ever written into the checkout.
+Machine code is kept between runs, in a folder per version of a file and of all files that it
+imports (`solver.law.sources`): numba itself looks at the file of a function only, not at those of
+the functions that it calls, and would run old code after an update. Nothing is ever written into
+the checkout.
 
 NUMBA_CACHE_DIR says where to keep it; else it is the user's cache folder, and where that cannot be
 written, nowhere: each run then compiles anew.
@@ -12,9 +13,8 @@ written, nowhere: each run then compiles anew.
 
 from __future__ import annotations
 
-import hashlib
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from importlib import import_module
 from importlib.machinery import ModuleSpec
@@ -23,6 +23,8 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
+from solver.law.late_linking import linked_late, part_of_others
+from solver.law.sources import version_of
 from solver.law.switch import CHOICE, is_interpreted
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -54,24 +56,6 @@ def runs_machine_code() -> bool:
     return NUMBA is not None and not CHOICE.interprets
 
 
-#: Folders, beside this one's, whose sources make compiled functions that call one another, and the
-#: columns of the history, whose places are constants in them.
-_FOLDERS = ("bodies/kernels", "contact/kernels", "history", "law", "reference/kernels", "rigid")
-
-
-def digest(folders: Sequence[Path]) -> str:
-    """Digest of all Python sources in some folders and below them."""
-    files = sorted(file for folder in folders for file in folder.rglob("*.py"))
-    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
-
-
-@cache
-def _sources() -> str:
-    """Digest of the sources of all compiled code: machine code may hold the constants of any."""
-    root = Path(__file__).parents[1]
-    return digest([root / name for name in _FOLDERS])
-
-
 def _cache_folder() -> Path | None:
     """Where machine code may be kept, or None."""
     given = os.environ.get("NUMBA_CACHE_DIR")
@@ -82,16 +66,6 @@ def _cache_folder() -> Path | None:
     except OSError:
         return None
     return folder if os.access(folder, os.W_OK) else None
-
-
-def is_kept(module: str) -> bool:
-    """Whether machine code of a module, by its name, is there from an earlier run."""
-    folder = _cache_folder()
-    if folder is None:
-        return False
-    # numba names the subfolder after that of the source and a digest of its path.
-    *_, parent, name = module.split(".")
-    return any((folder / _sources()).glob(f"{parent}_*/{name}.*.nbi"))
 
 
 class _Compiled:
@@ -108,23 +82,28 @@ class _Compiled:
 
     @cached_property
     def _machine(self) -> Any:
-        """The machine code; the function itself where numba cannot be imported."""
+        """The machine code for Python; the function itself where numba cannot be imported."""
         numba, folder = _compiler(), _cache_folder()
         if numba is None:
             return self.py_func
         if folder is None:
-            return numba.njit(error_model="numpy")(self.py_func)
+            return linked_late(numba.njit(error_model="numpy")(self.py_func), kept=False)
         before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(folder / _sources())
+        numba.config.CACHE_DIR = str(folder / version_of(Path(self.py_func.__code__.co_filename)))
         try:
-            return numba.njit(cache=True, error_model="numpy")(self.py_func)
+            return linked_late(numba.njit(cache=True, error_model="numpy")(self.py_func), kept=True)
         finally:
             numba.config.CACHE_DIR = before
+
+    @cached_property
+    def _part(self) -> Any:
+        """The code for other compiled functions, which becomes a part of theirs."""
+        return part_of_others(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
         """What the machine code is to numba."""
-        return self._machine._numba_type_
+        return self._part._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         """Call it."""

@@ -125,6 +125,10 @@ class LocalProblem:
         self.impulses = ManyPoints()
         """Solver of the impulses of many points."""
 
+    def forget(self) -> None:
+        """Keep nothing from problem to problem, so that the next one does not depend on them."""
+        self._many, self.impulses = ManyPoints(), ManyPoints()
+
     @property
     def rescues(self) -> Counter[str]:
         """How many problems needed what besides Newton's method."""

@@ -136,7 +136,7 @@ class _Equations(NamedTuple):
         return A
 
     def diagonal(self) -> Array:
-        """Of A, about."""
+        """Diagonal of A, that of slipping points taken as 1."""
         value = self.scale * self.local.W[self.rows, self.rows]
         value[self.tangential] = 1.0
         return value
@@ -146,7 +146,7 @@ class _Factors:
     """LU factors of the equations of a Newton step, for those of later ones."""
 
     def __init__(self, equations: _Equations):
-        """Factorize."""
+        """Factorize the matrix of the equations of a Newton step."""
         from scipy.linalg import lu_factor
 
         self.rows = equations.rows

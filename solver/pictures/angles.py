@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.history.history import History
+from solver.pictures.ground import add_ground
 from solver.pictures.style import (
     BLUE,
     DASHES,
@@ -25,6 +26,7 @@ from solver.pictures.style import (
     zero_line,
 )
 from solver.results.motion import is_spatial, total_lean
+from solver.results.moving import moving_span
 from solver.results.runs import Run
 from solver.scene import BlockSpec
 
@@ -36,9 +38,18 @@ MARKED = 30
 
 
 def draw_angle(run: Run, rigid: Run | None) -> Figure:
-    """Angle of all blocks against time; of one block with its impacts and the rigid one's."""
-    figure = new_figure(2.8)
-    axes = figure.subplots()
+    """Angle of all blocks against time, below the acceleration of the ground where it moves.
+
+    Of one block with its impacts and the rigid one's angle.
+    """
+    moves = run.scene.motion is not None
+    figure = new_figure(3.9 if moves else 2.8)
+    ratios = (1, 2) if moves else (1,)
+    *above, axes = figure.subplots(
+        len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios
+    )[:, 0]
+    for panel in above:
+        add_ground(panel, run)
     blocks, time = run.scene.blocks, run.history["time_s"]
     if rigid is not None:
         angle = np.degrees(rigid.history[f"{blocks[0].name}.angle_rad"])
@@ -48,11 +59,13 @@ def draw_angle(run: Run, rigid: Run | None) -> Figure:
         angle = np.degrees(run.history[f"{block.name}.angle_rad"])
         label = run.model if len(blocks) == 1 else block.name
         axes.plot(time, angle, color=colour(i), label=label)
-    axes.set(xlabel="time (s)", ylabel="rocking angle θ (°)", xlim=(time[0], time[-1]))
+    span = moving_span(run.scene, run.history)
+    axes.set(xlabel="time (s)", ylabel="rocking angle θ (°)", xlim=span)
     if len(blocks) == 1:
         _add_to_one_block(axes, run, blocks[0])
     least_span(axes, LEAST_ANGLE)
     zero_line(axes)
+    figure.align_ylabels()
     legend_above(figure)
     return figure
 
@@ -111,10 +124,17 @@ def _add_phase(axes: Axes, run: Run, block: BlockSpec, **look: Any) -> None:
 
 
 def draw_overlay(runs: Sequence[Run]) -> Figure:
-    """Angle and slip of the first blocks of several runs, and drift where a platform is."""
+    """Angle and slip of the first blocks of several runs, and drift where a platform is.
+
+    Above them the acceleration of the ground, where it moves in all runs alike.
+    """
     drifts = any("platform.drift_m" in run.history for run in runs)
-    figure = new_figure(5.6 if drifts else 4.2)
-    panels = figure.subplots(3 if drifts else 2, 1, sharex=True)
+    ground = runs[0].scene.motion is not None and _same_ground(runs)
+    rows = 2 + drifts + ground
+    figure = new_figure(1.4 + 1.4 * rows)
+    panels = list(figure.subplots(rows, 1, sharex=True))
+    if ground:
+        add_ground(panels.pop(0), runs[0])
     for i, run in enumerate(runs):
         time, name = run.history["time_s"], run.scene.blocks[0].name
         angle = np.degrees(run.history[f"{name}.angle_rad"])
@@ -127,8 +147,16 @@ def draw_overlay(runs: Sequence[Run]) -> Figure:
     panels[1].set_ylabel("slip (mm)")
     if drifts:
         panels[2].set_ylabel("drift (mm)")
-    panels[-1].set_xlabel("time (s)")
+    spans = [moving_span(run.scene, run.history) for run in runs]
+    span = min(begin for begin, _ in spans), max(end for _, end in spans)
+    panels[-1].set(xlabel="time (s)", xlim=span)
     for axes in panels:
         zero_line(axes)
+    figure.align_ylabels()
     legend_above(figure)
     return figure
+
+
+def _same_ground(runs: Sequence[Run]) -> bool:
+    """Whether the ground moves alike in all runs."""
+    return all(run.scene.motion == runs[0].scene.motion for run in runs)

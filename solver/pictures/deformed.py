@@ -7,20 +7,32 @@ the faces of their surfaces, those behind drawn first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from solver.types import Array, Indices, Mask
+from solver.fields.ground import floor_level
+from solver.pictures.instants import Instant, instants
+from solver.pictures.style import WIDTH, new_figure
+from solver.pictures.surfaces import FieldFiles, polygons
+from solver.results.runs import FIELDS, Run
+from solver.types import Array
 
 #: From where bodies in space are seen: to the right of the front and above the horizontal, rad.
 ASIDE, ABOVE = math.radians(25), math.radians(20)
 
 #: Colours of bodies without stress and of the floor.
 PLAIN, FLOOR, FLOOR_EDGE = "#d9dee5", "#dddddd", "#999999"
+
+#: What is wider than this over its height stands in two rows.
+WIDE = 1.1
+
+#: Heights of titles and of labels, and the width of the colour bar, in.
+TITLE, LABEL, BAR = 0.45, 0.45, 0.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +46,10 @@ class Snapshot:
     those that hide others later."""
     von_mises: Array
     """Stress of each, Pa."""
+    least: Array
+    """Least place of the bodies, m, (3,)."""
+    most: Array
+    """Greatest place, m, (3,)."""
 
     @property
     def low(self) -> Array:
@@ -46,80 +62,34 @@ class Snapshot:
         return np.asarray(np.max([outline.max(axis=0) for outline in self.outlines], axis=0))
 
 
-def read_snapshots(fields: Path, times: Sequence[float], dimension: int = 2) -> list[Snapshot]:
-    """The snapshots nearest to some times, each once."""
-    import pyvista
-
-    reader = pyvista.get_reader(str(fields))
-    written = np.array(reader.time_values)
-    nearest = sorted({int(np.argmin(np.abs(written - time))) for time in times})
-    read = _faces if dimension == 3 else _cells
-    snapshots = []
-    for index in nearest:
-        reader.set_active_time_value(written[index])
-        parts = [read(grid) for grid in reader.read() if grid is not None and grid.n_cells]
-        outlines = [outline for part, _ in parts for outline in part]
-        stress = np.concatenate([part for _, part in parts])
-        if dimension == 3:
-            # Nearer to the eye is later; the third coordinate has served then.
-            order = np.argsort([float(outline[:, 2].mean()) for outline in outlines])
-            outlines, stress = [outlines[i][:, :2] for i in order], stress[order]
-        time = float(written[index])
-        snapshots.append(Snapshot(time_s=time, outlines=outlines, von_mises=stress))
-    return snapshots
+def read_snapshots(
+    fields: Path, times: Sequence[float], dimension: int = 2, floor: float = -math.inf
+) -> list[Snapshot]:
+    """The snapshots nearest to some times, each once; what is below the floor is left out."""
+    files = FieldFiles(fields, dimension)
+    return [_snapshot(files, index, dimension, floor) for index in files.nearest(times)]
 
 
-def _cells(grid: Any) -> tuple[list[Array], Array]:
-    """Outlines and stress of the cells of a body in the plane, those of each rank once."""
-    place = np.asarray(grid.points)[:, :2] + np.asarray(grid.point_data["displacement"])[:, :2]
-    stress = np.asarray(grid.cell_data["von_mises"], dtype=float)
-    cells = np.split(grid.cell_connectivity, grid.offset[1:-1])
-    own = np.flatnonzero(_owned(grid))
-    outlines = [place[_around(cells[cell], int(grid.celltypes[cell]))] for cell in own]
-    return outlines, stress[own]
-
-
-def _faces(grid: Any) -> tuple[list[Array], Array]:
-    """Outlines and stress of the faces of the surface of a body in space, as they are seen."""
-    import pyvista
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-
-    # VTK's own filter: pyvista's changes its defaults from version to version.
-    skin = vtkDataSetSurfaceFilter()
-    skin.SetInputData(grid.extract_cells(_owned(grid)))
-    skin.SetNonlinearSubdivisionLevel(0)
-    skin.Update()
-    surface = pyvista.wrap(skin.GetOutput())
-    place = np.asarray(surface.points) + np.asarray(surface.point_data["displacement"])
-    seen = seen_from_front(place)
-    outlines = [seen[polygon] for polygon in _polygons(surface.faces)]
-    return outlines, np.asarray(surface.cell_data["von_mises"], dtype=float)
-
-
-def _polygons(faces: Indices) -> Iterator[Indices]:
-    """Points of each face in VTK's list of them: number of points, points, number, points, ..."""
-    start = 0
-    while start < len(faces):
-        end = start + 1 + int(faces[start])
-        yield faces[start + 1 : end]
-        start = end
-
-
-def _owned(grid: Any) -> Mask:
-    """Cells that are no copies: the ghosts of a rank are in its neighbour's file, too."""
-    copies = np.asarray(grid.cell_data.get("vtkGhostType", np.zeros(grid.n_cells)))
-    return np.asarray(copies == 0)
-
-
-def _around(points: Indices, cell_type: int) -> Indices:
-    """Points of a cell in the order of its outline; 69 and 70 are VTK's triangle and quadrilateral.
-
-    Corners come first, then the points inside the edges: one to an edge at degree 2.
-    """
-    corners = {5: 3, 9: 4, 22: 3, 23: 4, 69: 3, 70: 4}[cell_type]
-    if len(points) < 2 * corners:
-        return points[:corners]
-    return np.stack([points[:corners], points[corners : 2 * corners]], axis=1).ravel()
+def _snapshot(files: FieldFiles, index: int, dimension: int, floor: float) -> Snapshot:
+    """The bodies at one of the times of the files."""
+    surfaces = files.read(index)
+    faces = [face for surface in surfaces for face in polygons(surface)]
+    stress = np.concatenate([np.asarray(s.cell_data["von_mises"], float) for s in surfaces])
+    places = np.concatenate(faces)
+    if dimension == 3:
+        slack = 1e-6 * float(np.ptp(places))
+        above = [k for k, face in enumerate(faces) if face[:, 2].max() >= floor - slack]
+        faces, stress = [seen_from_front(faces[k]) for k in above], stress[above]
+        # Nearer to the eye is later; the third coordinate has served then.
+        order = np.argsort([float(face[:, 2].mean()) for face in faces])
+        faces, stress = [faces[i] for i in order], stress[order]
+    return Snapshot(
+        time_s=float(files.times[index]),
+        outlines=[face[:, :2] for face in faces],
+        von_mises=stress,
+        least=places.min(axis=0),
+        most=places.max(axis=0),
+    )
 
 
 def seen_from_front(place: Array) -> Array:
@@ -135,63 +105,146 @@ def seen_from_front(place: Array) -> Array:
     return np.asarray(place @ np.stack([right, np.cross(eye, right), eye], axis=1))
 
 
+def deformed_figure(run: Run) -> Figure:
+    """The bodies of a run at the instants worth a look; the panels fill the page."""
+    chosen, dimension = instants(run), run.scene.dimension
+    floor = floor_level(run.scene)
+    snapshots = read_snapshots(run.folder / FIELDS, [i.time_s for i in chosen], dimension, floor)
+    low, high = _window(snapshots, floor, dimension)
+    wide, high_by = high - low
+    columns = _columns(float(wide / high_by), len(snapshots))
+    rows = math.ceil(len(snapshots) / columns)
+    panel = (WIDTH - LABEL - (BAR if _limit(snapshots) > 0 else 0.0)) / columns
+    height = rows * (panel * float(high_by / wide) + TITLE) + LABEL
+    figure = new_figure(min(max(height, 1.8), 8.0))
+    draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor)
+    return figure
+
+
 def draw_deformed(
-    figure: Any, fields: Path, times: Sequence[float], *, dimension: int = 2, floor: float = 0.0
+    figure: Any, fields: Path, chosen: Sequence[Instant], *, dimension: int = 2, floor: float = 0.0
 ) -> None:
-    """Draw the bodies at some times side by side, true to scale, coloured by von Mises stress.
+    """Draw the bodies at some instants, true to scale, coloured by von Mises stress.
 
-    Of the .pvd file the snapshots nearest to the times (s) are drawn; the floor, at a height in m,
-    in the plane only.
+    Of the .pvd file the snapshots nearest to the instants are drawn, above the floor, whose height
+    is given in m.
     """
-    from matplotlib.collections import PolyCollection
+    times = [instant.time_s for instant in chosen]
+    snapshots = read_snapshots(fields, times, dimension, floor)
+    draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor)
 
-    snapshots = read_snapshots(fields, times, dimension)
-    low, high, margin = _window(snapshots, floor)
-    limit = float(np.quantile(np.concatenate([s.von_mises for s in snapshots]), 0.995))
+
+def draw_snapshots(
+    figure: Any,
+    snapshots: Sequence[Snapshot],
+    chosen: Sequence[Instant],
+    *,
+    dimension: int,
+    floor: float,
+) -> None:
+    """Draw snapshots side by side, or in two rows where they are wide."""
+    low, high = _window(snapshots, floor, dimension)
+    columns = _columns(float(np.divide(*(high - low))), len(snapshots))
+    rows = math.ceil(len(snapshots) / columns)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    limit = _limit(snapshots)
     unit, factor = ("MPa", 1e-6) if limit >= 1e5 else ("kPa", 1e-3)
-    panels = np.atleast_1d(figure.subplots(1, len(snapshots), sharey=True))
-    for axes, snapshot in zip(panels, snapshots, strict=True):
-        bodies = PolyCollection(
-            snapshot.outlines, cmap="viridis", edgecolors=(0, 0, 0, 0.35), linewidths=0.2
-        )
-        if limit > 0:
-            bodies.set_array(factor * snapshot.von_mises)
-            bodies.set_clim(0, factor * limit)
-        else:
-            bodies.set(facecolor=PLAIN, edgecolor="black", linewidth=0.5)
-        axes.add_collection(bodies)
+    for axes, snapshot in zip(grid.ravel(), snapshots, strict=False):
         if dimension == 2:
-            _draw_floor(axes, floor, margin)
-        axes.set(
-            xlim=(low[0] - margin, high[0] + margin),
-            ylim=(low[1] - margin, high[1] + margin),
-            aspect="equal",
-            title=f"t = {snapshot.time_s:.3g} s",
-        )
-        axes.set_xlabel("x (m)" if dimension == 2 else "(m)")
+            _draw_floor(axes, floor, floor - low[1])
+        else:
+            _draw_floor_in_space(axes, snapshots, floor)
+        bodies = _draw_bodies(axes, snapshot, factor, limit)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axes.set_title(_title(snapshot, chosen))
         axes.locator_params(axis="x", nbins=3)
         axes.grid(False)
-    panels[0].set_ylabel("y (m)" if dimension == 2 else "(m)")
+    for axes in grid.ravel()[len(snapshots) :]:
+        axes.set_visible(False)
+    for axes in grid[-1]:
+        axes.set_xlabel("x (m)" if dimension == 2 else "(m)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("y (m)" if dimension == 2 else "(m)")
     if limit > 0:
-        bar = figure.colorbar(bodies, ax=list(panels), extend="max", shrink=0.9)
+        bar = figure.colorbar(bodies, ax=list(grid.ravel()), extend="max", shrink=0.9)
         bar.set_label(f"von Mises stress ({unit})")
 
 
-def _window(snapshots: Sequence[Snapshot], floor: float) -> tuple[Array, Array, float]:
-    """Least and greatest place that all panels show, and a margin, m.
+def _columns(ratio: float, count: int) -> int:
+    """Panels in a row, by the width of one over its height."""
+    return count if ratio <= WIDE else math.ceil(count / 2)
 
-    What falls below the floor is followed for as far as all was wide or high at the start.
+
+def _limit(snapshots: Sequence[Snapshot]) -> float:
+    """Stress of the last colour, Pa."""
+    return float(np.quantile(np.concatenate([s.von_mises for s in snapshots]), 0.995))
+
+
+def _title(snapshot: Snapshot, chosen: Sequence[Instant]) -> str:
+    """What happens, and when."""
+    nearest = min(chosen, key=lambda instant: abs(instant.time_s - snapshot.time_s))
+    time = f"t = {snapshot.time_s:.3g} s"
+    return f"{nearest.name}\n{time}" if nearest.name else time
+
+
+def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> Any:
+    """The cells of all bodies, coloured by stress where there is any."""
+    from matplotlib.collections import PolyCollection
+
+    bodies = PolyCollection(
+        snapshot.outlines, cmap="viridis", edgecolors=(0, 0, 0, 0.35), linewidths=0.2, zorder=1
+    )
+    if limit > 0:
+        bodies.set_array(factor * snapshot.von_mises)
+        bodies.set_clim(0, factor * limit)
+    else:
+        bodies.set(facecolor=PLAIN, edgecolor="black", linewidth=0.5)
+    axes.add_collection(bodies)
+    return bodies
+
+
+def _window(snapshots: Sequence[Snapshot], floor: float, dimension: int) -> tuple[Array, Array]:
+    """Least and greatest place that all panels show, m.
+
+    What falls below the floor is not followed.
     """
-    size = float(np.max(snapshots[0].high - snapshots[0].low))
     low = np.min([snapshot.low for snapshot in snapshots], axis=0)
     high = np.max([snapshot.high for snapshot in snapshots], axis=0)
-    low[1] = max(min(low[1], floor), floor - size)
-    return low, high, 0.06 * float(np.max(high - low))
+    if dimension == 2:
+        low[1] = floor
+    else:
+        corners = _floor_corners(snapshots, floor)
+        low, high = np.minimum(low, corners.min(axis=0)), np.maximum(high, corners.max(axis=0))
+    margin = 0.06 * float(np.max(high - low))
+    return low - margin, high + margin
 
 
 def _draw_floor(axes: Any, level: float, depth: float) -> None:
-    """The floor, as wide as the picture is."""
+    """The floor, as wide as the picture is, over whatever has fallen below it."""
     axes.axhspan(
-        level - depth, level, facecolor=FLOOR, edgecolor=FLOOR_EDGE, hatch="////", linewidth=0
+        level - depth,
+        level,
+        facecolor=FLOOR,
+        edgecolor=FLOOR_EDGE,
+        hatch="////",
+        linewidth=0,
+        zorder=2,
     )
-    axes.axhline(level, color="black", linewidth=0.8)
+    axes.axhline(level, color="black", linewidth=0.8, zorder=2)
+
+
+def _floor_corners(snapshots: Sequence[Snapshot], level: float) -> Array:
+    """Corners of the piece of floor that is drawn in space, as they are seen, m, (4, 2)."""
+    least = np.min([snapshot.least[:2] for snapshot in snapshots], axis=0)
+    most = np.max([snapshot.most[:2] for snapshot in snapshots], axis=0)
+    margin = 0.3 * float(np.max(most - least))
+    (left, front), (right, back) = least - margin, most + margin
+    ring = (left, front), (right, front), (right, back), (left, back)
+    return seen_from_front(np.array([(*corner, level) for corner in ring]))[:, :2]
+
+
+def _draw_floor_in_space(axes: Any, snapshots: Sequence[Snapshot], level: float) -> None:
+    """The floor below the bodies, as a plane."""
+    axes.fill(
+        *_floor_corners(snapshots, level).T, facecolor="#f0f0f0", edgecolor=FLOOR_EDGE, zorder=0
+    )

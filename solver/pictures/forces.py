@@ -1,4 +1,4 @@
-"""Pictures of forces and slip, of the platform, and of energy."""
+"""Pictures of forces and slip, and of the platform."""
 
 from __future__ import annotations
 
@@ -9,40 +9,29 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.history.columns import DISSIPATED_ENERGIES
 from solver.pictures.style import (
     BLUE,
     DASHES,
     GREEN,
     GREY,
     ORANGE,
-    PURPLE,
     RED,
-    SKY,
     colour,
-    largest,
     least_span,
     legend_above,
     new_figure,
     zero_line,
 )
 from solver.results.motion import is_spatial
+from solver.results.moving import moving_span
 from solver.results.runs import Run
-from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
+from solver.scene.units import G_UNIT
 
 Floats = NDArray[np.floating[Any]]
 
 #: A drawn slip or drift is no smaller than this, mm.
 LEAST_LENGTH = 0.1
-
-LOSS_LABELS = {
-    "friction": "friction",
-    "damping": "damping",
-    "contact_damping": "contact dashpots",
-    "contact": "impact",
-    "numerical": "time integration",
-}
 
 
 def carried_weight(scene: Scene, block: BlockSpec) -> float:
@@ -61,8 +50,8 @@ def draw_forces(run: Run) -> Figure:
         if len(blocks) > 1:
             axes.set_title(block.name, loc="left")
     _add_slips(below, run)
-    time = run.history["time_s"]
-    below.set(xlabel="time (s)", xlim=(time[0], time[-1]))
+    below.set(xlabel="time (s)", xlim=moving_span(run.scene, run.history))
+    figure.align_ylabels()
     legend_above(figure)
     return figure
 
@@ -132,65 +121,14 @@ def draw_platform(run: Run, rigid: Run | None) -> Figure:
     above.set_ylabel("drift (mm)")
     least_span(above, LEAST_LENGTH)
     _add_slips(middle, run)
-    ground = history["base.acceleration_m_s2"] / 9.81
-    together = ground + history["platform.acceleration_m_s2"] / 9.81
+    ground = history["base.acceleration_m_s2"] / G_UNIT
+    together = ground + history["platform.acceleration_m_s2"] / G_UNIT
     below.plot(time, ground, color=GREY, linewidth=0.8, label="ground")
     below.plot(time, together, color="black", linewidth=0.8)
-    below.set(xlabel="time (s)", ylabel="acceleration (g)", xlim=(time[0], time[-1]))
+    span = moving_span(run.scene, run.history)
+    below.set(xlabel="time (s)", ylabel="acceleration (g)", xlim=span)
     for axes in (above, below):
         zero_line(axes)
+    figure.align_ylabels()
     legend_above(figure)
     return figure
-
-
-def draw_energy(run: Run) -> Figure:
-    """Above: where the energy is. Below: where it went, and how far the ledger is from closing."""
-    figure = new_figure(5.0)
-    above, below = figure.subplots(2, 1, sharex=True)
-    _add_stored(above, run)
-    _add_lost(below, run)
-    time = run.history["time_s"]
-    fraction = run.summary["energy"]["ledger_error_fraction"]
-    below.set(xlabel="time (s)", ylabel="dissipated (J)", xlim=(time[0], time[-1]))
-    if fraction is not None:
-        below.set_title(f"ledger closes to {fraction:.1e} of the energy scale", loc="left")
-    for axes in (above, below):
-        zero_line(axes)
-    return figure
-
-
-def _add_stored(axes: Axes, run: Run) -> None:
-    """The stored energies; that of gravity above the blocks standing upright."""
-    history, time = run.history, run.history["time_s"]
-    gravity, total = history["energy.gravity_J"], history["energy.total_J"]
-    upright = gravity[0] - gravity_above_upright(run.scene, history)[0]
-    parts: dict[str, tuple[Any, str]] = {
-        "kinetic": (history["energy.kinetic_J"], BLUE),
-        "gravity above upright": (gravity - upright, GREEN),
-        "strain": (history["energy.strain_J"], RED),
-        "platform spring": (history["energy.spring_J"], PURPLE),
-        "interface": (history["energy.interface_J"], SKY),
-    }
-    most = max(largest(values) for values, _ in parts.values())
-    for label, (values, hue) in parts.items():
-        if largest(values) > 1e-3 * most:
-            axes.plot(time, values, color=hue, linewidth=0.9, label=label)
-    axes.plot(time, total - upright, color="black", linewidth=1.2, label="total")
-    axes.set_ylabel("energy (J)")
-    axes.legend(loc="best", ncols=2)
-
-
-def _add_lost(axes: Axes, run: Run) -> None:
-    """Dissipated energies by cause, and the work of the ground."""
-    history, time = run.history, run.history["time_s"]
-    work, total = history["energy.input_J"], history["energy.total_J"]
-    lost = {name: history[f"energy.{name}_J"] for name in DISSIPATED_ENERGIES}
-    axes.plot(time, work - total + total[0], color="#c0c0c0", linewidth=3.5, label="energy lost")
-    for (name, values), hue in zip(lost.items(), (RED, SKY, GREEN, BLUE, ORANGE), strict=True):
-        if np.any(values != 0):
-            axes.plot(time, values, color=hue, linewidth=0.9, label=LOSS_LABELS[name])
-    together = np.sum(list(lost.values()), axis=0)
-    axes.plot(time, together, "k", linewidth=0.9, label="sum of the causes")
-    if np.any(work != 0):
-        axes.plot(time, work, color=PURPLE, linewidth=0.9, label="work of the ground")
-    axes.legend(loc="best", ncols=2)

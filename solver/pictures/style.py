@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,9 @@ STYLE = {
     "legend.frameon": False,
     "legend.handlelength": 2.4,
     "lines.linewidth": 1.1,
+    "pdf.fonttype": 42,
     "savefig.dpi": 200,
+    "svg.fonttype": "none",
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
 }
@@ -52,10 +54,18 @@ def new_figure(height: float, width: float = WIDTH) -> Any:
 
 
 def save(draw: Callable[[], Figure], file: Path) -> Path:
-    """Draw a figure in the style of all, and write it."""
+    """Draw a figure in the style of all, and write it in the format of the file's name."""
+    return save_as(draw, file.with_suffix(""), [file.suffix.removeprefix(".")])[0]
+
+
+def save_as(draw: Callable[[], Figure], stem: Path, formats: Sequence[str]) -> list[Path]:
+    """Draw a figure in the style of all, and write it in some formats; returns the files."""
+    files = [stem.with_name(f"{stem.name}.{ending}") for ending in formats]
     with mpl.rc_context(STYLE):
-        draw().savefig(file)
-    return file
+        figure = draw()
+        for file in files:
+            figure.savefig(file)
+    return files
 
 
 def zero_line(axes: Axes) -> None:
@@ -81,6 +91,13 @@ def legend_above(figure: Any, columns: int = 4) -> None:
         figure.legend(
             handles, labels, loc="outside upper center", ncols=math.ceil(len(labels) / rows)
         )
+
+
+def legend_over(axes: Any, columns: int = 5) -> None:
+    """The legend of a panel above it, where no curve is."""
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderpad=0.1, columnspacing=1.2
+    )
 
 
 def colour(number: int) -> str:

@@ -26,7 +26,7 @@ def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
     if not pairs:
         return []
     time, found = history["time_s"], []
-    rows = _rows(time, scene.output.every)
+    rows = _rows(time, scene.output.snapshot_time(scene.time.end))
     there = {block.name: boxes(history, block).at(rows) for block in scene.blocks}
     for first, second in pairs:
         one, other = there[first.name], there[second.name]

@@ -13,7 +13,6 @@ import json
 import os
 import pickle
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -163,7 +162,7 @@ class _Reader(pickle.Unpickler):
 def _digest(scene: Scene, ground: GroundMotion) -> str:
     """What tells a scene from all others, the samples of its motions included."""
     found = hashlib.sha256(scene_to_toml(scene).encode())
-    samples: Sequence[Any] = [getattr(part, "value", None) for part in ground.parts]
-    for values in samples:
-        found.update(b"none" if values is None else np.ascontiguousarray(values).tobytes())
+    for part in ground.parts:
+        for samples in (getattr(part, "time", None), getattr(part, "value", None)):
+            found.update(b"none" if samples is None else np.ascontiguousarray(samples).tobytes())
     return found.hexdigest()

@@ -184,7 +184,7 @@ class RunFiles:
         """The first time after `now` (s) at which a snapshot is due; never without a folder."""
         if self._folder is None:
             return math.inf
-        every = self._scene.output.every
+        every = self._scene.output.snapshot_time(self._scene.time.end)
         return (math.floor(now / every + 1e-9) + 1) * every
 
     def snapshot(self, now: float) -> None:

@@ -11,6 +11,12 @@ from pathlib import Path
 from solver.errors import SceneError, Statement
 from solver.launcher import hidden_by_in_env
 
+#: Pictures that are drawn of runs.
+PICTURES = ("angle", "phase", "platform", "forces", "energy", "motion", "deformed", "overlay")
+
+#: Name of the page about a run or a study.
+REPORT = "report.html"
+
 #: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
 LEFT_BEHIND = (
     "history.csv",
@@ -19,14 +25,15 @@ LEFT_BEHIND = (
     "checkpoint.npz",
     "checkpoint.npz.part",
     "run.log",
+    "film.mp4",
+    "film.gif",
+    REPORT,
     "open_in_paraview.py",
     "fields*.pvd",
     "fields*.pvtu",
     "fields*.vtu",
-    *(
-        f"{name}.png"
-        for name in ("angle", "phase", "forces", "energy", "deformed", "overlay", "platform")
-    ),
+    *("fields/fields_*.pvd", "fields/fields_*.pvtu", "fields/fields_*.vtu"),
+    *(f"{name}.{ending}" for name in PICTURES for ending in ("png", "pdf", "svg")),
 )
 
 
@@ -44,6 +51,8 @@ def claim_folder(folder: Path, scene: Path, force: bool) -> None:
         for pattern in LEFT_BEHIND:
             for file in folder.glob(pattern):
                 file.unlink()
+        with suppress(OSError):  # of others where it is not empty, or not there
+            (folder / "fields").rmdir()
 
 
 def make_folder(folder: Path, *, force: bool, allowed: str = "an empty folder, or --force") -> bool:

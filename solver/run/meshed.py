@@ -16,7 +16,6 @@ from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
-from solver.law.compiled import NUMBA, is_kept
 from solver.run.files import Fields
 from solver.run.observer import Observer
 from solver.run.simulate import RunContext
@@ -25,9 +24,6 @@ from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
-
-MACHINE_CODE = "solver.law.local_problem"
-"""Module whose compiled functions solve local problems."""
 
 
 class _Ahead(NamedTuple):
@@ -53,8 +49,6 @@ class MeshedRun:
     ):
         """Mesh, set up, and find the start; read the motion of the ground where it is not given."""
         self._scene, self._log = scene, log
-        if NUMBA is not None and not is_kept(MACHINE_CODE):
-            log("compiling the local problem of contact: some seconds, kept for later runs")
         self.assembly: Assembly = build(scene, ground, petsc_options=petsc_options, comm=comm)
         self._stepper = self.assembly.stepper
         self.state, remark = initial_state(scene, self.assembly)
@@ -88,6 +82,7 @@ class MeshedRun:
 
     def saved(self) -> dict[str, Any]:
         """How the run stands, for `resume`."""
+        self._ahead = None  # solved anew, here as in a run that goes on from this
         return {
             "state": self.state,
             "stepper": self._stepper.saved(),
@@ -157,15 +152,21 @@ class MeshedRun:
         """A step from a state; one that was looked ahead to is not solved twice."""
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
+            self._stepper.prepare(start, dt)
             return ahead.new, ahead.exchange
         return self._stepper.advance(start, dt)
 
     def _following(self, start: State, dt: float) -> State | None:
-        """Look ahead to the state a step after another; None if the step fails."""
+        """Look ahead to the state a step after another; None if the step fails.
+
+        The stepper stands where it stood: rows and fields of the step before are read through it.
+        """
         try:
             new, exchange = self._stepper.advance(start, dt)
         except StepFailed:
             return None
+        finally:
+            self._stepper.prepare(self.state, dt)
         self._ahead = _Ahead(start, dt, new, exchange)
         return new
 

@@ -59,6 +59,28 @@ class Progress(ProgressDisplay):
         super().__init__(quiet=quiet, rank=rank, total=100.0, bar_format=layout)
         self._end = end
         self._last = (0.0, 0.0, 0)
+        self._from, self._steps_began, self._paused_at = 0.0, self._began, 0.0
+
+    def begin(self, time: float) -> None:
+        """Count what is left from here: set-up is over, and steps begin at a time (s)."""
+        self._from, self._steps_began = time, clock.monotonic()
+        if self._bar is not None:
+            self._bar.unpause()
+
+    def pause(self, why: str) -> None:
+        """Say why, if not "", no steps are taken for a while: it does not count in what is left."""
+        self._paused_at = clock.monotonic()
+        if self._silent or not why:
+            return
+        if self._bar is not None:
+            self._bar.clear()
+        self._write(why)
+
+    def go_on(self) -> None:
+        """Steps are taken again."""
+        self._steps_began += clock.monotonic() - self._paused_at
+        if self._bar is not None:
+            self._bar.unpause()
 
     def update(self, time: float, step: float, iterations: int) -> None:
         """Tell of a finished step: the time at its end, its length (s), its Newton iterations."""
@@ -95,7 +117,9 @@ class Progress(ProgressDisplay):
         """Write a line about the last step."""
         time, step, iterations = self._last
         spent = now - self._began
-        left = spent * (self._end - time) / time if time > 0 else float("nan")
+        done = time - self._from
+        stepping = now - self._steps_began
+        left = stepping * (self._end - time) / done if done > 0 else float("nan")
         self._write(
             f"t {time:.4g} of {self._end:.4g} s ({100 * time / self._end:.0f} %), "
             f"step {step:.2g} s, {iterations} iterations, {spent:.0f} s spent, {left:.0f} s left"

@@ -19,7 +19,7 @@ from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.columns import positions
 from solver.history.history import scene_columns
-from solver.law.compiled import NUMBA, is_kept, runs_machine_code
+from solver.law.compiled import NUMBA, runs_machine_code
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.system import Advance
 from solver.scene import Scene
@@ -56,10 +56,7 @@ class RigidRun:
         self._at_once = STEPS_AT_ONCE[machine_code]
         if self._motion.moves:
             self._ground = SteppedGround(self._motion, scene.time.step, self._at_once)
-        rows = "solver.rigid.plane.rows" if scene.dimension == 2 else "solver.rigid.space.rows"
         self._system = self._start()
-        if machine_code and not is_kept(rows):
-            log("compiling the steps of rigid blocks: less than a minute, kept for later runs")
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]

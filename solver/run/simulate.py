@@ -18,6 +18,7 @@ from solver.excitation.motion import GroundMotion, read_ground
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import History, scene_columns
 from solver.info import versions
+from solver.law.late_linking import watching
 from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, world
 from solver.results.cautions import cautions_of_input
@@ -35,6 +36,15 @@ Log = Callable[[str], None]
 
 class ProgressReport(Protocol):
     """What a progress display understands."""
+
+    def begin(self, time: float) -> None:
+        """Set-up is over; steps begin at `time`."""
+
+    def pause(self, why: str) -> None:
+        """Something else takes its time."""
+
+    def go_on(self) -> None:
+        """That is over."""
 
     def update(self, time: float, step: float, iterations: int) -> None:
         """A step of length `step` ended at `time`."""
@@ -91,6 +101,29 @@ class RunContext:
         if not self.interruption.requested():
             return ""
         return f"stopped by {self.interruption.cause} at t = {now:.6g} s"
+
+
+class _Compilations:
+    """Says once in a run that functions are being compiled, and how long that has taken."""
+
+    def __init__(self, log: Log, progress: ProgressReport | None):
+        """Know who is told."""
+        self._log, self._progress = log, progress
+        self._began = self.seconds = 0.0
+
+    def pause(self, why: str) -> None:
+        """Begin to compile."""
+        said, self._began = self._began > 0.0, time.perf_counter()
+        if not said:
+            self._log(why)
+        if self._progress is not None:
+            self._progress.pause("" if said else why)
+
+    def go_on(self) -> None:
+        """Be done with it."""
+        self.seconds += time.perf_counter() - self._began
+        if self._progress is not None:
+            self._progress.go_on()
 
 
 class Engine(Protocol):
@@ -191,12 +224,14 @@ def simulate(
     ):
         if progress is not None:
             stack.callback(progress.close)
+        compiling = _Compilations(files.log, progress)
+        stack.enter_context(watching(compiling))
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
         desk = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
         cautions = cautions_of_input(scene, ground)
         twin = partial(_twin, comm=comm, many=many, seconds=seconds)
-        status, summary = _run(engine, desk, began, cautions, resumed, twin)
+        status, summary = _run(engine, desk, began, cautions, resumed, compiling, twin)
     return Result(status, history, summary)
 
 
@@ -222,13 +257,14 @@ def _run(
     began: float,
     cautions: Sequence[str],
     resumed: Checkpoint | None,
+    compiling: _Compilations,
     twin: Callable[[Scene], Result],
 ) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs the twin of the
-    scene, where the scene wants it.
+    counter, s, with these cautions; it may go on from a checkpoint. What is compiled in the loop
+    counts as set-up. `twin` runs the twin of the scene, where the scene wants it.
     """
     for text in cautions:
         desk.files.log(f"caution: {text}")
@@ -243,13 +279,16 @@ def _run(
         desk.watch.resume(before)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
-    ready, written = time.perf_counter(), files.output_seconds
+    ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
+    if desk.progress is not None:
+        desk.progress.begin(0.0 if resumed is None else resumed.time)
     with rarely_collected():
         status, reason = engine.loop(desk)
-    loop = time.perf_counter() - ready - (files.output_seconds - written)
+    compiled = compiling.seconds - compiled
+    loop = time.perf_counter() - ready - (files.output_seconds - written) - compiled
     cost = {
         "wall_s": loop,
-        "setup_s": ready - began - written,
+        "setup_s": ready - began - written + compiled,
         "output_s": files.output_seconds,
         **engine.cost(),
     }

@@ -8,6 +8,9 @@ from typing import Literal
 from solver.scene.checking import Checked, exactly_one
 from solver.scene.ranges import Count, Positive
 
+#: Snapshots of a run that does not say how many, and the least time between two of them, s.
+SNAPSHOTS, LEAST_TIME = 300, 0.01
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckpointSpec(Checked):
@@ -28,8 +31,9 @@ class CheckpointSpec(Checked):
 class OutputSpec(Checked):
     """What is written, and how often: `[output]`."""
 
-    every: Positive = 0.01
-    """Time between two snapshots of the fields, s."""
+    every: Positive | None = None
+    """Time between two snapshots of the fields, s. Default: 0.01, or a 300th of the run where that
+    is longer."""
     fields: Literal["vtk", "none"] = "vtk"
     """For ParaView, or none."""
     history_every: Count = 1
@@ -41,3 +45,7 @@ class OutputSpec(Checked):
     """Whether the scene is run once more with a motion that is stronger by a millionth, or without
     motion from such a start: `summary.json` then says up to which time both are the same. It takes
     as long as the run."""
+
+    def snapshot_time(self, end: float) -> float:
+        """Time between two snapshots, s, of a run to a time, s."""
+        return max(LEAST_TIME, end / SNAPSHOTS) if self.every is None else self.every

@@ -10,7 +10,7 @@ from solver.errors import SceneError, UnknownKey
 from solver.scene.checking import nearest, shown
 
 BARE = r"[-+]?(?:\.\d+|\d+\.)(?:[eE][-+]?\d+)?"
-"""Numbers that have no digit before or after their point, which are none in TOML."""
+"""Numbers that have no digit before or after their point, which TOML does not allow."""
 
 
 def read_toml(text: str, source: str) -> dict[str, Any]:

@@ -23,12 +23,13 @@ r = p + F, is the same for every rho_inf, which may therefore change from step t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Coefficients of the scheme, all from `rho_inf` in [0, 1].
+    """Coefficients of the scheme, all from `rho_inf` in [0, 1]; a step asks for them many times.
 
     With beta = gamma_n/2 the spectral radius at infinite frequency is 1 for every `rho_inf`: it
     sets the damping of the middle frequencies only.
@@ -39,37 +40,37 @@ class GeneralizedAlpha:
     damped_time: float = 0.0
     """How long steps are taken with rho_inf = 0 after a change of contact, s."""
 
-    @property
+    @cached_property
     def damped(self) -> GeneralizedAlpha:
         """The scheme of steps after a change of contact; this one where nothing is damped."""
         return self if self.rho_inf in (0, 1) else replace(self, rho_inf=0.0)
 
-    @property
+    @cached_property
     def alpha_m(self) -> float:
         """Weight of the old acceleration."""
         return (2 * self.rho_inf - 1) / (self.rho_inf + 1)
 
-    @property
+    @cached_property
     def alpha_f(self) -> float:
         """Weight of the old forces."""
         return self.rho_inf / (self.rho_inf + 1)
 
-    @property
+    @cached_property
     def gamma(self) -> float:
         """Newmark's gamma_n = 1/2 + alpha_f - alpha_m."""
         return 0.5 + self.alpha_f - self.alpha_m
 
-    @property
+    @cached_property
     def beta(self) -> float:
         """Newmark's beta = gamma_n/2."""
         return self.gamma / 2
 
-    @property
+    @cached_property
     def contact_weight(self) -> float:
         """w_c = (1 - alpha_m)/(2 beta): what a contact force at t_{n+1} counts in the balance."""
         return (1 - self.alpha_m) / (2 * self.beta)
 
-    @property
+    @cached_property
     def skew(self) -> float:
         """1/2 - alpha_f: a step's numerical dissipation is `skew` du.dr (du, dr: increments)."""
         return 0.5 - self.alpha_f

@@ -71,13 +71,13 @@ class Balance(NamedTuple):
         """Out-of-balance force at the displacement u (m) without that of contact, N."""
         residual = self.constant.copy()
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
-        travel = None
+        travel, static = None, self.static
         if self.way is not None:
             travel = u - self.start
             travel -= self.way
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
             part = residual[own]
-            internal = body.internal_force(u[own], static=self.static)
+            internal = body.internal_force(u[own], static=static)
             if internal is not None:
                 part += internal
             if travel is not None:

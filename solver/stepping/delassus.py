@@ -84,7 +84,7 @@ class LastDelassus:
 
     def forget(self) -> None:
         """Keep none: it belongs to compliances that are dropped."""
-        self._kept = None
+        self.operator = None
 
     def get(
         self,

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.kinematics import polar_rotation
 from solver.contact.kernels.turned import (
     add_compliance,
     add_loads,
@@ -18,7 +17,7 @@ from solver.contact.kernels.turned import (
     into_frame,
     largest_change,
     mark_ports,
-    middle_shift,
+    middle_of,
     point_vectors,
 )
 from solver.contact.projection import ContactKinematics, Interpolation
@@ -88,6 +87,7 @@ class ElasticResponse:
         self._simple = len(sides) == 1 and not sides[0].carries
         self._itself = [_unspread(side.points.count) for side in sides]
         self._ports = sum(side.points.count for side in sides)
+        self._whole = np.ones(self._ports)  # of their forces, that points which are ports get
         self._unshifted = np.zeros((body.dimension, body.dimension))
         unturned = np.eye(body.dimension)
         self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
@@ -102,9 +102,8 @@ class ElasticResponse:
         rotation = self.body.rotation(u)
         if start is None:
             return ElasticConfiguration(rotation, rotation, self._unshifted)
-        middle = polar_rotation(start + rotation)
-        shift = np.empty_like(rotation)
-        middle_shift(rotation, middle, self._inertia, shift)
+        middle, shift = np.empty(rotation.shape), np.empty(rotation.shape)
+        middle_of(start, rotation, self._inertia, middle, shift)
         return ElasticConfiguration(rotation, middle, shift)
 
     def of_mass(self, u: Array) -> ElasticConfiguration:
@@ -124,7 +123,8 @@ class ElasticResponse:
 
     def free(self, at: ElasticConfiguration, residual: Array) -> Array:
         """The free motion -K^-1 r."""
-        turned, total = self.at_rest(), np.empty(self.body.dimension)
+        d = self.body.dimension
+        turned, total = np.empty((self.body.owned, d)), np.empty(d)
         into_frame(residual, at.middle, turned, total)
         free = self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
         free_step(free, at.shift, global_sum(self.body.comm, total))
@@ -159,7 +159,7 @@ class ElasticResponse:
             return coupling
         count, d, load = len(coupling.ports), self.body.dimension, coupling.load
         C: Any = self.compliance.among(coupling.ports).matrix.reshape(count, d, count, d)
-        share = np.ones(count)
+        share = self._whole[:count]
         if load is not None:
             m, share = len(load), load.sum(axis=1)
             half = (load @ C.reshape(count, -1)).reshape(m * d, count, d).swapaxes(1, 2)

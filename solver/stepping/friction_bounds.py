@@ -35,8 +35,12 @@ class FrictionBounds:
         self._points = points
         self._step, self._glued = step, glued
         self._pasts = [memory.past for memory in memories]
-        self._slips = [memory.slipped for memory in memories]
         laws = [link.interface.law for link in points.links]
+        # Asked of the points only where a law needs it.
+        self._slips = [
+            np.zeros(0, dtype=bool) if law.constant else memory.slipped
+            for law, memory in zip(laws, memories, strict=True)
+        ]
         self.steady = all(law.constant for law in laws)
         self._decays = any(law.decays for law in laws)
         self._speed: Array = np.zeros(points.count)

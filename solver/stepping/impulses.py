@@ -38,6 +38,15 @@ class VelocityCorrection(NamedTuple):
     reversal: float
 
 
+class ClosedPoints(NamedTuple):
+    """Points that are pressed at the end of a step."""
+
+    number: Indices
+    """Their numbers among all points, rising."""
+    force: Array
+    """Their forces, (m, d), N."""
+
+
 class MassOperator(NamedTuple):
     """G M^-1 G^T of closed points.
 
@@ -89,15 +98,20 @@ class VelocityImpulses:
         self._kept = saved[1]
 
     def correct(
-        self, u: Array, v: Array, contacts: Sequence[Contact], dt: float, taken: float
+        self,
+        u: Array,
+        v: Array,
+        contacts: Sequence[Contact],
+        points: ClosedPoints,
+        dt: float,
+        taken: float,
     ) -> VelocityCorrection | None:
         """The correction after a step, or None where no solution was found.
 
         By displacements (m) at t_{n+1} and velocities (m/s) before it; friction took `taken` in the
         step, J.
         """
-        force = joined([contact.force for contact in contacts])
-        closed = (force[:, 0] > 0).nonzero()[0]
+        closed, pressed = points
         operator = self._operator(closed, u, contacts)
         mu = joined([contact.bounds.mu for contact in contacts])
         cohesion = joined([contact.bounds.cohesion for contact in contacts])
@@ -105,7 +119,6 @@ class VelocityImpulses:
         velocity, W = self._velocity(u, v, contacts).take(closed, axis=0), operator.W
         if self._points.has_bed:
             velocity, W = self._held_by_beds(closed, velocity, W)
-        pressed = force.take(closed, axis=0)
         found = impulse_correction(self._local, velocity, W, dt * pressed, bounds, taken)
         if found is None:
             return None

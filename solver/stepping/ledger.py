@@ -75,7 +75,7 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
 
 
 class StepEnds(NamedTuple):
-    """Both ends of a step, before velocities are corrected; p in the frame of its middle."""
+    """Both ends of a step, before velocities are corrected."""
 
     dt: float
     """Step, s."""
@@ -85,26 +85,34 @@ class StepEnds(NamedTuple):
     """v_{n+1}, m/s."""
     du: Array
     """u_{n+1} - u_n, m."""
-    dp: Array
-    """p_{n+1} - p_n, N."""
+    mean: Array
+    """du/dt, m/s."""
+    impulsive: Sequence[Array | None]
+    """Of each body what `impulsive_force` gives, N."""
     residual: Array
     """What the iteration left out of balance, N."""
 
 
-def step_sums(system: System, ends: StepEnds) -> StepSums:
-    """What a step adds up, from its ends; collective."""
+def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
+    """What a step adds up, from its ends; collective.
+
+    `dp` is p_{n+1} - p_n in the frame of the middle of the step, N.
+    """
     du, dt = ends.du, ends.dt
     sums = StepSums(
         energies=_own_energies(system, ends.u, ends.v),
         moved=system.directional_mass @ du,
-        increment=float(du @ ends.dp),
+        increment=float(du @ dp),
         residual=float(ends.residual @ du),
     )
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody):
-            squared = body.increment_energy(ends.u[own])
-            sums.increment += squared
-            sums.damping += body.damping.stiffness * squared / dt
+    for body, own, viscous in zip(system.bodies, system.slices, ends.impulsive, strict=True):
+        if isinstance(body, ElasticBody) and viscous is not None:
+            # The gradient of du at the midpoint is dE: du.C du/dt is beta_R/dt times int dE:C:dE.
+            lost = float(viscous @ du[own])
+            sums.damping += lost
+            sums.increment += dt / body.damping.stiffness * lost
+        elif isinstance(body, ElasticBody):
+            sums.increment += body.increment_energy(ends.u[own])
         spring, drag = body.spring(du[own]), body.drag(du[own])
         if spring is not None:
             sums.increment += float(du[own] @ spring)

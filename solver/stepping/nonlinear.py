@@ -11,7 +11,7 @@ prefix, as in
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import NamedTuple, Protocol
 
 from mpi4py import MPI
@@ -26,6 +26,9 @@ from solver.types import Array
 
 CORRECTION_TOLERANCE = 1e-15
 """Part of the unknowns that a correction has to exceed to change anything but round-off."""
+
+NOTHING = nullcontext()
+"""What an iteration is surrounded by where no option has to stand in PETSc's data base."""
 
 REASONS = {
     2: "residual below its absolute tolerance",
@@ -235,9 +238,9 @@ class NonlinearSolver:
         self.snes.setTolerances(atol=absolute)
         self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
         self._x.array[:] = unknowns
-        with np.errstate(over="ignore", invalid="ignore"):  # an iteration that diverges says so
-            with in_data_base(self._late):
-                self.snes.solve(None, self._x)
+        late = in_data_base(self._late) if self._late else NOTHING
+        with late, np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
+            self.snes.solve(None, self._x)
         if self._correction.refusal is not None:
             raise self._correction.refusal
         code = self.snes.getConvergedReason()

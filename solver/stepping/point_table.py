@@ -65,6 +65,9 @@ class PointTable:
             [np.full(link.interface.count, link.interface.size) for link in links]
         )
         self.has_bed = any(link.interface.beds is not None for link in links)
+        self._turns = any(link.interface.carrier.turns for link in links)
+        self._frames_of: tuple[bytes, Array] | None = None
+        """Frames that were given last, and for which points."""
         self.reach = REACH * self.size
         self.round_off = GAP_ROUND_OFF * self.size
 
@@ -74,7 +77,14 @@ class PointTable:
         return [link.interface.carrier.frame for link in self.links]
 
     def frames_at(self, chosen: Indices) -> Array:
-        """Frames at some of the points, whose numbers rise, (m, d, d)."""
+        """Frames at some of the points, whose numbers rise, (m, d, d); to be read only."""
+        key, kept = chosen.tobytes(), self._frames_of
+        if self._turns or kept is None or kept[0] != key:
+            kept = self._frames_of = key, self._new_frames(chosen)
+        return kept[1]
+
+    def _new_frames(self, chosen: Indices) -> Array:
+        """Frames at some of the points, put together."""
         frames = self.frames
         d = frames[0].shape[-1]
         found = np.empty((len(chosen), d, d))

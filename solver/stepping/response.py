@@ -166,7 +166,7 @@ class DenseResponse:
 
     @property
     def nbytes(self) -> float:
-        """Next to nothing."""
+        """0: a few numbers."""
         return 0.0
 
     def at(self, u: Array, start: Array | None) -> DenseConfiguration:

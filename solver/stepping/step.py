@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
+from solver.stepping.balance import Balance
+from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
 from solver.stepping.interfaces import StepStart
+from solver.stepping.ledger import StepEnds
 from solver.stepping.point_table import joined
 from solver.stepping.state import State
 from solver.stepping.system import Link, System
@@ -94,22 +93,35 @@ def turned(system: System, p: Array, vectors: Sequence[Array]) -> Array:
     return joined([body.turned(p[own], vector) for body, own, vector in bodies])
 
 
+def impulsive_forces(system: System, u: Array, dt: float) -> list[Array | None]:
+    """Forces of all bodies that a step of length dt (s) to u does not average; None: there is none.
+
+    Of meshed bodies that is C du/dt by strain rates.
+    """
+    bodies = zip(system.bodies, system.slices, strict=True)
+    return [body.impulsive_force(u[own], dt) for body, own in bodies]
+
+
 def inertia_force(
-    system: System, links: Sequence[Link], state: State, step: Step, solution: StepSolution
+    system: System,
+    links: Sequence[Link],
+    state: State,
+    step: Step,
+    ends: StepEnds,
+    contacts: Sequence[Contact],
 ) -> Array:
     """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step."""
     scheme, dt = step.scheme, step.dt
-    du, impulse = solution.u - state.u, 0.5 / scheme.beta
-    mean = np.asarray(du / dt)
-    p = system.inertia(du - dt * state.v)
+    impulse = 0.5 / scheme.beta
+    p = system.inertia(ends.du - dt * state.v)
     p /= scheme.beta * dt**2
     p -= (impulse - 1) * step.p
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        for force in (body.impulsive_force(solution.u[own], dt), body.drag(mean[own])):
+    for body, own, rates in zip(system.bodies, system.slices, ends.impulsive, strict=True):
+        for force in (rates, body.drag(ends.mean[own])):
             if force is not None:
                 p[own] += impulse * force
     p -= impulse * step.load
-    for link, memory, c in zip(links, step.start.contacts, solution.contacts, strict=True):
+    for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
         add_contact_forces(
             system,
             link,

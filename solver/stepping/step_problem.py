@@ -80,6 +80,7 @@ class StepProblem:
         """
         self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
         self._points, self._system = model.points, model.system
+        self._static, self._weight = balance.static, balance.contact_weight
         self._number = number if model.turns else 0
         memories = balance.contact
         self.force: Array = np.concatenate([memory.force for memory in memories])
@@ -102,6 +103,7 @@ class StepProblem:
         self._looked: dict[int, tuple[Array, Observed]] = {}
         self._asleep = [not balance.static and self._far(k, guess) for k in range(len(memories))]
         self._iterate = Iterate(guess, ())
+        self._kinematics: list[ContactKinematics] = []  # of all interfaces at the iterate
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.forces = 0.0
@@ -120,6 +122,7 @@ class StepProblem:
         if len(self._system.fixed):
             residual[self._system.fixed] = 0.0
         self._iterate = Iterate(u, seen)
+        self._kinematics = [kinematics for _, kinematics in seen]
         return residual
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
@@ -136,7 +139,7 @@ class StepProblem:
         add_contact_forces(
             self._system,
             link,
-            increment.in_equilibrium if balance.static else increment,
+            increment.in_equilibrium if self._static else increment,
             residual,
             traction_weight=weights.interface,
             contact_weight=weights.contact,
@@ -156,8 +159,9 @@ class StepProblem:
             new = self._solved(delassus, y)
             change = new - self.force.take(near, axis=0)
             self.force[near] = new
-            weight = self._balance.contact_weight
-            self.forces = max(self.forces, weight * math.sqrt(float(np.vdot(new, new))))
+            weight = self._weight
+            flat = new.ravel()
+            self.forces = max(self.forces, weight * math.sqrt(flat @ flat))
             for k, response in enumerate(self._tangents.responses):
                 at, coupling = self._configurations[k], delassus.couplings[k]
                 response.respond(at, coupling, delassus.near, change, weight, free[k])
@@ -194,11 +198,6 @@ class StepProblem:
             found.append(free)
         return found
 
-    @property
-    def _kinematics(self) -> list[ContactKinematics]:
-        """Kinematics of all interfaces at the iterate."""
-        return [kinematics for _, kinematics in self._iterate.seen]
-
     def augmented(self) -> tuple[Array, Mask | None]:
         """Augmented positions of all points at the iterate, and which are beyond an edge.
 
@@ -216,7 +215,7 @@ class StepProblem:
                 if beyond is None:
                     beyond = np.zeros(points.count, dtype=bool)
                 beyond[points.own[number]] = off
-        y = np.concatenate(parts)
+        y = joined(parts)
         if self._beds is not None:
             y[:, 0] += self._beds.offset
         return y, self._edges.settled(beyond)
@@ -258,7 +257,7 @@ class StepProblem:
                 tangents.responses,
                 self._configurations,
                 CandidateSet(near, self._points.frames_at(near), self._kinematics),
-                contact_weight=self._balance.contact_weight,
+                contact_weight=self._weight,
                 softness=self._points.softness,
                 beds=self._beds,
                 softening=self._softening,

@@ -20,11 +20,19 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.equilibrium import consistent, static_weights
-from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
+from solver.stepping.impulses import ClosedPoints, VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
+from solver.stepping.point_table import joined
 from solver.stepping.state import Exchange, State
-from solver.stepping.step import Step, balance_of, extrapolated, inertia_force, turned
+from solver.stepping.step import (
+    Step,
+    balance_of,
+    extrapolated,
+    impulsive_forces,
+    inertia_force,
+    turned,
+)
 from solver.stepping.system import Link, System
 from solver.stepping.turning import Turning
 from solver.types import Array
@@ -107,6 +115,7 @@ class Stepper:
     def saved(self) -> dict[str, Any]:
         """What the digits of further steps depend on besides the state, for `resume`."""
         bodies = self.system.bodies
+        self.local.forget()  # here as in a run that goes on from this
         return {
             "faces": self._faces,
             "strained": [getattr(body, "strained_at", None) for body in bodies],
@@ -257,15 +266,16 @@ class Stepper:
         """State at t_{n+1} and the ledger of the step."""
         system, dt, old = self.system, step.dt, step.start.contacts
         u, du = solution.u, solution.u - state.u
-        v = 2 * np.asarray(du / dt) - state.v
-        p = inertia_force(system, self.links, state, step, solution)
+        mean = np.asarray(du / dt)
+        v = 2 * mean - state.v
+        ends = StepEnds(dt, u, v, du, mean, impulsive_forces(system, u, dt), solution.residual)
+        p = inertia_force(system, self.links, state, step, ends, solution.contacts)
         remembered = [
             link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
         ]
         contacts = [memory for memory, _ in remembered]
-        ends = StepEnds(dt=dt, u=u, v=v, du=du, dp=p - step.p, residual=solution.residual)
-        sums = step_sums(system, ends)
+        sums = step_sums(system, ends, p - step.p)
         lost = [dissipation for _, dissipation in remembered]
         rubbed = sum(each.friction for each in lost)
         correction = self._velocity_correction(u, v, solution, dt, rubbed)
@@ -305,10 +315,12 @@ class Stepper:
         self, u: Array, v: Array, solution: StepSolution, dt: float, rubbed: float
     ) -> VelocityCorrection:
         """What contact at velocity level changes after a step in which friction took `rubbed`."""
-        if self.velocity_solve and any((c.force[:, 0] > 0).any() for c in solution.contacts):
+        correction: VelocityCorrection | None = None
+        force = joined([contact.force for contact in solution.contacts])
+        closed = (force[:, 0] > 0).nonzero()[0]
+        if self.velocity_solve and len(closed):
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
-            correction = self._impulses.correct(u, v, solution.contacts, dt, rubbed)
-            if correction is not None:
-                return correction
-        return VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)
+            pressed = ClosedPoints(closed, force.take(closed, axis=0))
+            correction = self._impulses.correct(u, v, solution.contacts, pressed, dt, rubbed)
+        return correction or VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError
-from solver.run.folders import hold_folder, make_folder, unusable_is_refused
+from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
 from solver.study.tables import write
 
 SETTINGS, CASES = "settings.json", "cases"
@@ -56,7 +56,7 @@ class StudyFolder:
 
     def _clear(self, folder: Path) -> None:
         """Remove an earlier study."""
-        for pattern in (SETTINGS, *self.files):
+        for pattern in (SETTINGS, REPORT, *self.files):
             for file in folder.glob(pattern):
                 file.unlink()
         for name in (CASES, *self.folders):

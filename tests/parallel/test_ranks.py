@@ -54,20 +54,24 @@ def test_histories_agree(serial: Path, ranks: int) -> None:
     many = History.read(serial / f"ranks{ranks}" / "history.csv")
     assert len(one) == len(many) == 3001
     first = one["time_s"] <= 1.0
-    # Lengths in relation to the block's width; displacements that differ by 1e-14 m give forces
-    # that differ by 1e-4 N, because the contact is stiff.
+    # Lengths in relation to the block's width. Rocking multiplies round-off by 15 to 40 in every
+    # impact: displacements then differ by 1e-13 m and, because the contact is stiff, forces by
+    # 1e-4 N after the second one. They are compared up to the third.
     angle, width, weight = 0.05236, 0.25, 503.0 * 9.81
     limits = {
         "angle_rad": 1e-8 * angle,
         "slip_m": 1e-8 * width,
         "centre_x_m": 1e-8 * width,
         "centre_y_m": 1e-8 * width,
-        "normal_force_N": 1e-6 * weight,
-        "friction_force_N": 1e-6 * weight,
+        "normal_force_N": 1e-7 * weight,
+        "friction_force_N": 1e-7 * weight,
     }
+    third = json.loads((serial / "serial" / "summary.json").read_text(encoding="utf-8"))
+    third = third["blocks"]["block"]["impacts"][2]["time_s"]
     for column, limit in limits.items():
         name = f"block.{column}"
-        assert many[name][first] == pytest.approx(one[name][first], abs=limit), name
+        span = first if column.endswith("m") or "angle" in column else one["time_s"] < third
+        assert many[name][span] == pytest.approx(one[name][span], abs=limit), name
     total = one["energy.total_J"][first]
     assert many["energy.total_J"][first] == pytest.approx(total, abs=1e-8 * np.ptp(total))
     alone, together = (
@@ -75,9 +79,9 @@ def test_histories_agree(serial: Path, ranks: int) -> None:
         for folder in ("serial", f"ranks{ranks}")
     )
     assert together["cost"]["ranks"] == ranks
-    # Later rocking amplifies round-off: impact times agree to 1e-3 s while the swings are swings.
+    # Later rocking amplifies round-off: impact times agree to 1e-3 s up to the tenth impact.
     times = [[i["time_s"] for i in s["blocks"]["block"]["impacts"]] for s in (alone, together)]
-    assert times[1][:12] == pytest.approx(times[0][:12], abs=1e-3)
+    assert times[1][:10] == pytest.approx(times[0][:10], abs=1e-3)
 
 
 @pytest.mark.mpi

@@ -67,7 +67,7 @@ def test_fields_of_several_parts_agree(folder: Path, part: str) -> None:
 
     ends = []
     for ranks in (1, 2, 3):
-        reader = pyvista.get_reader(folder / f"fields{ranks}" / f"fields_{part}.pvd")
+        reader = pyvista.get_reader(folder / f"fields{ranks}" / "fields" / f"fields_{part}.pvd")
         reader.set_active_time_value(0.06)
         data = reader.read().combine()
         # A node on the border of two ranks stands in the files of both.

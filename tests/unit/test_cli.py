@@ -277,6 +277,7 @@ def test_files_that_a_new_run_removes_are_those_that_runs_leave() -> None:
     """A scene.toml is written over, not removed; folders of fields of any number of ranks go."""
     assert "scene.toml" not in LEFT_BEHIND
     names = ("fields000001.pvtu", "fields_p2_000001.vtu", "history.csv", "angle.png")
+    names += ("fields/fields_block_p2_000001.vtu", "film.gif", "report.html", "energy.svg")
     for name in names:
         assert any(Path(name).match(pattern) for pattern in LEFT_BEHIND)
 

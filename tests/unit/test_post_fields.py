@@ -201,7 +201,7 @@ def test_several_bodies_of_a_killed_run(
     np.testing.assert_array_equal(lid.point_data["displacement"], np.tile(up, (lid.n_points, 1)))
     np.testing.assert_allclose(lid.point_data["velocity"], 0.2 * np.asarray(lid.points))
     assert not np.any(lid.point_data["contact_pressure"])
-    assert lid.cell_data["von_mises"].tolist() == [0.0]
+    assert "von_mises" not in lid.cell_data
     assert_drawn(tmp_path / "fields.pvd", dimension, alone=ranks == 1)
 
 
@@ -266,3 +266,7 @@ def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, 
     assert seen[floor]["Point1"] == corner
     assert len({"Line", "Plane"} & set(seen)) == 1
     assert ("GetColorTransferFunction" in seen) is stress
+    # stops ParaView 5.11 where nothing was coloured before
+    assert ("ColorBy" in seen) is stress
+    assert "SaveAnimation" not in seen
+    assert "{time:.3f} s" in str(seen["AnnotateTimeFilter"]["Format"])

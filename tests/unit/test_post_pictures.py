@@ -103,6 +103,18 @@ def test_pictures_of_a_run(run: Path, capsys: pytest.CaptureFixture[str]) -> Non
         assert_picture(file)
 
 
+def test_pictures_for_papers(run: Path, tmp_path: Path) -> None:
+    """As PDF and SVG, which are what their names say; a new run takes them away."""
+    assert main(["plot", str(run), "--format", "pdf", "svg"]) == 0
+    for name in ("angle", "forces", "phase"):
+        assert (run / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+        assert "<svg" in (run / f"{name}.svg").read_text()
+    assert list(run.glob("*.png")) == []
+    scene = str(tmp_path / "scene.toml")
+    assert main(["reference", scene, "-q", "-o", str(run), "--force"]) == 0
+    assert {file.suffix for file in run.iterdir()} == {".csv", ".json", ".toml"}
+
+
 def test_a_rigid_body_answer_has_no_fields_and_no_ledger(run: Path) -> None:
     assert main(["plot", str(run)]) == 0
     names = sorted(file.name for file in run.glob("*.png"))
@@ -126,9 +138,11 @@ def test_what_is_no_run_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_instants(run: Path) -> None:
     """Start, first impact (Housner: 0.1916 s), the peak after it, end."""
     from rockslip import read_run
-    from solver.pictures.pictures import instants
+    from solver.pictures.instants import instants
 
-    first, impact, peak, last = instants(read_run(run))
+    chosen = instants(read_run(run))
+    assert [instant.name for instant in chosen] == ["release", "landing", "largest angle", "end"]
+    first, impact, peak, last = (instant.time_s for instant in chosen)
     assert (first, last) == (0.0, pytest.approx(0.6))
     assert impact == pytest.approx(0.1916, abs=1e-4)
     assert peak == pytest.approx((0.1916 + 0.5305) / 2, abs=1e-3)

@@ -3,133 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from made_up_runs import BLOCK, IN_SPACE, STACK, TIME, T, in_space, leave_run, stack
 from numpy.typing import NDArray
 
-from rockslip import History, Scene, parse_scene
-from solver.fields.ground import floor_level, platform_corners
-from solver.fields.pvd import PvdIndex
-from solver.fields.rigid_writer import RigidFieldWriter
-from solver.history.history import scene_columns
-from solver.results.motion import rotated
-from solver.results.summary import summarise, write_json
-from solver.scene import scene_to_toml
+from rockslip import parse_scene
+from solver.fields.ground import floor_level
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("pyvista")
 
 Array = NDArray[np.float64]
-
-BLOCK = "[[block]]\nheight = 1.0\nthickness = 0.3\nmass = 100.0\nmodel = 'rigid'\n"
-TIME = "[time]\nend = 2.0\nstep = 0.002\n"
-STACK = f"""{BLOCK}name = "lower"\nwidth = 0.5\n{BLOCK}name = "upper"\nwidth = 0.3\non = "lower"
-[foundation]\nkind = "oscillator"\nmass = 100.0\nperiod = 0.5\n{TIME}"""
-IN_SPACE = f"dimension = 3\n{BLOCK}width = 0.4\n{TIME}"
-T = np.linspace(0, 2, 1001)
-
-
-def leave_run(folder: Path, scene: Scene, values: dict[str, Any]) -> Path:
-    """The folder of a run with these columns, the others zero, and its fields."""
-    history = History(scene_columns(scene))
-    known = {"time_s": T, "step_s": 0.002} | values
-    assert set(known) <= set(history.columns)
-    table = np.stack([known.get(name, 0.0) + 0 * T for name in history.columns], axis=1)
-    folder.mkdir()
-    history = History(history.columns, folder / "history.csv")
-    history.extend(table)
-    history.flush()
-    (folder / "scene.toml").write_text(scene_to_toml(scene))
-    summary = summarise(
-        scene, history, status="completed", cost={}, versions={}, model="rigid blocks"
-    )
-    write_json(folder / "summary.json", summary)
-    index = PvdIndex(folder / "fields.pvd")
-    for part, block in enumerate(scene.blocks):
-        write_fields(folder, scene, history, block.name, index, part)
-    if scene.has_platform:
-        corners = platform_corners(scene)
-        name, part = folder / "fields_platform.pvd", len(scene.blocks)
-        writer = RigidFieldWriter(name, corners, index=index, part=part)
-        for row in range(0, len(T), 40):
-            drift = history["platform.drift_m"][row] * np.eye(scene.dimension)[0]
-            writer.write(float(T[row]), np.tile(drift, (len(corners), 1)), 0 * corners)
-    return folder
-
-
-def write_fields(
-    folder: Path, scene: Scene, history: History, name: str, index: PvdIndex, part: int
-) -> None:
-    """Every 40th row of a block as a body of one cell."""
-    block = next(b for b in scene.blocks if b.name == name)
-    corners = np.array(block.shape.corners(scene.dimension))
-    writer = RigidFieldWriter(folder / f"fields_{name}.pvd", corners, index=index, part=part)
-    arms = corners - np.eye(scene.dimension)[-1] * block.height / 2
-    for row in range(0, len(T), 40):
-        if scene.dimension == 2:
-            angle = history[f"{name}.angle_rad"][row]
-            c, s = np.cos(angle), np.sin(angle)
-            turned = arms @ np.array([[c, s], [-s, c]]).T
-        else:
-            vector = np.array([history[f"{name}.angle_{axis}_rad"][row] for axis in "xyz"])
-            turned = rotated(np.tile(vector, (8, 1)), arms)
-        axes = "xyz"[: scene.dimension]
-        centre = np.array([history[f"{name}.centre_{axis}_m"][row] for axis in axes])
-        writer.write(float(T[row]), centre + turned - corners, 0 * corners)
-
-
-def stack(folder: Path) -> Path:
-    """Two blocks on a platform: the lower one slides, the upper one rocks."""
-    angle = 0.1 * np.exp(-T) * np.cos(6 * T)
-    drift, slip = 0.05 * np.sin(8 * T), 0.02 * (1 - np.cos(3 * T))
-    weight = 9.81 * 100
-    values = {
-        "lower.slip_m": slip,
-        "lower.centre_x_m": slip + drift,
-        "lower.centre_y_m": 0.5,
-        "lower.normal_force_N": 2 * weight * (1 + 30 * (np.abs(T - 0.5) < 2e-3)),
-        "lower.friction_force_N": 0.3 * weight * np.sin(8 * T),
-        "upper.angle_rad": angle,
-        "upper.angular_velocity_rad_s": np.gradient(angle, T),
-        "upper.gap_left_m": 0.3 * np.sin(np.maximum(angle, 0)),
-        "upper.gap_right_m": 0.3 * np.sin(np.maximum(-angle, 0)),
-        "upper.centre_x_m": slip + drift + 0.4 * angle,
-        "upper.centre_y_m": 1.5 + 0.15 * np.abs(angle),
-        "upper.normal_force_N": weight,
-        "upper.friction_force_N": 0.1 * weight * np.sin(8 * T),
-        "platform.drift_m": drift,
-        "platform.acceleration_m_s2": -3.2 * np.sin(8 * T),
-        "energy.kinetic_J": 5 * np.sin(8 * T) ** 2,
-        "energy.gravity_J": weight * (0.5 + 1.5 + 0.15 * np.abs(angle)),
-        "energy.spring_J": 10 * np.sin(8 * T) ** 2,
-        "energy.total_J": 15 * np.sin(8 * T) ** 2 + weight * (2 + 0.15 * np.abs(angle)),
-        "energy.friction_J": 3 * T,
-        "energy.input_J": 6 * T,
-    }
-    return leave_run(folder, parse_scene(STACK), values)
-
-
-def in_space(folder: Path) -> Path:
-    """A block that rocks on its corners and turns on the way."""
-    lean, turn = 0.15 * np.exp(-T) * np.cos(5 * T), 0.2 * T
-    values = {
-        "block.angle_rad": lean,
-        "block.angle_x_rad": -0.6 * lean,
-        "block.angle_y_rad": lean,
-        "block.angle_z_rad": turn,
-        "block.angular_velocity_y_rad_s": np.gradient(lean, T),
-        "block.gap_1_m": 0.4 * np.abs(np.sin(lean)),
-        "block.slip_m": 0.02 * T,
-        "block.slip_second_m": -0.01 * T,
-        "block.centre_z_m": 0.5 + 0.2 * np.abs(lean),
-        "block.normal_force_N": 981.0,
-        "block.friction_force_second_N": 100 * np.sin(5 * T),
-        "energy.gravity_J": 981 * (0.5 + 0.2 * np.abs(lean)),
-        "energy.total_J": 981 * (0.5 + 0.2 * np.abs(lean)),
-    }
-    return leave_run(folder, parse_scene(IN_SPACE), values)
 
 
 def assert_pictures(folder: Path, names: list[str]) -> None:
@@ -160,7 +46,8 @@ def test_what_curves_show(tmp_path: Path) -> None:
     """The numbers on the axes are those of the history, in the units of their labels."""
     from rockslip import read_run
     from solver.pictures.angles import draw_angle, draw_overlay
-    from solver.pictures.forces import draw_energy, draw_forces, draw_platform
+    from solver.pictures.energy import draw_energy
+    from solver.pictures.forces import draw_forces, draw_platform
 
     run = read_run(stack(tmp_path / "stack"))
     (angles,) = draw_angle(run, None).axes[:1]
@@ -187,9 +74,10 @@ def test_what_curves_show(tmp_path: Path) -> None:
 
 def test_instants_are_those_of_the_block_that_rocks(tmp_path: Path) -> None:
     from rockslip import read_run
-    from solver.pictures.pictures import instants
+    from solver.pictures.instants import instants
 
-    first, impact, peak, last = instants(read_run(stack(tmp_path / "stack")))
+    chosen = instants(read_run(stack(tmp_path / "stack")))
+    first, impact, peak, last = (instant.time_s for instant in chosen)
     assert (first, last) == (0.0, 2.0)
     assert impact == pytest.approx(np.pi / 12, abs=1e-4)
     assert impact < peak < np.pi / 4
@@ -216,6 +104,104 @@ def test_bodies_stand_on_each_other(tmp_path: Path) -> None:
     assert all(area > 0 for area in areas[3:])
     assert sum(areas) == pytest.approx(0.0, abs=1e-12)
     assert 0 < ABOVE < np.pi / 2
+
+
+def test_lift_off_largest_angle_and_landing(tmp_path: Path) -> None:
+    """One swing from 0.5 to 1.0 s; a block that overturns is shown until it lies."""
+    from rockslip import read_run
+    from solver.pictures.instants import instants
+
+    scene = parse_scene(IN_SPACE)
+    lean = np.where((T > 0.5) & (T < 1), 0.1 * np.sin((T - 0.5) / 0.5 * np.pi), 0.0)
+    run = read_run(leave_run(tmp_path / "a", scene, {"block.angle_y_rad": lean}))
+    chosen = instants(run)
+    assert [i.name for i in chosen] == ["lift-off", "largest angle", "landing", "at rest"]
+    times = [i.time_s for i in chosen]
+    np.testing.assert_allclose(times, [0.5, 0.75, 1.0, 1.025], atol=6e-3)
+    lean = np.clip(T - 0.5, 0, 1) * np.pi / 2
+    run = read_run(leave_run(tmp_path / "b", scene, {"block.angle_y_rad": lean}))
+    chosen = instants(run)
+    assert [i.name for i in chosen] == ["lift-off", "", "overturned", "end"]
+    # beyond 2 alpha, 43.6 degrees
+    assert chosen[2].time_s == pytest.approx(0.5 + 2 * np.arctan(0.4) / (np.pi / 2), abs=3e-3)
+
+
+def test_time_axes_end_where_nothing_moves(tmp_path: Path) -> None:
+    from rockslip import read_run
+    from solver.pictures.angles import draw_angle
+    from solver.pictures.forces import draw_forces
+
+    lean = np.where((T > 0.5) & (T < 1), 0.1 * np.sin((T - 0.5) / 0.5 * np.pi), 0.0)
+    values = {"block.angle_rad": lean, "block.angle_y_rad": lean}
+    run = read_run(leave_run(tmp_path / "a", parse_scene(IN_SPACE), values))
+    for figure in (draw_angle(run, None), draw_forces(run)):
+        np.testing.assert_allclose(figure.axes[-1].get_xlim(), (0.475, 1.025), atol=0.01)
+
+
+def test_the_ground_stands_above_the_angle(tmp_path: Path) -> None:
+    from rockslip import read_run
+    from solver.pictures.angles import draw_angle
+
+    scene = parse_scene(IN_SPACE + "[motion]\nkind = 'sine'\namplitude_g = 0.1\nperiod = 1\n")
+    shaking = 0.981 * np.sin(2 * np.pi * T)
+    run = read_run(leave_run(tmp_path / "a", scene, {"base.acceleration_m_s2": shaking}))
+    ground, angle = draw_angle(run, None).axes[:2]
+    np.testing.assert_allclose(ground.lines[0].get_ydata(), shaking / 9.81)
+    assert ground.get_position().y0 > angle.get_position().y0
+    assert ground.get_xlim() == angle.get_xlim()
+
+
+def test_the_fall_does_not_dwarf_the_energies(tmp_path: Path) -> None:
+    """The axes show what was there while the block stood."""
+    from rockslip import read_run
+    from solver.pictures.energy import draw_energy
+
+    lean = np.clip(T - 1.0, 0, 1) * np.pi / 2
+    drop = np.where(T > 1.6, -300.0 * (T - 1.6), 5 * np.sin(6 * T))
+    values = {"block.angle_y_rad": lean, "energy.gravity_J": drop, "energy.total_J": drop}
+    run = read_run(leave_run(tmp_path / "a", parse_scene(IN_SPACE), values))
+    above = draw_energy(run).axes[0]
+    assert "fall cut off" in above.get_ylabel()
+    low, high = above.get_ylim()
+    assert high - low < 30
+
+
+def test_nothing_is_drawn_below_the_floor(tmp_path: Path) -> None:
+    """A block that has sunk has no face in space whose points are all below."""
+    from solver.pictures.deformed import read_snapshots
+
+    folder = in_space(tmp_path / "space")
+    (above,) = read_snapshots(folder / "fields.pvd", [0.0], dimension=3, floor=0.0)
+    assert len(above.outlines) == 6
+    (cut,) = read_snapshots(folder / "fields.pvd", [0.0], dimension=3, floor=0.5)
+    assert len(cut.outlines) == 5
+    assert len(cut.von_mises) == 5
+
+
+def test_a_record_has_its_husid_plot_and_spectrum(tmp_path: Path) -> None:
+    """Those of a sine: half of the intensity in half of the time, resonance at its period."""
+    from rockslip import read_run
+    from solver.pictures.ground import draw_motion, sampled_motions
+    from solver.pictures.pictures import picture_run
+
+    record = tmp_path / "record.txt"
+    time = np.arange(2001) * 0.005
+    samples = 0.2 * np.sin(2 * np.pi * time / 0.5)
+    record.write_text("".join(f"{t:.3f} {a:.6f}\n" for t, a in zip(time, samples, strict=True)))
+    scene = parse_scene(IN_SPACE + f"[motion]\nkind = 'record'\nfile = '{record}'\nunits = 'g'\n")
+    run = read_run(leave_run(tmp_path / "a", scene, {}))
+    figure = draw_motion(sampled_motions(run))
+    accelerogram, husid, spectrum = (figure.axes[k] for k in (0, 2, 1))
+    assert np.abs(accelerogram.lines[0].get_ydata()).max() == pytest.approx(0.2, rel=1e-3)
+    grown = husid.lines[0]
+    assert np.interp(5.0, grown.get_xdata(), grown.get_ydata()) == pytest.approx(50, abs=0.5)
+    periods, psa = spectrum.lines[0].get_xdata(), spectrum.lines[0].get_ydata()
+    assert periods[np.argmax(psa)] == pytest.approx(0.5, rel=0.05)
+    # steady state of the resonance, 1/(2 xi) times the ground; periods are 3.5 % apart
+    assert psa.max() == pytest.approx(0.2 / 0.1, rel=0.06)
+    assert "motion.png" in [file.name for file in picture_run(run)]
+    record.unlink()
+    assert sampled_motions(run) == []
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from solver.run import progress
+from solver.run import progress, simulate
 
 
 class Terminal(io.StringIO):
@@ -67,3 +67,49 @@ def test_a_bar_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "100%" in text
     assert "t 2/2 s, step 0.02 s, 3 iterations" in text
     assert "\r" in text
+
+
+@pytest.mark.usefixtures("hurried")
+def test_what_is_left_counts_neither_set_up_nor_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A minute of set-up, a quarter of the steps in 5 s, with half a minute in which none is taken.
+
+    The run goes on from 1 s of 5.
+    """
+    now, stream = [0.0], io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(progress.clock, "monotonic", lambda: now[0])
+    shown = progress.Progress(5.0)
+    now[0] = 60.0
+    shown.begin(1.0)
+    now[0] = 62.0
+    shown.pause("compiling")
+    now[0] = 92.0
+    shown.go_on()
+    now[0] = 95.0
+    shown.update(2.0, 0.01, 3)
+    assert stream.getvalue().splitlines() == [
+        "compiling",
+        "t 2 of 5 s (40 %), step 0.01 s, 3 iterations, 95 s spent, 15 s left",
+    ]
+
+
+def test_that_functions_are_compiled_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the log and to the display, which is told of every pause."""
+    now, said, told = [0.0], [], []
+    monkeypatch.setattr(simulate.time, "perf_counter", lambda: now[0])
+
+    class Display(progress.Progress):
+        def pause(self, why: str) -> None:
+            told.append(why)
+
+        def go_on(self) -> None:
+            told.append("on")
+
+    compilations = simulate._Compilations(said.append, Display(1.0, quiet=True))
+    for begin, end in ((1.0, 3.0), (5.0, 9.0)):
+        now[0] = begin
+        compilations.pause("compiling")
+        now[0] = end
+        compilations.go_on()
+    assert compilations.seconds == 6.0
+    assert said == ["compiling"] and told == ["compiling", "on", "", "on"]

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from solver.law import compiled as module
+from solver.law import late_linking, sources
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.model import PlaneMemory, new_memory
 
@@ -81,16 +82,64 @@ def test_nothing_is_kept_where_nothing_can_be_written(
     assert compiled(triple)(2.0) == 6.0
 
 
-def test_code_is_kept_by_the_version_of_its_sources(tmp_path: Path) -> None:
+def test_versions_of_folders_are_those_of_all_files_in_them(tmp_path: Path) -> None:
     """A change of any file, also of one of constants, and in a folder below, is another version."""
     (tmp_path / "steps.py").write_text("def step(x):\n    return x\n")
     (tmp_path / "plane").mkdir()
     constants = tmp_path / "plane" / "constants.py"
     constants.write_text("LIMIT = 1.0\n")
-    before = module.digest([tmp_path])
-    assert module.digest([tmp_path]) == before
+    before = sources.digest([tmp_path])
+    assert sources.digest([tmp_path]) == before
     constants.write_text("LIMIT = 2.0\n")
-    assert module.digest([tmp_path]) != before
+    assert sources.digest([tmp_path]) != before
+
+
+LOADED = """
+import importlib, sys
+importlib.import_module(sys.argv[1])
+print(*(m.__file__ for n, m in sys.modules.items() if n.split(".")[0] in ("geometry", "solver")))
+"""
+
+
+@pytest.mark.parametrize(
+    "module_name",
+    [
+        *("solver.rigid.plane.rows", "solver.rigid.space.rows", "solver.law.local_problem"),
+        *("solver.contact.kernels.way", "solver.contact.kernels.nitsche"),
+        *("solver.bodies.kernels.rotation", "solver.reference.kernels.slider"),
+    ],
+)
+def test_the_version_of_machine_code_is_that_of_all_that_is_imported(module_name: str) -> None:
+    """What Python loads with a module of compiled functions is what their version follows from."""
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED, module_name],
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    file = REPOSITORY / (module_name.replace(".", "/") + ".py")
+    assert {Path(name) for name in done.stdout.split()} <= sources.closure(file)
+
+
+def test_machine_code_outlives_changes_of_what_it_does_not_hold() -> None:
+    """Blocks in the plane hold friction; nothing of blocks in space, of scenes or of elements."""
+    solver = REPOSITORY / "solver"
+    found = sources.closure(solver / "rigid" / "plane" / "rows.py")
+    assert {solver / "law" / "friction.py", solver / "history" / "columns.py"} <= found
+    others = ("rigid/space", "scene", "contact", "bodies", "reference", "run")
+    assert not [file for file in found for name in others if (solver / name) in file.parents]
+
+
+def test_imports_are_found_however_they_are_written() -> None:
+    """Names of modules, in parentheses, renamed; not those of checkers of types or of functions."""
+    text = (
+        "import solver.law.impact as hit\nfrom solver.law import (  # both\n    friction as f,\n"
+        "    newton,\n)\nif TYPE_CHECKING:\n    from solver.scene import Scene\n"
+        "def late():\n    from solver.rigid import start\n"
+    )
+    names = ["solver.law.impact", "solver.law.friction", "solver.law.newton"]
+    assert list(sources._modules(text)) == names
 
 
 def test_borrowed_arrays_are_the_same_arrays() -> None:
@@ -144,24 +193,97 @@ def test_numba_is_one_that_borrowing_is_known_to_work_with() -> None:
     assert low <= version < high
 
 
-@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
-def test_what_was_compiled_is_known_to_be_kept(tmp_path: Path) -> None:
-    """Not before a function of the module was called, though its folder is there by then."""
-    script = """
+TELLING = """
+import sys
+from solver.law.late_linking import watching
+class Said:
+    def pause(self, why): print(why)
+    def go_on(self): print("done")
+from solver.law.newton import lengths
 import numpy as np
-from solver.law import newton
-from solver.law.compiled import is_kept
-name = newton.__name__
-before = is_kept(name)
-newton.lengths(2, np.eye(2), True)
-print(before, is_kept(name), is_kept("solver.rigid.plane.rows"))
+with watching(Said()):
+    lengths(2, np.eye(2), True)
+    lengths(2, np.eye(2), False)
 """
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
-        cwd=REPOSITORY,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.split() == ["False", "True", "False"]
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_who_watches_is_told_of_what_is_compiled_not_of_what_is_kept(tmp_path: Path) -> None:
+    """Once for all functions below; where nothing can be kept the words say so."""
+
+    def said(folder: Path) -> list[str]:
+        done = subprocess.run(
+            [sys.executable, "-c", TELLING],
+            env=os.environ | {"NUMBA_CACHE_DIR": str(folder)},
+            cwd=REPOSITORY,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        return done.stdout.splitlines()
+
+    assert said(tmp_path / "cache") == [late_linking.COMPILING, "done"]
+    assert said(tmp_path / "cache") == []
+    (tmp_path / "file").write_text("")
+    assert said(tmp_path / "file") == [late_linking.COMPILING_IN_VAIN, "done"]
+
+
+@compiled
+def _inverse(matrix: np.ndarray) -> np.ndarray:
+    """An inverse; an error where there is none."""
+    if matrix[0, 0] < 0.0:
+        raise ValueError("negative")
+    return np.linalg.inv(matrix)
+
+
+@compiled
+def _size(matrix: np.ndarray) -> float:
+    """Norm of an inverse; -1 where there is none, -2 where the matrix is refused."""
+    try:
+        return float(np.linalg.norm(_inverse(matrix)))
+    except Exception:
+        return -1.0
+
+
+@compiled
+def _sizes(matrix: np.ndarray, count: int) -> float:
+    """Sum of some of them, by two ways."""
+    total = 0.0
+    for k in range(count):
+        total += _size(matrix * (k + 1.0)) + _inverse(matrix)[0, 0]
+    return total
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_functions_linked_late_do_what_they_do_alone(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Their errors, too; called by one another, from Python, and by functions of others."""
+    numba = pytest.importorskip("numba")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    matrix = np.array([[2.0, 1.0], [1.0, 3.0]])
+    expected = sum(np.linalg.norm(np.linalg.inv((k + 1) * matrix)) + 0.6 for k in range(3))
+    assert _sizes(matrix, 3) == pytest.approx(expected, rel=1e-14)
+    assert _size(np.zeros((2, 2))) == _size(-matrix) == -1.0
+    assert _inverse(matrix) == pytest.approx(np.linalg.inv(matrix), rel=1e-14)
+    with pytest.raises(ValueError, match="negative"):
+        _inverse(-matrix)
+
+    @numba.njit
+    def foreign(matrix: np.ndarray) -> float:
+        """A function of someone else that needs what was linked late before."""
+        return float(np.linalg.norm(np.linalg.inv(matrix)))
+
+    @numba.njit
+    def above(matrix: np.ndarray) -> float:
+        """Another that calls it."""
+        return 2.0 * foreign(matrix)
+
+    assert above(matrix) == 2.0 * foreign(matrix)
+    assert foreign(matrix) == pytest.approx(np.linalg.norm(np.linalg.inv(matrix)), rel=1e-14)
+
+
+def test_late_linking_works_with_this_numba() -> None:
+    """Else all is compiled as numba does by itself, in three times the time."""
+    if module.NUMBA is not None:
+        assert late_linking._codegen_class() is not None

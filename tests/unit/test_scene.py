@@ -67,7 +67,9 @@ def test_defaults_are_those_of_the_interface():
     assert scene.motion is None
     assert (scene.time.rho_inf, scene.time.initial) == (0.8, "static")
     assert scene.time.smallest == 1e-3 / 1024
-    assert (scene.output.every, scene.output.fields, scene.output.history_every) == (0.01, "vtk", 1)
+    assert (scene.output.every, scene.output.fields, scene.output.history_every) == (None, "vtk", 1)
+    assert scene.output.snapshot_time(3.0) == 0.01
+    assert scene.output.snapshot_time(60.0) == 0.2
 
 
 def test_shape_angles_and_types():

@@ -11,11 +11,11 @@ import signal
 import subprocess
 import sys
 import time
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from html_page import Page
 
 from rockslip import load_scene
 from solver.cli import main
@@ -187,27 +187,6 @@ def test_what_it_leaves(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["motions"] == 12
     assert summary["cells"][0]["roots"] == pytest.approx([float(rows[0]["lambda"])])
-
-
-class Page(HTMLParser):
-    """Collects what a page refers to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open, self.sources, self.cells, self.text = list[str](), list[str](), 0, ""
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        values = dict(attrs)
-        self.sources += [str(values[key]) for key in ("src", "href") if key in values]
-        self.cells += tag == "td"
-        if tag not in ("meta", "img"):
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
 
 
 def test_the_page_stands_alone(folder: Path) -> None:

@@ -257,7 +257,7 @@ def test_fields_show_the_box_where_it_stands(tmp_path: Path) -> None:
     pyvista = pytest.importorskip("pyvista")
     block = TALL | LEANING | {"velocity": [0.2, 0.0, 0.5], "angular_velocity": [0.5, 1.0, 3.0]}
     result = run(block, PEBBLE, end=0.1, folder=tmp_path, output={"every": 0.05})
-    box = pyvista.read(tmp_path / "fields_tall000002.vtu")
+    box = pyvista.read(tmp_path / "fields" / "fields_tall000002.vtu")
     angles, centre, spin = (
         np.array([result.history[f"tall.{name}_{axis}_{unit}"][-1] for axis in "xyz"])
         for name, unit in (("angle", "rad"), ("centre", "m"), ("angular_velocity", "rad_s"))

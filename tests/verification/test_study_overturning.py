@@ -181,11 +181,15 @@ def test_all_intervals_are_found() -> None:
 
 
 def test_boundaries_near_a_rigid_one() -> None:
-    low, high = near(lambda a: a > 2.03, 2.0, True, 2e-3) or (0, 0)
+    def up(at: float) -> Callable[[float], str]:
+        return lambda a: DIRECTLY if a > at else STAYS
+
+    low, high = near(up(2.03), 2.0, STAYS, DIRECTLY, 2e-3) or (0, 0)
     assert low < 2.03 < high and high - low <= 4e-3
-    low, high = near(lambda a: a < 1.9, 2.0, False, 2e-3) or (0, 0)
+    low, high = near(lambda a: LATER if a < 1.9 else STAYS, 2.0, LATER, STAYS, 2e-3) or (0, 0)
     assert low < 1.9 < high
-    assert near(lambda a: False, 2.0, True, 2e-3) is None
+    assert near(lambda a: STAYS, 2.0, STAYS, DIRECTLY, 2e-3) is None
+    assert near(up(2.03), 2.0, STAYS, LATER, 2e-3) is None  # what another boundary leads to
 
 
 def test_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

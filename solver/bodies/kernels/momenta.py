@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from solver.bodies.kernels.rotation import turn_by
 from solver.law.compiled import compiled
 from solver.types import Array
 
@@ -35,18 +36,56 @@ def momenta(
 
 
 @compiled
-def move_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array, after: Array) -> None:
+def velocities(
+    sums: Array, mass: float, rotation: Array, inertia: Array, motion: Array, spin: Array
+) -> None:
+    """Fill in how a body moves as a whole, by sums over its nodes as `momenta` gives them.
+
+    Args:
+        sums: Over the nodes of all ranks.
+        mass: Of the body, kg.
+        rotation: That fits its displacement best, (d, d).
+        inertia: Inertia tensor of the unrotated body about its centre, (3, 3), in the plane its
+            polar inertia, (1, 1), kg m2.
+        motion: Displacement (m) and velocity (m/s) of the centre, (2, d).
+        spin: Angular velocity, (1,) or (3,), rad/s.
+    """
+    d, axes = len(rotation), len(spin)
+    for k in range(d):
+        motion[0, k], motion[1, k] = sums[k] / mass, sums[d + k] / mass
+    own = np.empty(axes)
+    for axis in range(axes):
+        i, j = (1, 0) if d == 2 else ((axis + 1) % 3, (axis + 2) % 3)
+        centre = motion[0, i] * motion[1, j] - motion[0, j] * motion[1, i]
+        own[axis] = sums[2 * d + axis] - mass * centre
+    if d == 2:
+        spin[0] = own[0] / inertia[0, 0]
+        return
+    turned, spin[:] = np.zeros(3), 0.0
+    for i in range(3):
+        for j in range(3):
+            turned[i] += rotation[j, i] * own[j]
+    own_frame = np.linalg.solve(inertia, turned)
+    for i in range(3):
+        for j in range(3):
+            spin[i] += rotation[i, j] * own_frame[j]
+
+
+@compiled
+def move_on(arm: Array, u: Array, moved: Array, vector: Array, way: Array, after: Array) -> None:
     """Fill in displacements of a body that turns and moves on as a whole, its strains unchanged.
 
     Args:
         arm: Places of the nodes from the centre of the undeformed body, (n, d), m.
         u: Displacements before, (n d,), m.
         moved: That of the centre, (d,), m.
-        turn: Rotation by which the body turns, (d, d).
+        vector: Angle (1,) or rotation vector (3,) by which the body turns, rad.
         way: How far its centre moves, (d,), m.
         after: Displacements after, (n d,), m.
     """
     d = arm.shape[1]
+    turn = np.empty((d, d))
+    turn_by(vector, turn)
     after[:] = u
     for i in range(d):
         after[i::d] += way[i]
@@ -56,9 +95,11 @@ def move_on(arm: Array, u: Array, moved: Array, turn: Array, way: Array, after: 
 
 
 @compiled
-def turn_all(vectors: Array, rotation: Array, turned: Array) -> None:
-    """Fill in R x for vectors x, one after another in (n d,)."""
-    d = len(rotation)
+def turn_all(vectors: Array, vector: Array, turned: Array) -> None:
+    """Fill in vectors x, one after another in (n d,), turned by an angle (1,) or a vector (3,)."""
+    d = 2 if len(vector) == 1 else 3
+    rotation = np.empty((d, d))
+    turn_by(vector, rotation)
     turned[:] = 0.0
     for i in range(d):
         for j in range(d):

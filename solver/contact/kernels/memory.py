@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.friction import Bounds, FrictionLaws, pasts_after, points_that_slip
-from solver.types import Array, Mask
+from solver.law.friction import SLIPPED, Bounds, FrictionLaws, pasts_after, points_that_slip
+from solver.types import Array
 
 
 @compiled
@@ -96,8 +96,17 @@ def squared_change(weight: Array, old: Array, new: Array) -> float:
 
 
 @compiled
+def _all_slip(force: Array, past: Array) -> bool:
+    """Whether all closed points slip."""
+    for p in range(len(force)):
+        if force[p, 0] > 0.0 and not past[p, SLIPPED] > 0.0:
+            return False
+    return True
+
+
+@compiled
 def changed_forces(
-    before: Array, after: Array, slipped_before: Mask, slipped_after: Mask
+    before: Array, after: Array, past_before: Array, past_after: Array, rigid: bool
 ) -> tuple[float, float]:
     """Forces of the points that opened, closed, stuck, slipped or turned round, and of all, N.
 
@@ -106,18 +115,28 @@ def changed_forces(
     Args:
         before: Point forces at its start, (points, d), N.
         after: At its end.
-        slipped_before: Points that slipped in the step before, (points,).
-        slipped_after: In this one.
+        past_before: What points remembered of their friction at its start, (points, PAST).
+        past_after: At its end.
+        rigid: Whether neither body is meshed. Which of their points slip is then chance, unless all
+            of them do.
     """
     shaken, carried = 0.0, 0.0
+    together = (
+        not rigid or _all_slip(before, past_before),
+        not rigid or _all_slip(after, past_after),
+    )
     for p in range(len(before)):
+        slipped = together[0] and past_before[p, SLIPPED] > 0.0
+        slips = together[1] and past_after[p, SLIPPED] > 0.0
+        if rigid:
+            slipped, slips = slipped and before[p, 0] > 0.0, slips and after[p, 0] > 0.0
         old = new = turned = 0.0
         for k in range(before.shape[1]):
             old, new = math.hypot(old, before[p, k]), math.hypot(new, after[p, k])
             turned += before[p, k] * after[p, k] if k > 0 else 0.0
         changed = (before[p, 0] > 0.0) != (after[p, 0] > 0.0)
-        changed = changed or slipped_before[p] != slipped_after[p]
-        changed = changed or (slipped_before[p] and turned < 0.0)
+        changed = changed or slipped != slips
+        changed = changed or (slipped and turned < 0.0)
         carried += max(old, new)
         shaken += max(old, new) if changed else 0.0
     return shaken, carried

@@ -62,10 +62,10 @@ def evaluate(rows: SurfaceRows, displacement: Array, state: NitscheState) -> Non
     nodes, values, gradients, point, share, stress_rows, reference = rows
     position, traction, deformation, stress = state
     d = displacement.shape[1]
-    twice = np.empty((d, d))
-    position[:], traction[:], deformation[:], stress[:] = reference, 0.0, 0.0, 0.0
+    gradient, twice = np.empty((d, d)), np.empty((d, d))
+    position[:], traction[:], stress[:] = reference, 0.0, 0.0
     for e in range(len(nodes)):
-        p, gradient = point[e], deformation[e]
+        p, gradient[:] = point[e], 0.0
         for a in range(nodes.shape[1]):
             for i in range(d):
                 moved = displacement[nodes[e, a], i]
@@ -85,6 +85,7 @@ def evaluate(rows: SurfaceRows, displacement: Array, state: NitscheState) -> Non
                     stress[e, i] += stress_rows[e, i, d * j + k] * twice[j, k]
         for i in range(d):
             for j in range(d):
+                deformation[e, i, j] = gradient[i, j]
                 traction[p, i] += share[e] * gradient[i, j] * stress[e, j]
 
 
@@ -141,9 +142,10 @@ def add_traction_gradient(
     """
     nodes, _, gradients, point, share, stress_rows, _ = rows
     d = vector.shape[1]
-    middle, outer = np.empty((d, d)), np.empty((d, d))
+    middle, outer, weighted = np.empty((d, d)), np.empty((d, d)), np.empty(d)
     for e in range(len(nodes)):
-        weighted = share[e] * vector[point[e]]
+        for i in range(d):
+            weighted[i] = share[e] * vector[point[e], i]
         outer[:] = 0.0
         for i in range(d):
             for j in range(d):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from solver.bodies.kernels.rotation import polar_factor
 from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
 
@@ -195,9 +196,18 @@ def add_compliance(
 
 
 @compiled
-def middle_shift(rotation: Array, middle: Array, inertia: float, shift: Array) -> None:
-    """Fill in the shift S = (R^T R_m - I)/(w m), (d, d), m/N."""
+def middle_of(start: Array, rotation: Array, inertia: float, middle: Array, shift: Array) -> None:
+    """Fill in the rotation R_m in the middle of a step, and the shift S = (R^T R_m - I)/(w m).
+
+    Args:
+        start: Rotation at its start, (d, d).
+        rotation: R, at its end, (d, d).
+        inertia: w m, N/m.
+        middle: R_m, (d, d).
+        shift: S, (d, d), m/N.
+    """
     d = len(rotation)
+    polar_factor(start + rotation, middle)
     for i in range(d):
         for j in range(d):
             shift[i, j] = -1.0 if i == j else 0.0

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.run.streams import say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,15 +105,12 @@ def run(options: argparse.Namespace) -> int:
         for closed in (True, False):
             waiting = comm.bcast(_missing(plan, count, closed=closed) if comm.rank == 0 else None)
             _run_tasks(waiting, plan, failed, options)
-        enough = None
-        if comm.rank == 0:
-            enough = _write(plan, count, failed, options)
-        if comm.bcast(enough):
+        if on_first_rank(comm, partial(_write, plan, count, failed, options)):
             break
     if comm.rank == 0 and not options.quiet:
-        sys.stdout.write((plan.folder / "inertia.md").read_text(encoding="utf-8"))
-        sys.stdout.writelines(f"failed: {name}: {reason}\n" for name, reason in failed.items())
-        sys.stdout.write(f"written to {plan.folder}\n")
+        say((plan.folder / "inertia.md").read_text(encoding="utf-8"))
+        say("".join(f"failed: {name}: {reason}\n" for name, reason in failed.items()))
+        say(f"written to {plan.folder}\n")
     return NotConverged.exit_code if comm.bcast(bool(failed)) else 0
 
 

@@ -13,7 +13,7 @@ TABLE, TEXT, SUMMARY, PAGE = "inertia.csv", "inertia.md", "summary.json", "inert
 
 FOLDER = StudyFolder(
     kind="study of inertia",
-    same="the same scene, map, motions and options",
+    same="the same scene",
     files=(TABLE, TEXT, SUMMARY, PAGE, "*.png"),
 )
 

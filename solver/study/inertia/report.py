@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from solver import VERSION
+from solver.info import versions
 from solver.study.inertia.findings import CLOSED, WANTED, Finding, Line, row_of, widest
 from solver.study.inertia.folder import PAGE, SUMMARY, TABLE, TEXT
 from solver.study.inertia.page import Picture, page
@@ -63,7 +59,7 @@ def write_all(
         title=title,
         summary=_sentences(findings),
         pictures=_pictures(folder, lines, findings),
-        table=words(findings),
+        numbers=words(findings),
         failed=told,
         scene=scene,
         command=command,
@@ -158,9 +154,7 @@ def _without(finding: Finding, count: int) -> Finding:
 def _versions(findings: Sequence[Finding]) -> dict[str, str]:
     """Versions of what the numbers and pictures depend on."""
     blocks = any(finding.by != CLOSED for finding in findings)
-    found = {"rockslip": VERSION, "sources of the closed form": code(True)}
+    found = {"sources of the closed form": code(True)}
     if blocks:
         found["sources of the engines"] = code(False)
-    found["Python"] = platform.python_version()
-    found["numpy"] = np.__version__
-    return found | {name: version(name) for name in ("numba", "matplotlib")}
+    return versions() | found

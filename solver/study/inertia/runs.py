@@ -43,7 +43,7 @@ _BLOCKS = (
 @cache
 def code(closed: bool) -> str:
     """The version of the code that runs depend on: its number, and a digest of its sources."""
-    from solver.law.compiled import digest
+    from solver.law.sources import digest
 
     root = Path(__file__).parents[2]
     folders = [root / name for name in (_CLOSED if closed else _BLOCKS)]

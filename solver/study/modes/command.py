@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import NotConverged, SceneError
+from solver.run.streams import say
 
 if TYPE_CHECKING:
     from solver.study.modes.case import ModesCase
@@ -118,9 +118,9 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Nam
         write(plan.folder / SUMMARY, {"band": table.BAND, "maps": maps})
         modes_picture(points, plan.folder / PICTURE)
         if not options.quiet:
-            sys.stdout.write(text)
+            say(text)
     if not options.quiet:
-        sys.stdout.writelines(f"failed: {row['reason']}\n" for row in failed)
-        sys.stdout.write(f"written to {plan.folder}\n")
+        say("".join(f"failed: {row['reason']}\n" for row in failed))
+        say(f"written to {plan.folder}\n")
     agree = all(point["agrees"] for point in points if point["judged"])
     return agree and not failed and len(ordered) == len(plan.cases)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,8 @@ class OverturningCase:
     def name(self) -> str:
         """Its own in the study; also the name of its file."""
         e = "" if self.restitution is None else f",e={self.restitution:g}"
-        return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}"
+        beside = "".join(f",{amplitude:.8g}" for amplitude, _, _ in self.rigid)
+        return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}{beside}"
 
     def scene(self) -> Scene:
         """The scene with a rigid block; its impacts are plastic where no restitution is given."""
@@ -114,13 +116,10 @@ def _elastic(case: OverturningCase) -> tuple[list[Boundary], int]:
 
     kind, found = PULSES[case.pulse], []
 
-    def overturns(amplitude: float) -> bool:
-        return elastic_fate(case.tables, kind, case.frequency, amplitude).overturns
-
-    counted = _Counted(overturns)
+    counted = _Counted(partial(elastic_fate, case.tables, kind, case.frequency))
     for amplitude, below, above in case.rigid:
         if STAYS in (below, above):
-            ends = near(counted, amplitude, below == STAYS, TOLERANCE["elastic"])
+            ends = near(counted, amplitude, below, above, TOLERANCE["elastic"])
             if ends is not None:
                 found.append(Boundary(sum(ends) / 2, below, above))
     return found, counted.calls

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import NotConverged, SceneError
+from solver.run.streams import say
 
 if TYPE_CHECKING:
     from solver.study.overturning.case import OverturningCase
@@ -177,11 +177,11 @@ def _write(
         write(plan.folder / SUMMARY, counts | {"largest_difference": table.differences(edges)})
         _draw(plan, done)
         if not options.quiet:
-            sys.stdout.write(text)
+            say(text)
     if not options.quiet:
         reasons = (row["reason"] for row in known if row["status"] != "completed")
-        sys.stdout.writelines(f"failed: {reason}\n" for reason in reasons)
-        sys.stdout.write(f"written to {plan.folder}\n")
+        say("".join(f"failed: {reason}\n" for reason in reasons))
+        say(f"written to {plan.folder}\n")
 
 
 def _draw(plan: Plan, done: list[dict[str, Any]]) -> None:

@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from solver.scene import Scene
+from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
 from solver.study.overturning.energy import Upright
 from solver.study.overturning.pulses import PulseKind
 from solver.study.standing import Tables, variant
 
-LATEST = 6.0
+LATEST = 9.0
 """Time after the pulse up to which a block is run, times p; near a boundary, by a part d in
-amplitude, it takes about ln(1/d) to decide."""
+amplitude, it takes about ln(1/d) to decide, and the swing back after that."""
 
-FIRST = 0.01
+FIRST = 0.004
 """Part of the rigid block's threshold by which the first pair of amplitudes differs from it."""
 
 WIDEST = 0.4
 """Part of it beyond which no boundary is looked for."""
-
-
-@dataclass(frozen=True, slots=True)
-class Fate:
-    """What came of one run."""
-
-    overturns: bool
-    impacts: int
 
 
 def elastic_scene(tables: Tables, kind: PulseKind, frequency: float, amplitude: float) -> Scene:
@@ -39,8 +31,12 @@ def elastic_scene(tables: Tables, kind: PulseKind, frequency: float, amplitude: 
     return variant(tables | {"motion": motion}, time=time | {"end": end, "stop": "overturned"})
 
 
-def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: float) -> Fate:
-    """Run an elastic block under one pulse."""
+def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: float) -> str:
+    """What comes of an elastic block under one pulse: one of the words of boundaries.
+
+    Raises:
+        RuntimeError: The run failed, or ended before the fate of the block was certain.
+    """
     from mpi4py import MPI
 
     from solver.run.simulate import simulate
@@ -49,19 +45,27 @@ def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: f
     result = simulate(scene, comm=MPI.COMM_SELF, many=True)
     if result.status != "completed":
         raise RuntimeError(f"{result.status}: {result.summary['reason']}")
-    block = result.summary["blocks"][scene.blocks[0].name]
-    return Fate(block["overturned_at_s"] is not None, len(block["impacts"]))
+    name, history = scene.blocks[0].name, result.history
+    block = result.summary["blocks"][name]
+    if block["overturned_at_s"] is not None:
+        return LATER if block["impacts"] else DIRECTLY
+    upright = Upright.of(variant(tables, model="rigid", restitution=None))
+    energy = history["energy.kinetic_J"][-1] + history["energy.gravity_J"][-1]
+    if not upright.stays(energy, history[f"{name}.angle_rad"][-1]):
+        raise RuntimeError(f"{scene.time.end:g} s decide nothing at {amplitude:g} g tan alpha")
+    return STAYS
 
 
 def near(
-    fate: Callable[[float], bool], rigid: float, rises: bool, tolerance: float
+    fate: Callable[[float], str], rigid: float, below: str, above: str, tolerance: float
 ) -> tuple[float, float] | None:
     """The two amplitudes between which the fate changes next to a rigid block's boundary.
 
     Args:
-        fate: Whether an amplitude overturns.
+        fate: What comes of an amplitude, in the words of boundaries.
         rigid: The boundary of a rigid block.
-        rises: Whether it overturns above the boundary, and stays below.
+        below: What comes of it below the boundary.
+        above: What comes of it above.
         tolerance: Relative, of the distance between both.
 
     Returns:
@@ -69,9 +73,9 @@ def near(
     """
     part, low, high = FIRST, rigid, rigid
     while part < WIDEST:
-        if low == rigid and fate(rigid * (1 - part)) != rises:
+        if low == rigid and fate(rigid * (1 - part)) == below:
             low = rigid * (1 - part)
-        if high == rigid and fate(rigid * (1 + part)) == rises:
+        if high == rigid and fate(rigid * (1 + part)) == above:
             high = rigid * (1 + part)
         if low < rigid < high:
             break
@@ -80,8 +84,8 @@ def near(
         return None
     while high - low > tolerance * rigid:
         middle = 0.5 * (low + high)
-        if fate(middle) == rises:
-            high = middle
-        else:
-            low = middle
+        found = fate(middle)
+        if found not in (below, above):  # another boundary lies between
+            return None
+        low, high = (low, middle) if found == above else (middle, high)
     return low, high

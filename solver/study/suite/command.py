@@ -239,7 +239,7 @@ def _ordered(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> list[dict[str, A
 
 def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     """Write the tables of what has been done."""
-    from solver.study.suite.folder import SUMMARY, TABLE, TEXT
+    from solver.study.suite.folder import PICTURE, SUMMARY, TABLE, TEXT
     from solver.study.suite.table import as_csv, as_text, ratios
     from solver.study.tables import write
 
@@ -257,6 +257,10 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
 
         found |= write_findings(plan.folder, ordered, plan.varied, plan.slenderness, plan.ensemble)
     write(plan.folder / SUMMARY, counts | found)
+    if len(ordered) == len(plan.cases) and not plan.ensemble.is_one:
+        from solver.study.suite.picture import suite_picture
+
+        suite_picture(ordered, plan.varied, plan.folder / PICTURE)
 
 
 def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:

@@ -134,7 +134,7 @@ def write_findings(
     write(folder / FRAGILITY, as_csv(table, column_names(table)))
     write(folder / FRAGILITY_TEXT, as_text(found, curves, apart, ensemble))
     if found:
-        from solver.study.suite.picture import draw_curves, draw_distributions
+        from solver.study.suite.fragility_picture import draw_curves, draw_distributions
 
         if curves:
             draw_curves(curves, ensemble.axis, folder / CURVES)

@@ -1,8 +1,9 @@
-"""Pictures of an ensemble: fragility over intensity, and distributions of peaks."""
+"""The picture of a suite: the peaks of all its runs against the strength of their motions."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,95 +11,89 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.pictures.style import BLUE, DASHES, GREEN, GREY, RED, legend_above, new_figure, save
-from solver.study.suite.findings import Sample
-from solver.study.suite.fragility import Lognormal, interval
+from solver.pictures.style import GREY, colour, legend_above, new_figure, save
+from solver.study.tables import Row
 
-COLOURS = {"": GREY, "rigid": BLUE, "elastic": RED, "ode": GREEN}
-NAMES = {"": "scene", "rigid": "rigid", "elastic": "elastic", "ode": "Housner's equation"}
-MARKS = {"": "o", "rigid": "o", "elastic": "s", "ode": "^"}
-STYLES: tuple[Any, ...] = ("-", DASHES, (0, (1, 1)))
+MEASURES = (
+    ("platform.peak_drift_m", "peak drift (mm)", 1e3),
+    (".peak_slip_m", "peak slip (mm)", 1e3),
+    (".peak_angle_rad", "peak angle (°)", 180 / math.pi),
+)
+"""Ends of columns, what their panels are called, and factors."""
 
-LEAST_SLIP = 0.1
-"""Shortest axis of slips, mm."""
+FALLEN = (".overturned_at_s", ".fell_at_s")
 
-Curves = Sequence[tuple[list[Sample], Lognormal | None]]
-
-
-def draw_curves(curves: Curves, axis: str, file: Path) -> Path:
-    """Draw probabilities of overturning with their intervals and the fitted curves."""
-    return save(lambda: _curves(curves, axis), file)
+MARKERS = "osD^vP"
 
 
-def _curves(curves: Curves, axis: str) -> Figure:
-    groups = list(dict.fromkeys(own[0].group for own, _ in curves))
-    figure = new_figure(2.9 * len(groups) + 0.4)
-    panels = figure.subplots(len(groups), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, group in zip(panels, groups, strict=True):
-        inside = [pair for pair in curves if pair[0][0].group == group]
-        for number, (own, curve) in enumerate(inside):
-            _curve(axes, own, curve, number - (len(inside) - 1) / 2)
-        axes.set(ylabel="probability of overturning", ylim=(-0.03, 1.03))
-        axes.set_xlim(0, 1.12 * max(sample.level or 0.0 for own, _ in inside for sample in own))
-        axes.set_title(f"{inside[0][0][0].words}, {len(inside[0][0][0].angle)} motions", loc="left")
-    panels[-1].set_xlabel(axis)
-    legend_above(figure, columns=3)
+def suite_picture(rows: Sequence[Row], varied: Sequence[str], file: Path) -> Path | None:
+    """Draw the peaks of all runs; returns the file, None where there is nothing to draw."""
+    shown = [row for row in rows if row.get("pga_g") is not None]
+    panels = _panels(shown)
+    return save(lambda: _draw(shown, varied, panels), file) if panels else None
+
+
+def _panels(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
+    """Columns that have a panel, with its label and the factor: those in which something moves."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    found = []
+    for ending, label, factor in MEASURES:
+        for name in names:
+            of_block = name.endswith(ending) and not name.startswith(("reference.", "platform."))
+            if name == ending or (ending.startswith(".") and of_block):
+                owner = name.removesuffix(ending)
+                if any(row.get(name) for row in rows):
+                    found.append((name, f"{owner} {label}".strip(), factor))
+    return found
+
+
+def _draw(
+    rows: Sequence[Row], varied: Sequence[str], panels: Sequence[tuple[str, str, float]]
+) -> Figure:
+    """A panel for each measure, a colour for each of the varied values."""
+    figure = new_figure(0.7 + 1.9 * len(panels))
+    grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    groups = list(dict.fromkeys(_group(row, varied) for row in rows))
+    for axes, (name, label, factor) in zip(grid, panels, strict=True):
+        for number, group in enumerate(groups):
+            inside = [row for row in rows if _group(row, varied) == group]
+            look = {"color": colour(number), "marker": MARKERS[number % len(MARKERS)]}
+            _points(axes, inside, name, factor, label=group or "runs", **look)
+        axes.set_ylabel(label)
+        axes.set_ylim(0, None)
+    grid[-1].set_xlabel("largest acceleration of the ground along x (g)")
+    grid[-1].set_xlim(0, None)
+    figure.align_ylabels()
+    legend_above(figure)
     return figure
 
 
-def _curve(axes: Axes, own: list[Sample], curve: Lognormal | None, place: float) -> None:
-    """Probabilities of one engine, beside those of the others, and its curve."""
-    tint, engine = COLOURS[own[0].engine], own[0].engine
-    at = np.array([sample.level for sample in own], dtype=float)
-    beside = at + 0.008 * place * at.max()
-    known = np.array([sample.overturned / len(sample.angle) for sample in own])
-    ends = np.array([interval(sample.overturned, len(sample.angle)) for sample in own])
-    error = np.abs(ends.T - known)
-    style: dict[str, Any] = {"color": tint, "markersize": 3.5, "linewidth": 0.8, "capsize": 1.5}
-    axes.errorbar(beside, known, error, fmt=MARKS[engine], label=NAMES[engine], **style)
-    if curve is not None:
-        along = np.linspace(at.max() / 200, 1.1 * at.max(), 300)
-        axes.plot(along, curve.probability(along), color=tint)
+def _group(row: Mapping[str, Any], varied: Sequence[str]) -> str:
+    """The varied values of a run in words."""
+    return ", ".join(f"{key.rpartition('.')[2]} {row[key]}" for key in varied)
 
 
-def draw_distributions(samples: Sequence[Sample], axis: str, file: Path) -> Path:
-    """Draw the distributions of peak angles and slips, at three levels at most."""
-    return save(lambda: _distributions(samples, axis), file)
-
-
-def _distributions(samples: Sequence[Sample], axis: str) -> Figure:
-    groups = list(dict.fromkeys(sample.group for sample in samples))
-    figure = new_figure(2.7 * len(groups) + 0.5)
-    panels = figure.subplots(len(groups), 2, squeeze=False, sharey=True)
-    levels = sorted({sample.level for sample in samples if sample.level is not None})
-    shown: list[float | None] = (
-        list(sorted({levels[0], levels[len(levels) // 2], levels[-1]})) if levels else [None]
-    )
-    for line, group in zip(panels, groups, strict=True):
-        for sample in (s for s in samples if s.group == group and s.level in shown):
-            label = NAMES[sample.engine]
-            if sample.level is not None:
-                label += f", {axis.split(',')[0]} {sample.level:g}"
-            style: dict[str, Any] = {
-                "color": COLOURS[sample.engine],
-                "linestyle": STYLES[shown.index(sample.level)],
-                "label": label,
-            }
-            _steps(line[0], sample.angle, style)
-            _steps(line[1], [1e3 * slip for slip in sample.slip], style)
-        line[0].set_ylabel(f"part of the motions, {group[-1][1]}")
-        line[0].set(xlim=(0, 1.05), ylim=(0, 1.02))
-        line[1].set_xlim(0, max(LEAST_SLIP, line[1].get_xlim()[1]))  # not round-off
-    panels[-1][0].set_xlabel("peak |theta|/alpha; the rest overturned")
-    panels[-1][1].set_xlabel("peak slip while it stands, mm")
-    legend_above(figure, columns=3)
-    return figure
-
-
-def _steps(axes: Axes, values: Sequence[float], style: dict[str, Any]) -> None:
-    """The distribution of a sample, up to its finite values."""
-    ordered = np.sort(np.asarray(values, dtype=float))
-    known = ordered[np.isfinite(ordered)]
-    if len(ordered):
-        parts = np.arange(len(known) + 1) / len(ordered)
-        axes.step(np.concatenate([[0.0], known]), parts, where="post", **style)
+def _points(
+    axes: Axes, rows: Sequence[Row], name: str, factor: float, *, label: str, **look: Any
+) -> None:
+    """A mark for each run, in a ring the rigid-body answer; crossed where a block was lost."""
+    own = [(row["pga_g"], factor * row[name]) for row in rows if row.get(name) is not None]
+    block = name.partition(".")[0]
+    lost = [
+        (row["pga_g"], factor * row[name])
+        for row in rows
+        if any(row.get(block + ending) is not None for ending in FALLEN)
+    ]
+    answer = [
+        (row["pga_g"], factor * row[f"reference.{name}"])
+        for row in rows
+        if row.get(f"reference.{name}") is not None
+    ]
+    if own:
+        axes.plot(*np.array(own).T, linestyle="", markersize=3.5, label=label, **look)
+    if answer:
+        ring: dict[str, Any] = {"linestyle": "", "marker": "o", "fillstyle": "none"}
+        axes.plot(*np.array(answer).T, color=GREY, markersize=7, label="rigid-body answer", **ring)
+    if lost:
+        cross: dict[str, Any] = {"linestyle": "", "marker": "x", "color": "black"}
+        axes.plot(*np.array(lost).T, markersize=6, label="overturned or fell", **cross)

@@ -1,0 +1,152 @@
+"""What carries a block, frame by frame: the contact force, where it acts, and the state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from solver.pictures.forces import carried_weight
+from solver.results.motion import boxes
+from solver.results.runs import Run
+from solver.scene import BlockSpec
+from solver.types import Array
+
+TOUCHING = 2e-3
+"""Corners whose gaps differ by less than this over the width share the force."""
+
+AT_REST = 1e-3
+"""Slip is slower than this over sqrt(g H) where a block sticks."""
+
+LEAST_FORCE = 1e-3
+"""A mean force over a frame that is smaller than this over the weight is none."""
+
+
+class State(Enum):
+    """How a block stands on what carries it."""
+
+    STICKS = "sticks"
+    SLIPS = "slips"
+    OPEN = "in the air"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BlockFrames:
+    """A block over the frames of a film."""
+
+    centres: Array
+    """Its centre of mass, m, (n, d)."""
+    frames: Array
+    """Its axes as columns, (n, d, d)."""
+    half: Array
+    """Half its edges, m, (d,)."""
+    force: Array
+    """Force from its carrier over the weight there, the mean since the frame before, (n, d)."""
+    foot: Array
+    """Where that force acts, m, (n, d)."""
+    states: list[State]
+    """How it stands, (n,)."""
+
+
+def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
+    """A block at the times of the frames, s, which are evenly spaced."""
+    carrier = run.scene.carrier_of(block)
+    centres, frames = block_poses(run, block, times)
+    half = np.array(block.shape.half_lengths(run.scene.dimension))
+    up = np.broadcast_to(np.eye(len(half))[-1], centres.shape)
+    if carrier is not None:
+        up = block_poses(run, carrier, times)[1][:, :, -1]
+    return BlockFrames(
+        centres=centres,
+        frames=frames,
+        half=half,
+        force=_force(run, block, times),
+        foot=_foot(centres, frames, half, up),
+        states=_states(run, block, times),
+    )
+
+
+def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:
+    """Centre of mass, m, (n, d), and axes as columns, (n, d, d), of a block at some times, s."""
+    time, box = run.history["time_s"], boxes(run.history, block)
+    return interpolated(time, box.centres, times), _turned(time, box.frames, times)
+
+
+def interpolated(time: Array, values: Array, times: Array) -> Array:
+    """Columns of a table between its rows, (n, ...)."""
+    flat = values.reshape(len(time), -1)
+    found: Array = np.empty((len(times), flat.shape[1]))
+    for number, column in enumerate(flat.T):
+        found[:, number] = np.interp(times, time, column)
+    return found.reshape(len(times), *values.shape[1:])
+
+
+def _turned(time: Array, frames: Array, times: Array) -> Array:
+    """Rotations between the rows of a table: the nearest ones to what lies straight between."""
+    left, _, right = np.linalg.svd(interpolated(time, frames, times))
+    return np.asarray(left @ right)
+
+
+def _force(run: Run, block: BlockSpec, times: Array) -> Array:
+    """The force from the carrier over the weight, so that an impact counts by its impulse."""
+    history, name = run.history, block.name
+    carrier = run.scene.carrier_of(block)
+    count = len(history)
+    up = np.zeros((count, run.scene.dimension))
+    up[:, -1] = 1.0
+    axes = np.broadcast_to(np.eye(run.scene.dimension), (count, up.shape[1], up.shape[1]))
+    if carrier is not None:
+        axes = boxes(history, carrier).frames
+    along = [history[f"{name}.friction_force_N"]]
+    if f"{name}.friction_force_second_N" in history:
+        along.append(history[f"{name}.friction_force_second_N"])
+    own = np.stack([*along, history[f"{name}.normal_force_N"]], axis=1)
+    force = np.nan_to_num(np.einsum("nij,nj->ni", axes, own))
+    weight = carried_weight(run.scene, block) or 1.0
+    means = [_means(history["time_s"], part, times) / weight for part in force.T]
+    return np.asarray(np.stack(means, axis=1), dtype=np.float64)
+
+
+def _means(time: Array, values: Array, times: Array) -> Array:
+    """Means of what is constant over each step, from each frame to the next."""
+    spacing = times[1] - times[0] if len(times) > 1 else 1.0
+    integral = np.concatenate([[0.0], np.cumsum(values[1:] * np.diff(time))])
+    later, before = np.minimum(times, time[-1]), np.maximum(times - spacing, time[0])
+    known = later > before
+    gained = np.interp(later, time, integral) - np.interp(before, time, integral)
+    at_start = np.full_like(times, values[1] if len(values) > 1 else values[0])
+    return np.divide(gained, later - before, out=at_start, where=known)
+
+
+def _foot(centres: Array, frames: Array, half: Array, up: Array) -> Array:
+    """Where the bottom is lowest over the carrier: a corner, or between those that share."""
+    dimension = len(half)
+    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * (dimension - 1))).reshape(dimension - 1, -1).T
+    corners = np.concatenate([signs, -np.ones((len(signs), 1))], axis=1) * half
+    placed = centres[:, None] + np.einsum("nij,kj->nki", frames, corners)
+    height = np.einsum("nki,ni->nk", placed, up)
+    height -= height.min(axis=1, keepdims=True)
+    share = np.exp(-height / (TOUCHING * 2 * half[0]))
+    share /= share.sum(axis=1, keepdims=True)
+    return np.asarray(np.einsum("nk,nki->ni", share, placed))
+
+
+def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
+    """Whether a block sticks, slips or is in the air, from the frame before to each frame."""
+    history, name, time = run.history, block.name, run.history["time_s"]
+    normal = _means(time, np.nan_to_num(history[f"{name}.normal_force_N"]), times)
+    weight = carried_weight(run.scene, block) or 1.0
+    spacing = times[1] - times[0] if len(times) > 1 else 1.0
+    moved: Array = np.zeros(len(times))
+    for column in (f"{name}.slip_m", f"{name}.slip_second_m"):
+        if column in history:
+            slip = history[column]
+            gained = np.interp(times, time, slip) - np.interp(times - spacing, time, slip)
+            moved = np.hypot(moved, gained)
+    fast = AT_REST * math.sqrt(9.81 * block.height) * spacing
+    return [
+        State.OPEN if force < LEAST_FORCE * weight else State.SLIPS if way > fast else State.STICKS
+        for force, way in zip(normal, moved, strict=True)
+    ]

@@ -1,0 +1,119 @@
+"""Pictures of how the ground moves: beside a run, and on its own."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from solver.errors import SceneError
+from solver.excitation.motion import read_ground
+from solver.excitation.sampled import SampledMotion
+from solver.excitation.spectrum import (
+    accumulated_intensity,
+    peak_ground,
+    response_spectrum,
+    significant_duration,
+)
+from solver.pictures.style import BLUE, GREY, RED, legend_above, new_figure, zero_line
+from solver.results.runs import Run
+from solver.scene.units import G_UNIT
+from solver.types import Array
+
+#: Directions of the ground's motion: how their columns begin, what they are called, their colours.
+DIRECTIONS = (
+    ("", "along x", "black"),
+    ("second_", "along y", BLUE),
+    ("vertical_", "vertical", RED),
+)
+
+#: Periods of the spectrum, s.
+PERIODS = np.geomspace(0.02, 5.0, 160)
+
+DAMPING = 0.05
+
+#: Kinds of motion that have a picture of their own.
+SAMPLED = ("record", "synthetic", "table")
+
+
+def add_ground(axes: Any, run: Run) -> None:
+    """Acceleration of the ground against time, in each direction in which it moves."""
+    shown = [d for d in DIRECTIONS if f"base.{d[0]}acceleration_m_s2" in run.history]
+    for begins, name, hue in shown:
+        ground = run.history[f"base.{begins}acceleration_m_s2"] / G_UNIT
+        label = f"ground {name}" if len(shown) > 1 else None
+        axes.plot(run.history["time_s"], ground, color=hue, linewidth=0.8, label=label)
+    axes.set_ylabel("ground (g)")
+    zero_line(axes)
+
+
+def sampled_motions(run: Run) -> list[tuple[str, str, Array, float]]:
+    """Name, colour, samples, m/s^2, and time between them, s, of the ground's sampled motions.
+
+    None where the scene has no such motion, or where its file is no longer there.
+    """
+    spec = run.scene.motion
+    if spec is None or spec.kind not in SAMPLED:
+        return []
+    try:
+        parts = read_ground(run.scene).parts
+    except SceneError:
+        return []
+    named = [DIRECTIONS[0], DIRECTIONS[2]] if len(parts) == 2 else list(DIRECTIONS)
+    return [
+        (name, hue, *_even(part))
+        for (_, name, hue), part in zip(named, parts, strict=True)
+        if isinstance(part, SampledMotion)
+    ]
+
+
+def _even(motion: SampledMotion) -> tuple[Array, float]:
+    """Samples at equal times, and the time between them, s."""
+    if motion.step is not None:
+        return motion.value, motion.step
+    step = float(np.diff(motion.time).min())
+    times = np.arange(motion.time[0], motion.time[-1] + 0.5 * step, step)
+    return np.interp(times, motion.time, motion.value), step
+
+
+def draw_motion(motions: list[tuple[str, str, Array, float]]) -> Figure:
+    """Accelerograms, their Husid plots, and their response spectra."""
+    figure = new_figure(4.2)
+    panels = figure.subplot_mosaic([["a", "s"], ["h", "s"]], width_ratios=(3, 2))
+    panels["h"].sharex(panels["a"])
+    panels["a"].tick_params(labelbottom=False)
+    for name, hue, samples, step in motions:
+        time: Array = step * np.arange(len(samples), dtype=np.float64)
+        label = _label(name, samples, step)
+        panels["a"].plot(time, samples / G_UNIT, color=hue, linewidth=0.7, label=label)
+        _add_husid(panels["h"], time, samples, step, hue)
+        spectrum = response_spectrum(samples, step, PERIODS, DAMPING) / G_UNIT
+        panels["s"].semilogx(PERIODS, spectrum, color=hue)
+    panels["a"].set_ylabel("acceleration (g)")
+    zero_line(panels["a"])
+    panels["h"].set(xlabel="time (s)", ylabel="Arias intensity (%)", ylim=(0, 100))
+    panels["h"].margins(x=0)
+    label = f"PSA (g), {DAMPING:.0%} of critical"
+    panels["s"].set(xlabel="period (s)", ylabel=label, ylim=(0, None))
+    legend_above(figure, columns=1)
+    return figure
+
+
+def _add_husid(axes: Any, time: Array, samples: Array, step: float, hue: str) -> None:
+    """The part of the Arias intensity that has come (Husid 1969)."""
+    grown = accumulated_intensity(samples, step)
+    if grown[-1] == 0 or not math.isfinite(grown[-1]):
+        return
+    axes.plot(time, 100 * grown / grown[-1], color=hue)
+    for level in (5, 95):
+        axes.axhline(level, color=GREY, linewidth=0.5, linestyle=":", zorder=0)
+
+
+def _label(name: str, samples: Array, step: float) -> str:
+    """A motion and its measures."""
+    peak, _, _ = peak_ground(samples, step)
+    arias = accumulated_intensity(samples, step)[-1]
+    lasts = significant_duration(samples, step)
+    return f"{name}: PGA {peak / G_UNIT:.3g} g, Arias {arias:.3g} m/s, D5-95 {lasts:.3g} s"

@@ -1,0 +1,113 @@
+"""The surfaces of bodies as they stand at the times of the files of the fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from solver.types import Array, Indices, Mask
+
+
+class FieldFiles:
+    """The bodies in a .pvd file, by its times."""
+
+    def __init__(self, file: Path, dimension: int):
+        """Read the index."""
+        import pyvista
+
+        self._reader, self._dimension = pyvista.get_reader(str(file)), dimension
+        self.times: Array = np.array(self._reader.time_values)
+        entries = list(ET.parse(file).iter("DataSet"))
+        first = entries[0].get("timestep")
+        self.names = [e.get("name", "") for e in entries if e.get("timestep") == first]
+        """What the bodies are called, in their order; empty where the file does not say."""
+
+    def read(self, index: int) -> list[Any]:
+        """Surface of each body that is not empty, as `pyvista.PolyData`, in the order of the file.
+
+        Points are where the bodies stand, m; cells have their von Mises stress (`von_mises`, Pa).
+        """
+        self._reader.set_active_time_value(self.times[index])
+        grids = [grid for grid in self._reader.read() if grid is not None and grid.n_cells]
+        return [_skin(grid) if self._dimension == 3 else _sheet(grid) for grid in grids]
+
+    def nearest(self, times: Sequence[float]) -> list[int]:
+        """The snapshots nearest to some times, each once, by their numbers."""
+        return sorted({int(np.argmin(np.abs(self.times - time))) for time in times})
+
+
+def _sheet(grid: Any) -> Any:
+    """A body in the plane: its cells, those of each rank once."""
+    import pyvista
+
+    cells = np.split(grid.cell_connectivity, grid.offset[1:-1])
+    own = np.flatnonzero(_owned(grid))
+    around = [_around(cells[cell], int(grid.celltypes[cell])) for cell in own]
+    faces = np.concatenate([[len(points), *points] for points in around])
+    sheet = pyvista.PolyData(_places(grid), faces=faces)
+    sheet.cell_data["von_mises"] = _stress(grid)[own]
+    return sheet
+
+
+def _skin(grid: Any) -> Any:
+    """The surface of a body in space."""
+    import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    # VTK's own filter: pyvista's changes its defaults from version to version.
+    skin = vtkDataSetSurfaceFilter()
+    skin.SetInputData(grid.extract_cells(_owned(grid)))
+    skin.SetNonlinearSubdivisionLevel(0)
+    skin.Update()
+    surface = pyvista.wrap(skin.GetOutput())
+    surface.points = _places(surface)
+    surface.cell_data["von_mises"] = _stress(surface)
+    return surface
+
+
+def _stress(grid: Any) -> Array:
+    """The von Mises stress of the cells, Pa; zero in rigid bodies."""
+    known = grid.cell_data.get("von_mises", np.zeros(grid.n_cells))
+    return np.asarray(known, dtype=float)
+
+
+def _places(grid: Any) -> Array:
+    """Where the points of a body stand, m, (n, 3)."""
+    rest = np.asarray(grid.points, dtype=float)
+    return np.asarray(rest + np.asarray(grid.point_data["displacement"]))
+
+
+def polygons(surface: Any) -> list[Array]:
+    """Corners of each face of a surface, m, (k, 3)."""
+    points = np.asarray(surface.points)
+    return [points[face] for face in _faces(np.asarray(surface.faces))]
+
+
+def _faces(faces: Indices) -> Iterator[Indices]:
+    """Points of each face in VTK's list of them: number of points, points, number, points, ..."""
+    start = 0
+    while start < len(faces):
+        end = start + 1 + int(faces[start])
+        yield faces[start + 1 : end]
+        start = end
+
+
+def _owned(grid: Any) -> Mask:
+    """Cells that are no copies: the ghosts of a rank are in its neighbour's file, too."""
+    copies = np.asarray(grid.cell_data.get("vtkGhostType", np.zeros(grid.n_cells)))
+    return np.asarray(copies == 0)
+
+
+def _around(points: Indices, cell_type: int) -> Indices:
+    """Points of a cell in the order of its outline; 69 and 70 are VTK's triangle and quadrilateral.
+
+    Corners come first, then the points inside the edges: one to an edge at degree 2.
+    """
+    corners = {5: 3, 9: 4, 22: 3, 23: 4, 69: 3, 70: 4}[cell_type]
+    if len(points) < 2 * corners:
+        return points[:corners]
+    return np.stack([points[:corners], points[corners : 2 * corners]], axis=1).ravel()

@@ -1,0 +1,161 @@
+"""The page of a study, whatever its kind: what it says, its pictures, settings and scene."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from solver.errors import SceneError
+from solver.pictures.page.html import (
+    cautions,
+    document,
+    figure,
+    heading,
+    named,
+    paragraphs,
+    table,
+    verbatim,
+)
+from solver.study.folder import SETTINGS
+
+KINDS = (
+    "suite",
+    "damping",
+    "calibration",
+    "inertia",
+    "modes",
+    "overturning",
+    "errors",
+    "stability",
+)
+"""Names of the tables of studies, of which a folder has one."""
+
+MOST_ROWS = 400
+"""Rows of a table that stand on the page."""
+
+LONGEST = 60
+"""Characters of a setting that stand on the page."""
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a folder is that of a study."""
+    return _kind(folder) is not None
+
+
+def _kind(folder: Path) -> str | None:
+    """The name of the table that a folder has; None: it has none."""
+    return next((kind for kind in KINDS if (folder / f"{kind}.csv").is_file()), None)
+
+
+def study_page(folder: Path) -> str:
+    """The page of the study in a folder."""
+    kind = _kind(folder)
+    if kind is None:
+        raise SceneError(str(folder), "no table of a study", "the folder of a run or of a study")
+    settings = _settings(folder)
+    rows = _rows(folder / f"{kind}.csv")
+    parts = cautions(_failures(rows))
+    for ending in ("txt", "md"):
+        file = folder / f"{kind}.{ending}"
+        if file.is_file():
+            parts += [heading("Summary"), verbatim(file.read_text(encoding="utf-8"))]
+            break
+    pictures = sorted(folder.glob("*.png"))
+    if pictures:
+        parts += [heading("Pictures"), *(figure(_caption(file), file) for file in pictures)]
+    parts += [heading("Numbers"), *_numbers(rows, f"{kind}.csv")]
+    scene = settings.pop("scene", None)
+    if isinstance(scene, dict):
+        parts += [heading("Scene"), verbatim(_toml(scene))]
+    parts += _repetition(folder, kind, settings)
+    title = scene.get("title", "") if isinstance(scene, dict) else ""
+    return document(f"{kind.capitalize()}: {title or folder.resolve().name}", parts)
+
+
+def _settings(folder: Path) -> dict[str, Any]:
+    """What the study was made from; empty where it says nothing."""
+    try:
+        found = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return dict(found) if isinstance(found, dict) else {}
+
+
+def _rows(file: Path) -> list[list[str]]:
+    """The table, its heading first."""
+    with file.open(encoding="utf-8", newline="") as stream:
+        return [row for row in csv.reader(stream) if row]
+
+
+def _failures(rows: list[list[str]]) -> list[str]:
+    """What did not complete, and why."""
+    names = rows[0] if rows else []
+    if "status" not in names:
+        return []
+    at = names.index("status")
+    why = names.index("reason") if "reason" in names else None
+    return [
+        f"{row[0]}: {row[at]}{f' ({row[why]})' if why is not None and row[why] else ''}"
+        for row in rows[1:]
+        if len(row) > at and row[at] not in ("completed", "")
+    ]
+
+
+def _numbers(rows: list[list[str]], name: str) -> list[str]:
+    """The table with four digits, as long as it is readable."""
+    shown = [rows[0], *([_short(word) for word in row] for row in rows[1 : MOST_ROWS + 1])]
+    parts = [table(shown)]
+    if len(rows) > MOST_ROWS + 1:
+        parts += paragraphs([f"{len(rows) - 1 - MOST_ROWS} more rows stand in {name}."])
+    return parts
+
+
+def _short(word: str) -> str:
+    """A number with four digits; a word as it is."""
+    try:
+        return word if word.lstrip("-").isdigit() else f"{float(word):.4g}"
+    except ValueError:
+        return word
+
+
+def _caption(file: Path) -> str:
+    """What a picture is called, as words."""
+    return file.stem.replace("_", " ").capitalize()
+
+
+def _toml(scene: Mapping[str, Any]) -> str:
+    """The scene as it would stand in a file."""
+    from solver.scene import parse_scene, scene_to_toml
+
+    try:
+        return scene_to_toml(parse_scene(dict(scene)))
+    except SceneError:
+        return json.dumps(scene, indent=2)
+
+
+def _repetition(folder: Path, kind: str, settings: Mapping[str, Any]) -> list[str]:
+    """The command, and the options that it was given."""
+    study = {"calibration": "damping", "errors": "error-runtime"}.get(kind, kind)
+    parts = [heading("How to repeat"), verbatim(f"rockslip study {study} scene.toml -o again")]
+    rows = [(key, _words(value)) for key, value in settings.items()]
+    if rows:
+        parts += paragraphs([f"with these options, as in {SETTINGS} of {folder.resolve().name}:"])
+        parts.append(named(rows))
+    return parts
+
+
+def _words(value: Any) -> str:
+    """A setting in a few words."""
+    if isinstance(value, dict):
+        return _cut(", ".join(value))
+    if isinstance(value, list):
+        return _cut(", ".join(map(str, value))) or "none"
+    return str(value)
+
+
+def _cut(text: str) -> str:
+    """A text that is not too long."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
