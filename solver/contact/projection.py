@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from solver.contact.kernels.way import add_spread, interpolated
 from solver.types import Array, Indices, Mask
 
 
+@dataclass(slots=True, eq=False)
 class Interpolation:
     """Places between the nodes of a surface.
 
@@ -20,11 +22,8 @@ class Interpolation:
         weights: Shape functions N there, (m, k).
     """
 
-    __slots__ = ("nodes", "weights")
-
-    def __init__(self, nodes: Indices, weights: Array):
-        """Take nodes and shape functions."""
-        self.nodes, self.weights = nodes, weights
+    nodes: Indices
+    weights: Array
 
     def carried(self, values: Array) -> Array:
         """N x: what nodal values x, (n, d), are at the places, (m, d)."""
@@ -33,15 +32,15 @@ class Interpolation:
         return found
 
 
+@dataclass(slots=True, init=False, eq=False)
 class Projection(Interpolation):
     """Where points stand on the facets of a face: their feet."""
 
-    __slots__ = ("feet",)
+    feet: Feet
 
     def __init__(self, feet: Feet):
         """Take the feet as arrays."""
-        super().__init__(feet.nodes, feet.weights)
-        self.feet = feet
+        self.nodes, self.weights, self.feet = feet.nodes, feet.weights, feet
 
     @property
     def beyond_edge(self) -> Mask:
@@ -49,6 +48,7 @@ class Projection(Interpolation):
         return self.feet.beyond_edge
 
 
+@dataclass(slots=True, eq=False)
 class EdgeInterpolation(Interpolation):
     """Places on the edges of a face.
 
@@ -58,14 +58,9 @@ class EdgeInterpolation(Interpolation):
         position: Where the nodes are, (n, 3), m.
     """
 
-    __slots__ = ("position", "segment", "where")
-
-    def __init__(
-        self, nodes: Indices, weights: Array, segment: Indices, where: Array, position: Array
-    ):
-        """Take the places on the segments."""
-        super().__init__(nodes, weights)
-        self.segment, self.where, self.position = segment, where, position
+    segment: Indices
+    where: Array
+    position: Array
 
     def at(self, position: Array) -> EdgeInterpolation:
         """The same places between nodes that are elsewhere, (n, 3), m."""

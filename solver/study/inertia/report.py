@@ -152,9 +152,9 @@ def _without(finding: Finding, count: int) -> Finding:
 
 
 def _versions(findings: Sequence[Finding]) -> dict[str, str]:
-    """Versions of what the numbers and pictures depend on."""
+    """Versions of what the numbers and pictures depend on, the same on any number of ranks."""
     blocks = any(finding.by != CLOSED for finding in findings)
     found = {"sources of the closed form": code(True)}
     if blocks:
         found["sources of the engines"] = code(False)
-    return versions() | found
+    return {name: value for name, value in versions().items() if name != "mpi"} | found
