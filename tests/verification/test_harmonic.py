@@ -12,7 +12,6 @@ import pytest
 
 from rockslip import Scene, parse_scene, simulate
 from solver.cli import main
-from solver.reference.housner import housner
 from solver.run.twin import difference, horizon, twin_of
 
 pytestmark = pytest.mark.serial
@@ -44,21 +43,6 @@ def test_steady_rocking_of_a_rigid_block(restitution: float | None, most: float)
     found = steady(history["time_s"], history["block.angle_rad"], 60)
     assert found == pytest.approx(most, rel=0.01)
     assert found == pytest.approx(0.18951, rel=0.01)
-
-
-@pytest.mark.slow
-def test_steady_rocking_of_an_elastic_block() -> None:
-    """Damped, within 3 % of the equation with the restitution that it has, 0.936."""
-    scene = under_a_sine(60, **STONE)
-    history = simulate(scene, many=True).history
-    amplitude, omega = 2 * math.tan(SLENDERNESS) * G, 4 * P
-    equation = housner(
-        scene.blocks[0].shape, gravity=G, end=60 * PERIOD, step=PERIOD / 200, restitution=0.936,
-        acceleration=lambda t: amplitude * math.sin(omega * t),
-    )  # fmt: skip
-    expected = steady(equation.time, equation.angle, 60)
-    found = steady(history["time_s"], history["block.angle_rad"], 60)
-    assert found == pytest.approx(expected, rel=0.03)
 
 
 def test_steady_rocking_has_no_horizon() -> None:
