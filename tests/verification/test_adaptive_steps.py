@@ -172,7 +172,7 @@ def test_what_a_scene_says_of_time_is_filled_in() -> None:
         parse_scene(scene().to_dict() | {"time": {"end": 1.0}, "motion": shaken}).time.largest
         == 1e-3
     )
-    stiff = scene("block.young=1e20", "block.cells=[2, 4]")
+    stiff = scene("block.young=1e20", "block.mass=0.5", "block.cells=[2, 4]")
     assert stiff.time.largest < 1e-5, "refused with steps as long as those of softer blocks"
     with pytest.raises(SceneError, match="sound crosses"):
-        scene("block.young=1e20", "time.step=1e-3")
+        scene("block.young=1e20", "block.mass=0.5", "time.step=1e-3")
