@@ -6,7 +6,7 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 
 from petsc4py import PETSc
 
@@ -314,7 +314,7 @@ class ElasticBody:
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
             self._factorizations[weights] = Factorization(
-                self.hold(matrix), dimension=self.dimension, modes=rigid_modes(self.arm)
+                self.hold(matrix), dimension=self.dimension, modes=partial(rigid_modes, self.arm)
             )
             self.factorizations += 1
             self.solvers.add(self._factorizations[weights].name)

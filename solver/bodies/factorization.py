@@ -6,7 +6,7 @@ others are solved by conjugate gradients with algebraic multigrid, which knows t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol
 
 from mpi4py import MPI
@@ -60,15 +60,19 @@ class Factorization:
     """Back substitutions with one factorization, or CG in their place."""
 
     def __init__(
-        self, matrix: PETSc.Mat, *, dimension: int = 2, modes: Sequence[Array] | None = None
+        self,
+        matrix: PETSc.Mat,
+        *,
+        dimension: int = 2,
+        modes: Callable[[], Sequence[Array]] | None = None,
     ):
         """Factorize `matrix`, which is kept.
 
         Args:
             matrix: Symmetric and positive definite.
             dimension: Of the mesh, by which the size of factors is judged.
-            modes: Rigid motions of the owned unknowns, for the multigrid; without them a matrix is
-                factorized whatever its size.
+            modes: Gives the rigid motions of the owned unknowns, for the multigrid alone; without
+                it a matrix is factorized whatever its size.
         """
         self._comm: MPI.Intracomm = matrix.comm.tompi4py()
         start, end = matrix.getOwnershipRange()
@@ -86,7 +90,7 @@ class Factorization:
         comm = matrix.comm.tompi4py()
         solver = linear_solver(matrix.size[0], dimension, comm.size, memory_of(comm))
         if solver == "CG + GAMG" and modes is not None:
-            self._iterate(modes)
+            self._iterate(modes())
         else:
             self._set_up()
 

@@ -13,7 +13,7 @@ from typing import Any
 from solver.errors import RockslipError
 
 BYTES_AN_ENTRY = 10.0
-"""Of a factor, with its indices and the largest of its fronts."""
+"""Memory of an entry of a factor, with its indices and the largest of its fronts, bytes."""
 
 DIRECT_PART = 0.25
 """Part of the memory that one factorization may take; beyond it bodies are solved by CG."""

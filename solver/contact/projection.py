@@ -63,7 +63,7 @@ class EdgeInterpolation(Interpolation):
     position: Array
 
     def at(self, position: Array) -> EdgeInterpolation:
-        """The same places between nodes that are elsewhere, (n, 3), m."""
+        """These places between nodes that are elsewhere, (n, 3), m."""
         return EdgeInterpolation(self.nodes, self.weights, self.segment, self.where, position)
 
 

@@ -81,7 +81,7 @@ class Rung(NamedTuple):
     free: Array
     """Velocities without impulses but those given, (d m,), m/s."""
     bounds: Bounds
-    """Of the impulses; none where friction is no unknown."""
+    """Bounds of the impulses; without friction where that is no unknown."""
     given: Array
     """Impulses that act in any case, (d m,), N s."""
     ratio: Array

@@ -26,7 +26,7 @@ class Peaks(NamedTuple):
     shear: float
     """|k u + c v|, the base shear, N."""
     slip: float
-    """Of the block on the platform, m; without friction only at the ends of the stretches."""
+    """Slip of the block on the platform, m; without friction only at the ends of the stretches."""
 
 
 class Stretches(NamedTuple):
@@ -41,7 +41,7 @@ class Stretches(NamedTuple):
 
     @classmethod
     def of(cls, motion: SampledMotion, scale: float = 1.0) -> Stretches:
-        """Those of a motion times a factor."""
+        """The stretches of a motion, its acceleration times a factor."""
         value, length = scale * motion.value, np.diff(motion.time)
         step = even_step(motion.time)
         if step is not None:  # without their round-off, propagators are computed once

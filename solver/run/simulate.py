@@ -44,7 +44,7 @@ class ProgressReport(Protocol):
         """Something else takes its time."""
 
     def go_on(self) -> None:
-        """That is over."""
+        """What took its time is over; steps go on."""
 
     def update(self, time: float, step: float, iterations: int) -> None:
         """A step of length `step` ended at `time`."""

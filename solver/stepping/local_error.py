@@ -157,13 +157,22 @@ class Judge:
             dt: Its length, s.
             following: Gives the state a step of a length (s) after another; None if it fails.
         """
-        self._used, self._tried = self._share(self._past, new, dt, changed=new.changed)
+        error, self._tried = self._estimate.of(self._past, new, dt)
+        self._used = self._tolerance.used(
+            rigid=error.rigid,
+            vibration=error.vibration,
+            reversal=error.reversal,
+            changed=new.changed,
+        )
         if self._used <= 1.0 and new.changed:
             after = following(new, dt)
             if after is not None:
-                later, _ = self._share(self._tried, after, dt, changed=True, rigid_alone=True)
-                if later > self._tolerance.GROWTH:
-                    self._used = later / self._tolerance.GROWTH
+                later, _ = self._estimate.of(self._tried, after, dt)
+                used = self._tolerance.used(
+                    rigid=later.rigid, vibration=0.0, reversal=0.0, changed=True
+                )
+                if used > self._tolerance.GROWTH:
+                    self._used = used / self._tolerance.GROWTH
         return self._used <= 1.0
 
     @property
@@ -175,16 +184,3 @@ class Judge:
         """The step that was judged last is taken: whether one twice as long may follow."""
         self._past = self._tried
         return self._tolerance.climbs(self._used)
-
-    def _share(
-        self, past: Past, new: State, dt: float, *, changed: bool, rigid_alone: bool = False
-    ) -> tuple[float, Past]:
-        """Share of what is allowed that a step used, and what it leaves to the next."""
-        error, left = self._estimate.of(past, new, dt)
-        used = self._tolerance.used(
-            rigid=error.rigid,
-            vibration=0.0 if rigid_alone else error.vibration,
-            reversal=0.0 if rigid_alone else error.reversal,
-            changed=changed,
-        )
-        return used, left

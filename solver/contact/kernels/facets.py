@@ -42,7 +42,7 @@ class FacetShapes(NamedTuple):
     along: Array
     """Tangential positions of the nodes in the undeformed face, (n, t), m."""
     corners: int
-    """Of a facet: 2 for intervals, 3 for triangles, 4 for quadrilaterals."""
+    """Number of corners of a facet: 2 for intervals, 3 for triangles, 4 for quadrilaterals."""
     margin: float
     """Part of a facet by which points may be beyond its edge."""
 

@@ -23,7 +23,7 @@ class Take:
 
     run: Run
     times: Array
-    """Of the frames, s, (n,)."""
+    """Times of the frames, s, (n,)."""
     blocks: list[BlockFrames]
     bodies: Bodies
     ground: Array

@@ -18,9 +18,6 @@ ENGINES = ("rigid", "elastic")
 FRICTIONS, ACCELERATIONS = (0.25, 2.45), (0.25, 4.0)
 """Ends of the grid of frictions and of accelerations A, both over B/H."""
 
-POINTS = 12
-"""Points of the grid along each axis."""
-
 FEWEST_CELLS = 4
 """Cells along each side of an elastic block, at least."""
 
