@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.history.columns import RowLayout
-from solver.law.compiled import compiled
+from solver.law.compiled import borrowed, compiled
 from solver.rigid.space.friction import touched
 from solver.rigid.space.impact import HAIR, collide, gaps_after, step_to_impact
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
@@ -58,6 +58,7 @@ def _accept(
     model: SpaceModel, state: SpaceState, s: SpaceSolution, start: Array, end: Array, tally: Array
 ) -> None:
     """Take a step, and correct the velocities at its end."""
+    s = borrowed(s)
     watch(model, state, s, tally)
     rubbed = -state.exchanged[1]
     take(model, state, s, start, end)
@@ -67,7 +68,7 @@ def _accept(
 
 
 @compiled
-def run(
+def _run(
     model: SpaceModel,
     state: SpaceState,
     dt: float,
@@ -78,17 +79,7 @@ def run(
     layout: RowLayout,
     rows: Array,
 ) -> tuple[int, int]:
-    """As many steps as there are rows; times and the total at the start are left to the caller.
-
-    A step is divided where a point lands within it, and halved where it fails, down to a smallest.
-    Where a block has a restitution it is cut at the instant of an impact. The state, the last
-    angles `seen`, (n, 4), and the rows are changed in place. The ground's accelerations,
-    (steps + 1, 3), are linear in between; the shift is what their mean over each step has beyond
-    that of its ends, (steps, 3), m/s2.
-
-    Returns:
-        Number of steps that succeeded, number of rejected solutions.
-    """
+    """As many steps as there are rows: see `run`."""
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
     speed, bounces, cuts = state.velocity[-1].copy(), bool(np.any(model.restitution > 0.0)), 0
     rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0
@@ -128,3 +119,30 @@ def run(
                 speed[:] = state.velocity[-1]
             h, phase = dt - done, LOOKING
     return k, rejected
+
+
+@compiled
+def run(
+    model: SpaceModel,
+    state: SpaceState,
+    dt: float,
+    smallest: float,
+    ground: Array,
+    shift: Array,
+    seen: Array,
+    layout: RowLayout,
+    rows: Array,
+) -> tuple[int, int]:
+    """As many steps as there are rows; times and the total at the start are left to the caller.
+
+    A step is divided where a point lands within it, and halved where it fails, down to a smallest.
+    Where a block has a restitution it is cut at the instant of an impact. The state, the last
+    angles `seen`, (n, 4), and the rows are changed in place. The ground's accelerations,
+    (steps + 1, 3), are linear in between; the shift is what their mean over each step has beyond
+    that of its ends, (steps, 3), m/s2.
+
+    Returns:
+        Number of steps that succeeded, number of rejected solutions.
+    """
+    parts = borrowed(model), borrowed(state)
+    return _run(parts[0], parts[1], dt, smallest, ground, shift, seen, borrowed(layout), rows)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.law.compiled import compiled
+from solver.law.compiled import borrowed, compiled
 from solver.law.friction import Bounds
 from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
@@ -78,6 +78,7 @@ def _linear(
     held: Array,
     force: Array,
     counts: Indices,
+    even: float,
 ) -> tuple[bool, Array]:
     """Contact forces with given rows; returns whether they were found, and D.
 
@@ -87,17 +88,23 @@ def _linear(
         free: Increments of centres and rotations without contact.
         yields: What forces and moments add to them.
         law: Coefficients of friction, cohesive forces.
-        held: (m, 3) forces that the added diagonal D holds on to, N.
+        held: (m, 3) forces that the added diagonal D holds on to, N; they become those found first
+            where these yield by more than `even`.
         force: (m, 3) guess and answer, N.
         counts: Of outcomes of local problems.
+        even: Sum of what the points may give way by D, m.
     """
     W = compliance(contacts, rows, yields[0], yields[1])
     softness = regularise(W)
-    q = changes(contacts, rows, free[0], free[1]) - softness * held
+    q = changes(contacts, rows, free[0], free[1])
     q[:, 0] += contacts.gap
     flat, bounds = force.reshape(force.size), Bounds(law[0], law[1], np.inf)
     states = np.empty(len(q), np.int64)
-    found = solve_local(3, W, q.reshape(q.size), bounds, flat, states, counts)
+    found = solve_local(3, W, (q - softness * held).reshape(q.size), bounds, flat, states, counts)
+    if found and np.sum(softness * np.abs(force - held)) > even:
+        held[:] = force
+        shifted = (q - softness * held).reshape(q.size)
+        found = solve_local(3, W, shifted, bounds, flat, states, counts)
     return found, softness
 
 
@@ -131,32 +138,31 @@ def solve(
     """
     frames, size = rotations(state.quaternion), np.max(model.half)
     points = _points(model, state, frames, dt, after, shut)
+    lent = borrowed(points)
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
-    force = recalled(state, points)
-    mu, cohesion = friction_at_start(model, state, frames, points)
+    force = recalled(state, lent)
+    mu, cohesion = friction_at_start(model, state, frames, lent)
     held = force * np.array([EVENING, 1.0, 1.0])
-    moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
+    moved, turned = _guess(model, state, frames, lent, (free, yields, force), dt)
     rounds = 0
     while True:
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
-        rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
+        rows = rows_of(halfway(lent, state, frames, mean, shift), mean, shift)
         still, soft, law = (free, hat), (yields, turning), (mu, cohesion)
-        found, softness = _linear(points, rows, still, soft, law, held, force, state.settled)
-        total, moment, pushed = act(points, rows, force, len(free))
+        even = ROUND_OFF * size if rounds == 0 else np.inf
+        found, softness = _linear(lent, rows, still, soft, law, held, force, state.settled, even)
+        total, moment, pushed = act(lent, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)
-        change, yielded = changes(points, rows, moved, turned), softness * (force - held)
+        change, yielded = changes(lent, rows, moved, turned), softness * (force - held)
         slip = change[:, 1:] + yielded[:, 1:]
         slid = sliding_of(force, slip, softness, mu, cohesion)
-        again = follow_law(model, state, points, slid, slip, dt, law)
+        again = follow_law(model, state, lent, slid, slip, dt, law)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)
-        centred = rounds > 1 or np.sum(np.abs(yielded)) <= ROUND_OFF * size
-        if rounds == 1:
-            held[:] = force
-        done = bool(found and not again and centred and left <= ROUND_OFF * size)
+        done = bool(found and not again and left <= ROUND_OFF * size)
         if done or not found or rounds == ITERATIONS:
             break
     return SpaceSolution(

@@ -46,7 +46,9 @@ def count_impulses(
         sign = 1.0 if contacts.body[q] == u else -1.0
         presses = still_carried(model, state, frames, u)
         push = to_body(mean[presses], sign * impulse[q])
-        tally[u] += push[np.array([2, 0, 1])]
+        tally[u, 0] += push[2]  # normal first
+        tally[u, 1] += push[0]
+        tally[u, 2] += push[1]
         if contacts.base[q] == n:
             tally[n] -= impulse[q]
 
