@@ -62,7 +62,8 @@ class MeshedRun:
         if scene.time.tolerance is not None:  # adaptive
             size = min(block.shape.half_diagonal for block in scene.blocks)
             error = LocalError(self._stepper.system, size)
-            self._judge = Judge(error, Tolerance(scene.time.tolerance), self.state)
+            tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
+            self._judge = Judge(error, tolerance, self.state)
         self._ahead: _Ahead | None = None
         self._row: list[float] = []
         points = sum(link.interface.count for link in self._stepper.links)

@@ -46,3 +46,7 @@ class DampingSpec(Checked):
     def ratio(self, frequency: float) -> float:
         """Ratio of critical damping of a mode by its natural frequency, rad/s."""
         return (self.mass / frequency + self.stiffness * frequency) / 2
+
+    def left(self, frequency: float, time: float) -> float:
+        """The share of a mode of a natural frequency, rad/s, that is left of it after a time, s."""
+        return math.exp(-self.ratio(frequency) * frequency * time)

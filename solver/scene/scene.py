@@ -257,6 +257,20 @@ class Scene(Checked):
         """Rayleigh damping of a meshed body: its own, or that of all."""
         return self.damping if body.damping is None else body.damping
 
+    @property
+    def vibration_left(self) -> float:
+        """The largest share of a block's bending vibration that is left after 1/p, p of rocking.
+
+        By its first mode as a cantilever; 1 where a block is not damped, 0 where none is meshed.
+        """
+        left = 0.0
+        for block in self.blocks:
+            if block.model == "elastic" and self.gravity > 0.0:
+                damping = self.damping_of(block) or DampingSpec()
+                time = 1.0 / block.shape.frequency(self.gravity)
+                left = max(left, damping.left(block.bending_frequency(self.dimension), time))
+        return left
+
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
         """Friction between a block and what carries it."""
         return FrictionSpec.of(self.contact.friction if block.friction is None else block.friction)

@@ -98,23 +98,30 @@ class Tolerance:
     an impact takes is decided there: the bound is strict. Elsewhere it is of third order and evens
     out, as the forces swing with the vibration of the bodies: the bound is `CALM` times as large.
     Vibration itself is judged by a bound of its own, since it decides how a block that has left the
-    ground after an impact meets it again.
+    ground after an impact meets it again. What damping leaves of it until the next impact meets
+    that in some phase, which has to be right as well: the bound is the lower, the more is left.
     """
 
     CHANGE = 8e-6
     """Error of the rigid motion in a step in which contact changes, over the tolerance."""
     CALM = 100.0
     """Factor of that error in all other steps."""
-    VIBRATION = 2.6e-4
-    """Error of the vibration in a step, over the tolerance."""
+    VIBRATION = 3e-4
+    """Error of the vibration in a step, over the tolerance, where none is left at next impacts."""
+    LASTING = 16.0
+    """By what that bound is divided, less 1, where all of it is left."""
     GROWTH = 8.0
     """By what the error grows when the step doubles."""
     MARGIN = 1.15
     """What a step that may double has left besides."""
 
-    def __init__(self, tolerance: float):
-        """Judge by a tolerance, which is about the error of the restitution of an impact."""
+    def __init__(self, tolerance: float, left: float = 0.0):
+        """Judge by a tolerance, which is about the error of the restitution of an impact.
+
+        `left` is the share of an impact's vibration that is left when the next one comes.
+        """
         self._tolerance = tolerance
+        self._vibration = self.VIBRATION / (1.0 + self.LASTING * left)
 
     def used(self, *, rigid: float, vibration: float, reversal: float, changed: bool) -> float:
         """The share of what is allowed that a step used; above 1 it is refused.
@@ -126,7 +133,7 @@ class Tolerance:
             changed: Whether contact changed in the step.
         """
         bound = self.CHANGE * (1.0 if changed else self.CALM)
-        shares = rigid / bound, vibration / self.VIBRATION, reversal / self.CHANGE
+        shares = rigid / bound, vibration / self._vibration, reversal / self.CHANGE
         return max(shares) / self._tolerance
 
     def climbs(self, used: float) -> bool:

@@ -133,6 +133,15 @@ def test_vibration_is_judged_by_itself():
         assert used == pytest.approx(2.0)
 
 
+def test_the_bound_on_vibration_is_lower_where_more_of_it_is_left_at_the_next_impact():
+    error = 1e-3 * Tolerance.VIBRATION
+    shares = [
+        Tolerance(1e-3, left).used(rigid=0.0, vibration=error, reversal=0.0, changed=False)
+        for left in (0.0, 0.5, 1.0)
+    ]
+    assert shares == pytest.approx([1.0, 1 + Tolerance.LASTING / 2, 1 + Tolerance.LASTING])
+
+
 def test_a_slip_that_turned_round_is_judged_as_a_change_of_contact():
     tolerance = Tolerance(1e-3)
     most = 1e-3 * Tolerance.CHANGE
