@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from solver import VERSION
-from solver.errors import EnvironmentTrouble
+from solver.errors import not_installed
 
 #: Packages without which `rockslip run` does not work.
 NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy", "numba")
@@ -44,9 +44,7 @@ def description() -> list[tuple[str, str]]:
     """Everything `rockslip info` says, as names and values; called on every rank."""
     missing = [package for package in NEEDED if _version(package) == "missing"]
     if missing:
-        raise EnvironmentTrouble(
-            f"{', '.join(missing)} cannot be imported: see README.md, or use ./in-env rockslip ..."
-        )
+        raise not_installed(f"{', '.join(missing)} cannot be imported")
     from mpi4py import MPI
 
     lines = [("rockslip", VERSION), ("python", platform.python_version())]

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from solver.errors import EnvironmentTrouble
+from solver.errors import SceneError, not_installed
 from solver.study.folder import store
 from solver.study.pool import side_by_side
 from solver.study.tally import Tally
@@ -80,15 +80,21 @@ def kept_rows(
     )
     with closing(outcomes):
         for case, outcome in outcomes:
-            if isinstance(outcome, ImportError):
-                raise EnvironmentTrouble(f"{outcome}; see README.md, or use ./in-env rockslip ...")
             if isinstance(outcome, Exception):
-                reason = f"{case.name}: {in_one_line(outcome)}"
+                reason = f"{case.name}: {reason_of(outcome)}"
                 outcome = {"status": "failed", "reason": reason}
             rows[case.name] = outcome
             store(folder, case.name, outcome)
 
 
-def in_one_line(error: Exception) -> str:
-    """An exception as kind and text in one line."""
+def reason_of(error: Exception) -> str:
+    """Why a case failed, in one line: what a refused scene says, else kind and text of the error.
+
+    Raises:
+        EnvironmentTrouble: Where a package is missing: then no case can be run.
+    """
+    if isinstance(error, ImportError):
+        raise not_installed(error) from error
+    if isinstance(error, SceneError):
+        return str(error)
     return f"{type(error).__name__}: {' '.join(str(error).split())}"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
-from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def run_cases(
     """
     from mpi4py import MPI
 
-    from solver.study.cases import finished_cases, in_one_line
+    from solver.study.cases import finished_cases, reason_of
     from solver.study.damping.case import run_case
     from solver.study.damping.folder import keep
 
@@ -187,13 +187,8 @@ def run_cases(
     )
     with closing(outcomes):
         for case, outcome in outcomes:
-            if isinstance(outcome, ImportError):
-                text = f"{outcome}; see README.md, or use ./in-env rockslip ..."
-                raise EnvironmentTrouble(text)
             if isinstance(outcome, Exception):
-                refused = isinstance(outcome, SceneError)
-                reason = str(outcome) if refused else in_one_line(outcome)
-                outcome = {"status": "failed", "reason": reason}
+                outcome = {"status": "failed", "reason": reason_of(outcome)}
             if outcome["status"] != "interrupted":
                 rows[case.key] = keep(folder, case.key, outcome)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
-from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
 
 if TYPE_CHECKING:
@@ -239,19 +239,15 @@ def _run_tasks(
     tasks: Sequence[Task], plan: Plan, failed: dict[str, str], options: argparse.Namespace
 ) -> None:
     """Run tasks and keep their numbers; collective on all ranks."""
-    from solver.study.cases import finished_cases, in_one_line
+    from solver.study.cases import finished_cases, reason_of
     from solver.study.inertia.folder import keep
     from solver.study.inertia.runs import run_task
 
     outcomes = finished_cases(run_task, tasks, processes=options.processes, quiet=options.quiet)
     with closing(outcomes):
         for task, outcome in outcomes:
-            if isinstance(outcome, ImportError):
-                text = f"{outcome}; see README.md, or use ./in-env rockslip ..."
-                raise EnvironmentTrouble(text)
             if isinstance(outcome, Exception):
-                refused = isinstance(outcome, SceneError)
-                failed[task.name] = str(outcome) if refused else in_one_line(outcome)
+                failed[task.name] = reason_of(outcome)
             else:
                 plan.runs.update(keep(plan.folder, outcome))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
-from solver.errors import EnvironmentTrouble, NotConverged, SceneError
+from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
 from solver.study.suite.ensemble import Ensemble, EnsemblePart, add_ensemble
 
@@ -215,15 +215,11 @@ def _case(
 
 def _row(case: SuiteCase, outcome: Mapping[str, Any] | Exception) -> dict[str, Any]:
     """The row of a case in the table, whatever came of it."""
-    from solver.study.cases import in_one_line
+    from solver.study.cases import reason_of
 
-    if isinstance(outcome, ImportError):
-        raise EnvironmentTrouble(f"{outcome}; see README.md, or use ./in-env rockslip ...")
     row: dict[str, Any] = {"motion": case.motion.name, **dict(case.varied), **_part(case).columns()}
     if isinstance(outcome, Exception):
-        refused = isinstance(outcome, SceneError)
-        reason = str(outcome) if refused else in_one_line(outcome)
-        return row | {"status": "failed", "reason": reason}
+        return row | {"status": "failed", "reason": reason_of(outcome)}
     return row | dict(outcome)
 
 
