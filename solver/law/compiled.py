@@ -8,12 +8,11 @@ the functions that it calls, and would run old code after an update. Nothing is 
 the checkout.
 
 NUMBA_CACHE_DIR says where to keep it; else it is the user's cache folder, and where that cannot be
-written, nowhere: each run then compiles anew.
+written, nowhere: each run then compiles anew (`solver.law.kept_code`).
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from importlib import import_module
@@ -23,6 +22,7 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
+from solver.law.kept_code import cache_folder, folder_of
 from solver.law.late_linking import linked_late, part_of_others
 from solver.law.sources import version_of
 from solver.law.switch import CHOICE, is_interpreted
@@ -56,18 +56,6 @@ def runs_machine_code() -> bool:
     return NUMBA is not None and not CHOICE.interprets
 
 
-def _cache_folder() -> Path | None:
-    """Where machine code may be kept, or None."""
-    given = os.environ.get("NUMBA_CACHE_DIR")
-    base = Path(given or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = base / "rockslip" / "compiled"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) else None
-
-
 class _Compiled:
     """A function that is compiled at its first call, or interpreted where a run chose so.
 
@@ -83,13 +71,14 @@ class _Compiled:
     @cached_property
     def _machine(self) -> Any:
         """The machine code for Python; the function itself where numba cannot be imported."""
-        numba, folder = _compiler(), _cache_folder()
+        numba, folder = _compiler(), cache_folder()
         if numba is None:
             return self.py_func
         if folder is None:
             return linked_late(numba.njit(error_model="numpy")(self.py_func), kept=False)
         before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(folder / version_of(Path(self.py_func.__code__.co_filename)))
+        version = version_of(Path(self.py_func.__code__.co_filename))
+        numba.config.CACHE_DIR = str(folder_of(version, folder))
         try:
             return linked_late(numba.njit(cache=True, error_model="numpy")(self.py_func), kept=True)
         finally:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from solver.law import compiled as module
-from solver.law import late_linking, sources
+from solver.law import kept_code, late_linking, sources
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.model import PlaneMemory, new_memory
 
@@ -80,6 +81,19 @@ def test_nothing_is_kept_where_nothing_can_be_written(
         return 3 * x
 
     assert compiled(triple)(2.0) == 6.0
+
+
+def test_code_of_versions_that_nothing_has_used_for_a_month_is_removed(tmp_path: Path) -> None:
+    """When code of a new version is made; what is used stays, however old it is."""
+    month = time.time() - 1.01 * kept_code.UNUSED
+    for name in ("used", "unused", "recent"):
+        kept_code.folder_of(name, tmp_path).joinpath("code").write_text("")
+    for name in ("used", "unused"):
+        os.utime(tmp_path / name, (month, month))
+    kept_code.folder_of("used", tmp_path)
+    assert {folder.name for folder in tmp_path.iterdir()} == {"used", "unused", "recent"}
+    kept_code.folder_of("new", tmp_path)
+    assert {folder.name for folder in tmp_path.iterdir()} == {"used", "recent", "new"}
 
 
 def test_versions_of_folders_are_those_of_all_files_in_them(tmp_path: Path) -> None:
