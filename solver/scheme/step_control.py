@@ -109,7 +109,9 @@ class Tolerance:
     VIBRATION = 3e-4
     """Error of the vibration in a step, over the tolerance, where none is left at next impacts."""
     LASTING = 16.0
-    """By what that bound is divided, less 1, where all of it is left."""
+    """By what that bound is divided, less 1, over the share that is left."""
+    FOLLOWED = 2.0
+    """The share that counts is at most so many times what damping takes."""
     GROWTH = 8.0
     """By what the error grows when the step doubles."""
     MARGIN = 1.15
@@ -118,10 +120,13 @@ class Tolerance:
     def __init__(self, tolerance: float, left: float = 0.0):
         """Judge by a tolerance, which is about the error of the restitution of an impact.
 
-        `left` is the share of an impact's vibration that is left when the next one comes.
+        `left` is the share of an impact's vibration that is left when the next one comes. Where
+        damping takes next to nothing, the phase would have to be right over all impacts that
+        follow, which no steps can afford: such vibration is not followed.
         """
         self._tolerance = tolerance
-        self._vibration = self.VIBRATION / (1.0 + self.LASTING * left)
+        share = min(left, self.FOLLOWED * (1.0 - left))
+        self._vibration = self.VIBRATION / (1.0 + self.LASTING * share)
 
     def used(self, *, rigid: float, vibration: float, reversal: float, changed: bool) -> float:
         """The share of what is allowed that a step used; above 1 it is refused.
