@@ -41,7 +41,7 @@
 # block would overshoot. Its base therefore takes 30 ms to reach the acceleration, and what counts
 # is the time from 40 to 80 ms. By then the block has turned a little, so that its accelerations
 # are no longer the first ones. A rigid block under the same ramp has turned by as much, and stands
-# beside it in the table.
+# beside it in the table. Larger blocks turn more slowly: these times go with $1/p$.
 
 # +
 import argparse
