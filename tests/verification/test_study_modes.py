@@ -11,7 +11,7 @@ import pytest
 from solver.cli import main
 from solver.reference.shenton import initial_accelerations, initial_mode, near_boundary
 from solver.scene.scaling import Scale, scaled_tables
-from solver.study.modes.case import RAMPED_STEPS, rigid_of, scene_of
+from solver.study.modes.case import rigid_of, scene_of
 from solver.study.modes.onset import Onset, ramped_onset, sudden_onset
 from solver.study.standing import Tables, standing_block, variant
 
