@@ -110,6 +110,8 @@ def test_the_study(tmp_path: Path) -> None:
     assert ends[0] >= ends[1] >= ends[2] and ends[2] < 20
     assert (tmp_path / "out" / "horizon.png").stat().st_size > 10_000
     assert main([*words, "--resume"]) == 0
+    assert main(["report", str(tmp_path / "out")]) == 0
+    assert "<h1>Horizon: " in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

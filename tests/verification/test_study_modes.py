@@ -74,6 +74,22 @@ def test_elastic_blocks_begin_nearly_so(
     assert found.slip == pytest.approx(beside.slip, abs=0.02)
 
 
+@pytest.mark.slow
+def test_what_an_elastic_block_is_off_by_is_elasticity(tables: Tables) -> None:
+    """Beside a rigid block under the same ramp: less with a stiffer block, not with a finer mesh."""
+    (block,) = tables["block"]
+
+    def off(cells: list[int], young: float) -> float:
+        made = with_friction(tables, 0.28) | {"block": [block | {"cells": cells, "young": young}]}
+        own = scene_of(made, "elastic", 4.0)
+        return ramped_onset(own, 0.4).turn / ramped_onset(rigid_of(own), 0.4).turn - 1
+
+    coarse, middle, fine = (off(cells, 5e10) for cells in ([3, 8], [6, 16], [12, 32]))
+    assert 0.001 < coarse < middle < fine < 0.005
+    assert fine - middle < middle - coarse
+    assert 4 * abs(off([6, 16], 5e11)) < middle < 0.5 * off([6, 16], 5e9)
+
+
 @pytest.mark.parametrize("high", [1, 2, 3, 4, 5])
 def test_containers_locked_one_on_another(tables: Tables, high: int) -> None:
     """Containers of 2.438 x 2.591 m, locked, uplift at .941 .470 .314 .235 .188 g."""
