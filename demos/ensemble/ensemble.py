@@ -33,19 +33,14 @@
 # are found, and the intervals that so few motions leave them.
 
 # +
-import argparse
-import csv
 import json
 import sys
 from pathlib import Path
 
-from demos.verdict import verdict
-from solver.cli import main as rockslip
+from demos.study import judged_study, read_table
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
-
-Rows = list[dict[str, str]]
 # -
 
 # ## Running it
@@ -54,23 +49,11 @@ Rows = list[dict[str, str]]
 #
 #     rockslip study suite scene.toml --count 100 --levels 0.3:0.7:5 --engines rigid,ode
 #
-# The elastic block takes longer, some ten seconds for each motion: `--engines rigid,ode,elastic`.
-
+# The elastic block takes longer, minutes for each motion: `--engines rigid,ode,elastic`. A study
+# that was interrupted goes on where it was.
 
 # +
-def run(words: list[str], output: Path = OUTPUT) -> int:
-    """Run the study; returns its exit code."""
-    again = [] if "--force" in words else ["--resume"]
-    command = ["study", "suite", str(SCENE), "--levels", "0.3:0.7:5", "--engines", "rigid,ode"]
-    return rockslip([*command, *again, "-o", str(output), *words])
-
-
-def levels(folder: Path) -> Rows:
-    """What became of the motions of each level."""
-    with (folder / "fragility.csv").open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
+COMMAND = ["suite", str(SCENE), "--levels", "0.3:0.7:5", "--engines", "rigid,ode"]
 # -
 
 # ## Checks
@@ -86,7 +69,7 @@ def checks(folder: Path) -> list[tuple[bool, str]]:
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     done = f"{summary['completed']} of {summary['cases']} cases completed"
     results = [(summary["completed"] == summary["cases"], done)]
-    count = min(int(row["motions"]) for row in levels(folder))
+    count = min(int(row["motions"]) for row in read_table(folder / "fragility.csv"))
     most = 1.63 * (2 / count) ** 0.5
     for apart in summary["distances"]:
         names = " and ".join(apart["engines"])
@@ -97,13 +80,7 @@ def checks(folder: Path) -> list[tuple[bool, str]]:
 
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code. Its options are those of `rockslip study suite`."""
-    parser = argparse.ArgumentParser(description="How likely a block falls.")
-    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="folder of the study")
-    options, words = parser.parse_known_args(arguments)
-    code = run(words, options.output)
-    if code not in (0, 3):  # 3: single motions failed, which the checks will say
-        return code
-    return verdict("ensemble", checks(options.output))
+    return judged_study(COMMAND, checks, arguments, output=OUTPUT)
 
 
 if __name__ == "__main__":

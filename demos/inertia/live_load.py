@@ -33,10 +33,10 @@
 
 # +
 import argparse
-import csv
 import sys
 from pathlib import Path
 
+from demos.study import Rows, read_table
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 
@@ -46,7 +46,6 @@ SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
 MAP = ("period=0.25,0.5,1,2", "friction=0.05,0.1,0.2,0.4")
 BLOCKS = ("friction=0.1,0.2,0.3",)
 
-Rows = list[dict[str, str]]
 # -
 
 # ## Running it
@@ -63,12 +62,6 @@ def study(name: str, words: list[str], output: Path = OUTPUT) -> int:
     command = ["study", "inertia", str(SCENE), "-o", str(output / name), *again]
     output.mkdir(parents=True, exist_ok=True)
     return rockslip([*command, *words])
-
-
-def read_table(folder: Path) -> Rows:
-    """The rows of the table that a study leaves."""
-    with (folder / "inertia.csv").open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
 
 
 # -
@@ -117,7 +110,8 @@ def main(arguments: list[str] | None = None) -> int:
     if code or not _is_first_rank():
         return code
     print(f"\n{output / 'map' / 'inertia.html'}\n")
-    return verdict("live_load", checks(read_table(output / "map"), read_table(output / "blocks")))
+    tables = (read_table(output / name / "inertia.csv") for name in ("map", "blocks"))
+    return verdict("live_load", checks(*tables))
 
 
 def _is_first_rank() -> bool:

@@ -41,17 +41,14 @@
 # block would overshoot. Its base therefore takes 30 ms to reach the acceleration, and what counts
 # is the time from 40 to 80 ms. By then the block has turned a little, so that its accelerations
 # are no longer the first ones. A rigid block under the same ramp has turned by as much, and stands
-# beside it in the table.
+# beside it in the table. Larger blocks turn more slowly: these times go with $1/p$.
 
 # +
-import argparse
-import csv
 import json
 import sys
 from pathlib import Path
 
-from demos.verdict import verdict
-from solver.cli import main as rockslip
+from demos.study import judged_study
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
@@ -63,16 +60,11 @@ SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
 #
 #     rockslip study modes scene.toml --ratios 4
 #
-# Points whose mode changes with a change of $\mu$ and $A$ by 3 % are drawn, but not judged.
-
+# Points whose mode changes with a change of $\mu$ and $A$ by 3 % are drawn, but not judged. A
+# study that was interrupted goes on where it was.
 
 # +
-def run(words: list[str], output: Path = OUTPUT) -> int:
-    """Run the study; returns its exit code."""
-    again = [] if "--force" in words else ["--resume"]
-    return rockslip(["study", "modes", str(SCENE), *again, "-o", str(output), *words])
-
-
+COMMAND = ["modes", str(SCENE)]
 # -
 
 # ## Checks
@@ -99,21 +91,9 @@ def checks(folder: Path) -> list[tuple[bool, str]]:
     return results
 
 
-def points(folder: Path) -> list[dict[str, str]]:
-    """The rows of the table."""
-    with (folder / "modes.csv").open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code. Its options are those of `rockslip study modes`."""
-    parser = argparse.ArgumentParser(description="How a block at rest begins to move.")
-    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="folder of the study")
-    options, words = parser.parse_known_args(arguments)
-    code = run(words, options.output)
-    if code not in (0, 3):  # 3: single points disagree, which the checks will say
-        return code
-    return verdict("modes", checks(options.output))
+    return judged_study(COMMAND, checks, arguments, output=OUTPUT)
 
 
 if __name__ == "__main__":

@@ -36,19 +36,14 @@
 # Makris 2001). Only the way with an impact depends on the restitution.
 
 # +
-import argparse
-import csv
 import json
 import sys
 from pathlib import Path
 
-from demos.verdict import verdict
-from solver.cli import main as rockslip
+from demos.study import judged_study, read_table
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
-
-Rows = list[dict[str, str]]
 # -
 
 # ## Running it
@@ -58,23 +53,11 @@ Rows = list[dict[str, str]]
 #
 #     rockslip study overturning scene.toml --restitution 0.936 --ode 2,4,6
 #
-# At each frequency amplitudes are scanned, and every change of the block's fate is bisected.
-
+# At each frequency amplitudes are scanned, and every change of the block's fate is bisected. A
+# study that was interrupted goes on where it was.
 
 # +
-def run(words: list[str], output: Path = OUTPUT) -> int:
-    """Run the study; returns its exit code."""
-    again = [] if "--force" in words else ["--resume"]
-    command = ["study", "overturning", str(SCENE), "--restitution", "0.936", "--ode", "2,4,6"]
-    return rockslip([*command, *again, "-o", str(output), *words])
-
-
-def read_table(folder: Path) -> Rows:
-    """The boundaries that were found."""
-    with (folder / "overturning.csv").open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
+COMMAND = ["overturning", str(SCENE), "--restitution", "0.936", "--ode", "2,4,6"]
 # -
 
 # ## Checks
@@ -87,7 +70,7 @@ def read_table(folder: Path) -> Rows:
 # +
 def checks(folder: Path) -> list[tuple[bool, str]]:
     """Whether the boundaries hold."""
-    rows = read_table(folder)
+    rows = read_table(folder / "overturning.csv")
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     done = f"{summary['completed']} of {summary['cases']} cases completed"
     results = [(summary["completed"] == summary["cases"], done)]
@@ -112,13 +95,7 @@ def checks(folder: Path) -> list[tuple[bool, str]]:
 
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code. Its options are those of `rockslip study overturning`."""
-    parser = argparse.ArgumentParser(description="Which pulses overturn a block.")
-    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="folder of the study")
-    options, words = parser.parse_known_args(arguments)
-    code = run(words, options.output)
-    if code not in (0, 3):  # 3: single cases failed, which the checks will say
-        return code
-    return verdict("overturning", checks(options.output))
+    return judged_study(COMMAND, checks, arguments, output=OUTPUT)
 
 
 if __name__ == "__main__":

@@ -54,13 +54,13 @@
 
 # +
 import argparse
-import csv
 import sys
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from demos.study import Rows, read_table
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save
@@ -70,7 +70,6 @@ SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
 
 FRICTIONS = (0.1, 0.2, 0.3, 0.4)
 
-Rows = list[dict[str, str]]
 # -
 
 # ## Running it
@@ -90,12 +89,6 @@ def shake(words: list[str], output: Path = OUTPUT) -> int:
     again = [] if "--force" in words else ["--resume"]
     command = ["study", "suite", str(SCENE), "--vary", vary, "--reference", *again]
     return rockslip([*command, "-o", str(output), *words])
-
-
-def read_table(folder: Path) -> Rows:
-    """The rows of the table that the suite leaves."""
-    with (folder / "suite.csv").open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
 
 
 def column(rows: Rows, name: str, friction: float) -> np.ndarray:
@@ -189,7 +182,7 @@ def checks(rows: Rows) -> list[tuple[bool, str]]:
 
 def show(folder: Path) -> int:
     """Draw and check what stands in the folder of a suite; returns the exit code."""
-    rows = read_table(folder)
+    rows = read_table(folder / "suite.csv")
     results = checks(rows)
     if completed(rows):
         print(f"\n{picture(rows, folder)}\n")

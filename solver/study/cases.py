@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from solver.errors import SceneError, not_installed
+from solver.errors import NotConverged, SceneError, not_installed
+from solver.run.streams import say
 from solver.study.folder import store
 from solver.study.pool import side_by_side
 from solver.study.tally import Tally
@@ -23,7 +24,16 @@ class NamedCase(Protocol):
         """Name of the case in the study."""
 
 
+class StudyPlan(Protocol):
+    """A study before its cases are run."""
+
+    @property
+    def rows(self) -> Mapping[str, dict[str, Any]]:
+        """Rows of the cases that have been done before, by name."""
+
+
 Case = TypeVar("Case", bound=NamedCase)
+Plan = TypeVar("Plan", bound=StudyPlan)
 Value = TypeVar("Value")
 
 
@@ -85,6 +95,42 @@ def kept_rows(
                 outcome = {"status": "failed", "reason": reason}
             rows[case.name] = outcome
             store(folder, case.name, outcome)
+
+
+def run_study(
+    options: argparse.Namespace,
+    prepare: Callable[[argparse.Namespace], Plan],
+    run_all: Callable[[Plan, dict[str, dict[str, Any]]], None],
+    write: Callable[[Plan, dict[str, dict[str, Any]]], bool],
+) -> int:
+    """Prepare a study, run its cases, write what came of them; returns the exit code.
+
+    Args:
+        options: Of the command.
+        prepare: What is refused is refused there, on rank 0, before anything is run.
+        run_all: Adds the rows of the cases, on rank 0; collective on all ranks.
+        write: Also after an interruption, on rank 0; whether all of it is done and right.
+    """
+    from mpi4py import MPI
+
+    from solver.parallel import abort_on_exceptions, on_first_rank
+
+    comm = MPI.COMM_WORLD
+    abort_on_exceptions(comm)
+    plan: Plan = on_first_rank(comm, lambda: prepare(options))
+    rows = dict(plan.rows)
+    try:
+        run_all(plan, rows)
+    finally:
+        good = write(plan, rows) if comm.rank == 0 else None
+    return 0 if comm.bcast(good) else NotConverged.exit_code
+
+
+def tell(text: str, rows: Iterable[Mapping[str, Any]], folder: Path) -> None:
+    """Say what a study found, what of it failed, and where everything stands."""
+    failed = (row["reason"] for row in rows if row["status"] != "completed")
+    say(text + "".join(f"failed: {reason}\n" for reason in failed))
+    say(f"written to {folder}\n")
 
 
 def reason_of(error: Exception) -> str:

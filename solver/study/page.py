@@ -28,6 +28,7 @@ KINDS = (
     "inertia",
     "modes",
     "overturning",
+    "horizon",
     "errors",
     "stability",
 )

@@ -9,6 +9,7 @@ import pytest
 
 from demos.modes import modes
 from demos.overturning import overturning
+from demos.study import read_table
 
 Captured = pytest.CaptureFixture[str]
 
@@ -22,7 +23,7 @@ def test_modes(tmp_path: Path, capsys: Captured) -> None:
     words = ["--engines", "rigid", "--points", "6", "-q", "-j", "1", "-o", str(folder)]
     assert modes.main(words) == 0
     assert capsys.readouterr().out.count("holds:") == 2
-    assert len(modes.points(folder)) == 36
+    assert len(read_table(folder / "modes.csv")) == 36
     summary = json.loads((folder / "summary.json").read_text())
     summary["maps"][0]["agree"] -= 1
     (folder / "summary.json").write_text(json.dumps(summary))
@@ -36,7 +37,7 @@ def test_overturning(tmp_path: Path, capsys: Captured) -> None:
     words = ["--frequencies", "2,4", "--ode", "2", "--amplitudes", "1:5:16", "--rounds", "0"]
     assert overturning.main([*words, "-q", "-j", "1", "-o", str(folder)]) == 0
     assert capsys.readouterr().out.count("holds:") == 3
-    assert {row["engine"] for row in overturning.read_table(folder)} == {"rigid", "ode"}
+    assert {row["engine"] for row in read_table(folder / "overturning.csv")} == {"rigid", "ode"}
     summary = json.loads((folder / "summary.json").read_text())
     summary["largest_difference"]["ode"] = 1e-3
     (folder / "summary.json").write_text(json.dumps(summary))

@@ -65,7 +65,7 @@ def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> No
     assert output.out.count("holds:") == 1 + 2 * 4
     assert "8 of 8 runs completed" in output.out
     assert (folder / "peak_drifts.png").stat().st_size > 20_000
-    rows = demo.read_table(folder)
+    rows = demo.read_table(folder / "suite.csv")
     assert [row["motion"] for row in rows] == ["synthetic_01", "synthetic_02"] * 4
     for row in rows:
         ratio = float(row[demo.DRIFT]) / float(row[demo.EXACT])
@@ -96,7 +96,7 @@ def _off(rows: Any, demo: ModuleType) -> None:
 def test_each_check_can_fail(
     demo: ModuleType, folder: Path, capsys: Captured, spoil: Any, said: str
 ) -> None:
-    rows = demo.read_table(folder)
+    rows = demo.read_table(folder / "suite.csv")
     spoil(rows, demo)
     assert demo.verdict("platform_suite", demo.checks(rows)) == 1
     assert capsys.readouterr().err == f"platform_suite: check failed: {said}\n"

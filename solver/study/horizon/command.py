@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
-from solver.errors import NotConverged, SceneError
-from solver.run.streams import say
+from solver.errors import SceneError
 
 if TYPE_CHECKING:
     from solver.study.horizon.case import HorizonCase
@@ -50,21 +49,15 @@ class Plan:
 
 def run(options: argparse.Namespace) -> int:
     """The study; 0 where all cases completed, 3 where one failed."""
-    from mpi4py import MPI
-
-    from solver.parallel import abort_on_exceptions, on_first_rank
-    from solver.study.cases import kept_rows
+    from solver.study.cases import kept_rows, run_study
     from solver.study.horizon.case import run_case
 
-    comm = MPI.COMM_WORLD
-    abort_on_exceptions(comm)
-    plan: Plan = on_first_rank(comm, lambda: prepare(options))
-    rows = dict(plan.rows)
-    try:
-        kept_rows(run_case, plan.cases, rows, plan.folder, options)
-    finally:
-        good = _write(plan, rows, options) if comm.rank == 0 else None
-    return 0 if comm.bcast(good) else NotConverged.exit_code
+    return run_study(
+        options,
+        prepare,
+        lambda plan, rows: kept_rows(run_case, plan.cases, rows, plan.folder, options),
+        lambda plan, rows: _write(plan, rows, quiet=options.quiet),
+    )
 
 
 def prepare(options: argparse.Namespace) -> Plan:
@@ -106,15 +99,16 @@ def prepare(options: argparse.Namespace) -> Plan:
     return Plan(folder=folder, cases=cases, rows=finished(folder))
 
 
-def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Namespace) -> bool:
+def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], *, quiet: bool) -> bool:
     """Write tables and picture of what has been done, and tell; whether all of it was done."""
+    from solver.study.cases import tell
     from solver.study.horizon import table
     from solver.study.horizon.folder import PICTURE, SUMMARY, TABLE
     from solver.study.horizon.folder import TEXT as TEXT_FILE
     from solver.study.tables import as_csv, write
 
     ordered = [rows[case.name] for case in plan.cases if case.name in rows]
-    done = [row for row in ordered if row["status"] == "completed"]
+    done, text = [row for row in ordered if row["status"] == "completed"], ""
     if done:
         from solver.study.horizon.picture import horizon_picture
 
@@ -125,10 +119,6 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Nam
                  for row in done]  # fmt: skip
         write(plan.folder / SUMMARY, {"twins": table.twin_rows(done), "runs": rates})
         horizon_picture(done, plan.folder / PICTURE)
-        if not options.quiet:
-            say(text)
-    if not options.quiet:
-        reasons = (row for row in ordered if row["status"] != "completed")
-        say("".join(f"failed: {row['reason']}\n" for row in reasons))
-        say(f"written to {plan.folder}\n")
+    if not quiet:
+        tell(text, ordered, plan.folder)
     return len(done) == len(plan.cases)

@@ -11,6 +11,7 @@ import numpy as np
 
 from solver.errors import SceneError, Statement
 from solver.scene import Scene
+from solver.study.modes.onset import WINDOW, ramped_onset, sudden_onset, unit
 from solver.study.standing import Tables, is_elastic, variant
 
 ENGINES = ("rigid", "elastic")
@@ -21,11 +22,8 @@ FRICTIONS, ACCELERATIONS = (0.25, 2.45), (0.25, 4.0)
 FEWEST_CELLS = 4
 """Cells along each side of an elastic block, at least."""
 
-RAMPED_STEP = 2e-4
-"""Step of a rigid block that is run beside an elastic one, s."""
-
-LATEST = 0.080
-"""Time up to which an elastic block is run, s."""
+RAMPED_STEPS = 400
+"""Steps of a rigid block that is run beside an elastic one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +50,6 @@ class ModesCase:
 def run_case(case: ModesCase) -> dict[str, Any]:
     """Run a case on one process; its row, with a list of points."""
     from solver.law.switch import chosen_for
-    from solver.study.modes.onset import ramped_onset, sudden_onset
 
     onset = sudden_onset if case.engine == "rigid" else ramped_onset
     points = []
@@ -77,8 +74,8 @@ def run_case(case: ModesCase) -> dict[str, Any]:
 
 def rigid_of(scene: Scene) -> Scene:
     """The scene with its block made rigid, and steps of a rigid block."""
-    tables = scene.to_dict()
-    return variant(tables, model="rigid", time={"end": scene.time.end, "step": RAMPED_STEP})
+    end = scene.time.end
+    return variant(scene.to_dict(), model="rigid", time={"end": end, "step": end / RAMPED_STEPS})
 
 
 def cases_of(
@@ -133,7 +130,8 @@ def scene_of(tables: Tables, engine: str, ratio: float) -> Scene:
     """
     if not 0.1 <= ratio <= 100:
         raise SceneError("--ratios", f"{ratio:g}", "0.1 <= H/B <= 100")
-    own = variant(tables).blocks[0]
+    scene = variant(tables)
+    own, end = scene.blocks[0], WINDOW[1] * unit(scene)
     width = 2 * own.shape.half_diagonal / math.hypot(1.0, ratio)
     height = ratio * width
     along, up = own.cells[0], own.cells[-1]
@@ -147,4 +145,4 @@ def scene_of(tables: Tables, engine: str, ratio: float) -> Scene:
             max(FEWEST_CELLS, round(up * height / own.height)),
         ],
     }
-    return variant(tables, model=engine, time={"end": LATEST}, friction=None, **keys)
+    return variant(tables, model=engine, time={"end": end}, friction=None, **keys)

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
-from solver.errors import NotConverged, SceneError
-from solver.run.streams import say
+from solver.errors import SceneError
 
 if TYPE_CHECKING:
     from solver.study.modes.case import ModesCase
@@ -51,21 +50,15 @@ class Plan:
 
 def run(options: argparse.Namespace) -> int:
     """The study; 0 where all points that are judged agree, 3 where a case fails or one does not."""
-    from mpi4py import MPI
-
-    from solver.parallel import abort_on_exceptions, on_first_rank
-    from solver.study.cases import kept_rows
+    from solver.study.cases import kept_rows, run_study
     from solver.study.modes.case import run_case
 
-    comm = MPI.COMM_WORLD
-    abort_on_exceptions(comm)
-    plan: Plan = on_first_rank(comm, lambda: prepare(options))
-    rows = dict(plan.rows)
-    try:
-        kept_rows(run_case, plan.cases, rows, plan.folder, options)
-    finally:
-        good = _write(plan, rows, options) if comm.rank == 0 else None
-    return 0 if comm.bcast(good) else NotConverged.exit_code
+    return run_study(
+        options,
+        prepare,
+        lambda plan, rows: kept_rows(run_case, plan.cases, rows, plan.folder, options),
+        lambda plan, rows: _write(plan, rows, quiet=options.quiet),
+    )
 
 
 def prepare(options: argparse.Namespace) -> Plan:
@@ -99,8 +92,9 @@ def prepare(options: argparse.Namespace) -> Plan:
     )
 
 
-def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Namespace) -> bool:
+def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], *, quiet: bool) -> bool:
     """Write tables and picture of what has been done, and tell; whether all of it is right."""
+    from solver.study.cases import tell
     from solver.study.modes import table
     from solver.study.modes.folder import PICTURE, SUMMARY, TABLE
     from solver.study.modes.folder import TEXT as TEXT_FILE
@@ -109,7 +103,7 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Nam
 
     ordered = [rows[case.name] for case in plan.cases if case.name in rows]
     points = table.points_of(ordered, plan.gravity)
-    failed = [row for row in ordered if row["status"] != "completed"]
+    text = ""
     if points:
         maps = table.maps_of(points)
         text = table.as_text(maps)
@@ -117,10 +111,7 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]], options: argparse.Nam
         write(plan.folder / TEXT_FILE, text)
         write(plan.folder / SUMMARY, {"band": table.BAND, "maps": maps})
         modes_picture(points, plan.folder / PICTURE)
-        if not options.quiet:
-            say(text)
-    if not options.quiet:
-        say("".join(f"failed: {row['reason']}\n" for row in failed))
-        say(f"written to {plan.folder}\n")
+    if not quiet:
+        tell(text, ordered, plan.folder)
     agree = all(point["agrees"] for point in points if point["judged"])
-    return agree and not failed and len(ordered) == len(plan.cases)
+    return agree and sum(row["status"] == "completed" for row in ordered) == len(plan.cases)

@@ -10,13 +10,17 @@ from geometry.block import Block
 from solver.scene import Scene
 from solver.types import Array
 
-RIGID_STEP, RIGID_STEPS = 1e-4, 200
-"""Step, s, and number of steps of a rigid block: 20 ms from the start of the acceleration."""
+SUDDEN, SUDDEN_STEPS = 0.075566, 200
+"""Time from the start of a sudden acceleration that a rigid block is looked at, and its steps.
 
-RAMP, WINDOW = 0.030, (0.040, 0.080)
-"""Time in which the ground's acceleration rises, and first and last time of what counts, s.
+Times are over 1/p, in which blocks turn; for the paper's block they are whole ms, here 20.
+"""
 
-A sudden acceleration makes an elastic block overshoot; its vibration has to decay first.
+RAMP, WINDOW = 0.113349, (0.151133, 0.302265)
+"""Time in which the ground's acceleration rises, and first and last time of what counts.
+
+A sudden acceleration makes an elastic block overshoot; its vibration has to decay first. For the
+paper's block 30, 40 and 80 ms: it bends with a period of 6 ms.
 """
 
 LEAST = 0.01
@@ -49,15 +53,20 @@ class Onset:
         return ("slide-rock" if slips else "rock") if turns else ("slide" if slips else "rest")
 
 
+def unit(scene: Scene) -> float:
+    """1/p of the block of a scene, s."""
+    return 1 / scene.blocks[0].shape.frequency(scene.gravity)
+
+
 def sudden_onset(scene: Scene, acceleration: float) -> Onset:
     """Onset of a rigid block under a sudden acceleration of its base, A = a_g/g."""
     from solver.rigid.plane.system import PlaneSystem
 
     system = PlaneSystem.from_scene(scene)
     name, columns = system.names[0], system.columns
-    ground = np.zeros((RIGID_STEPS + 1, 2))
+    ground = np.zeros((SUDDEN_STEPS + 1, 2))
     ground[:, 0] = acceleration * scene.gravity
-    rows = system.advance(RIGID_STEPS, RIGID_STEP, ground).rows
+    rows = system.advance(SUDDEN_STEPS, SUDDEN * unit(scene) / SUDDEN_STEPS, ground).rows
     velocity = rows[:, columns.index(f"{name}.angular_velocity_rad_s")]
     slip = rows[:, columns.index(f"{name}.slip_m")]
     time = rows[:, columns.index("time_s")]
@@ -79,18 +88,19 @@ def ramped_onset(scene: Scene, acceleration: float) -> Onset:
     from solver.excitation.sampled import SampledMotion
     from solver.run.simulate import simulate
 
-    level, end = acceleration * scene.gravity, scene.time.end
-    ramp = SampledMotion(time=np.array([0.0, RAMP, end]), value=np.array([0.0, level, level]))
+    level, scale = acceleration * scene.gravity, unit(scene)
+    times = np.array([0.0, RAMP * scale, scene.time.end])
+    ramp = SampledMotion(time=times, value=np.array([0.0, level, level]))
     ground = GroundMotion((ramp, None))
     history = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True).history
-    name, time = scene.blocks[0].name, history["time_s"]
-    turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], degree=1)
-    slip = 2 * _fitted(time, history[f"{name}.slip_m"], degree=2)
+    name, time = scene.blocks[0].name, history["time_s"] / scale
+    turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], degree=1) / scale
+    slip = 2 * _fitted(time, history[f"{name}.slip_m"], degree=2) / scale**2
     return Onset(-turn, -slip)
 
 
 def _fitted(time: Array, values: Array, degree: int) -> float:
-    """Highest coefficient of the polynomial of a degree that fits values in the window best.
+    """Highest coefficient of the polynomial that fits values in the window best; times over 1/p.
 
     Towards the ends of the window they count less and less (Hann's weights), so that vibration of
     a few periods in it averages out.

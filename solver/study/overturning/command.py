@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
-from solver.errors import NotConverged, SceneError
-from solver.run.streams import say
+from solver.errors import SceneError
 
 if TYPE_CHECKING:
     from solver.study.overturning.case import OverturningCase
@@ -61,29 +60,21 @@ class Plan:
 
 def run(options: argparse.Namespace) -> int:
     """The study; 0 where all cases completed, 3 where one failed."""
-    from mpi4py import MPI
+    from solver.study.cases import run_study
 
-    from solver.parallel import abort_on_exceptions, on_first_rank
-
-    comm = MPI.COMM_WORLD
-    abort_on_exceptions(comm)
-    plan: Plan = on_first_rank(comm, lambda: prepare(options))
-    rows = dict(plan.rows)
     cases: list[OverturningCase] = []
-    try:
-        _run_all(plan.wanted, cases, rows, plan.folder, options)
-    finally:
-        if comm.rank == 0:
-            _write(plan, cases, rows, options)
-    failed = any(rows.get(case.name, {}).get("status") != "completed" for case in cases)
-    return NotConverged.exit_code if comm.bcast(failed) else 0
+    return run_study(
+        options,
+        prepare,
+        lambda plan, rows: _run_all(plan, cases, rows, options),
+        lambda plan, rows: _write(plan, cases, rows, quiet=options.quiet),
+    )
 
 
 def _run_all(
-    wanted: Wanted,
+    plan: Plan,
     cases: list[OverturningCase],
     rows: dict[str, dict[str, Any]],
-    folder: Path,
     options: argparse.Namespace,
 ) -> None:
     """Run round after round, and add their cases and rows; collective on all ranks."""
@@ -92,10 +83,10 @@ def _run_all(
     from solver.study.cases import kept_rows
     from solver.study.overturning.case import run_case
 
-    comm, more = MPI.COMM_WORLD, wanted.first()
+    comm, wanted, more = MPI.COMM_WORLD, plan.wanted, plan.wanted.first()
     for number in range(wanted.rounds + 2):
         cases += more
-        kept_rows(run_case, more, rows, folder, options)
+        kept_rows(run_case, more, rows, plan.folder, options)
         # Rank 0 alone has the rows.
         last = number == wanted.rounds
         found = (wanted.others(rows) if last else wanted.more(cases, rows)) if not comm.rank else []
@@ -157,16 +148,18 @@ def _write(
     plan: Plan,
     cases: list[OverturningCase],
     rows: Mapping[str, dict[str, Any]],
-    options: argparse.Namespace,
-) -> None:
-    """Write tables and pictures of what has been done, and tell."""
+    *,
+    quiet: bool,
+) -> bool:
+    """Write tables and pictures of what has been done, and tell; whether all of it was done."""
+    from solver.study.cases import tell
     from solver.study.overturning import table
     from solver.study.overturning.folder import SUMMARY, TABLE
     from solver.study.overturning.folder import TEXT as TEXT_FILE
     from solver.study.tables import as_csv, write
 
     known = [rows[case.name] for case in cases if case.name in rows]
-    done = [row for row in known if row["status"] == "completed"]
+    done, text = [row for row in known if row["status"] == "completed"], ""
     if done:
         edges = table.boundary_rows(done, plan.wanted.restitutions[0])
         text = table.as_text(edges)
@@ -176,12 +169,9 @@ def _write(
         counts["runs"] = sum(row["runs"] for row in done)
         write(plan.folder / SUMMARY, counts | {"largest_difference": table.differences(edges)})
         _draw(plan, done)
-        if not options.quiet:
-            say(text)
-    if not options.quiet:
-        reasons = (row["reason"] for row in known if row["status"] != "completed")
-        say("".join(f"failed: {reason}\n" for reason in reasons))
-        say(f"written to {plan.folder}\n")
+    if not quiet:
+        tell(text, known, plan.folder)
+    return len(done) == len(cases)
 
 
 def _draw(plan: Plan, done: list[dict[str, Any]]) -> None:

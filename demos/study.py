@@ -1,0 +1,44 @@
+"""What demos of studies have in common: their command line, their tables, their verdict."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from demos.verdict import verdict
+from solver.cli import main as rockslip
+
+Rows = list[dict[str, str]]
+
+Checks = Callable[[Path], list[tuple[bool, str]]]
+"""Whether what a study left in a folder holds, one check after the other."""
+
+
+def judged_study(
+    command: Sequence[str], checks: Checks, arguments: Sequence[str] | None, *, output: Path
+) -> int:
+    """Run `rockslip study` beside the options of a demo, and judge it; returns the exit code.
+
+    Args:
+        command: Name of the study, scene, options.
+        checks: Of the demo.
+        arguments: Options of the demo, which are those of the study; None: of the command line.
+        output: Folder of the study where they name none, in that of the demo.
+    """
+    name, scene, *rest = command
+    parser = argparse.ArgumentParser(description=f"All options of `rockslip study {name}`, and:")
+    parser.add_argument("-o", "--output", type=Path, default=output, help="folder of the study")
+    options, words = parser.parse_known_args(arguments)
+    again = [] if "--force" in words else ["--resume"]
+    code = rockslip(["study", name, scene, *rest, *again, "-o", str(options.output), *words])
+    if code not in (0, 3):  # 3: single cases failed or disagree, which the checks will say
+        return code
+    return verdict(output.parent.name, checks(options.output))
+
+
+def read_table(file: Path) -> Rows:
+    """The rows of a table."""
+    with file.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
