@@ -1,7 +1,8 @@
-"""Hooks of MkDocs: pages of the repository's root, and links that lead out of docs/.
+"""Hooks of MkDocs: pages of the repository's root, links out of docs/, numbers of equations.
 
 `CONTRIBUTING.md` and `CHANGELOG.md` become pages of the site. Links to any other file of the
-repository, such as a table in benchmarks/, lead to a copy of it in the site.
+repository, such as a table in benchmarks/, lead to a copy of it in the site. Numbers of equations
+move to the left, where they are seen without scrolling.
 """
 
 from __future__ import annotations
@@ -20,6 +21,12 @@ PAGES = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
 
 LINK = re.compile(r"(\]\()([^)\s#]+)((?:#[^)\s]*)?\))")
 """A link or a picture: what comes before its target, the target, what comes after it."""
+
+NUMBERED = re.compile(r"^( {4}.*\S) {3,}(\([A-Z]\d+\))$", re.MULTILINE)
+"""An equation and its number."""
+
+COLUMN = 82
+"""Where the number of an equation begins, if the equation is not longer."""
 
 
 def in_site(target: str, source: str) -> str | None:
@@ -56,7 +63,7 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Lead links to where their targets are in the site; pages that stand alone have no sidebar."""
+    """Lead links to places in the site, show numbers of equations, hide an empty sidebar."""
     source = source_of(page.file.src_uri)
     if page.parent is None:
         page.meta["hide"] = ["navigation"]
@@ -64,4 +71,5 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     def led(link: re.Match[str]) -> str:
         return f"{link[1]}{in_site(link[2], source) or link[2]}{link[3]}"
 
-    return LINK.sub(led, markdown)
+    numbered = NUMBERED.sub(lambda found: f"{found[1]:<{COLUMN}}  {found[2]}", markdown)
+    return LINK.sub(led, numbered)
