@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test quick lint image energy-grid suite docs-tables
+.PHONY: help demo test quick lint site image energy-grid suite docs-tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -8,6 +8,7 @@ help:
 	@echo "make test    the test suite"
 	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
 	@echo "make lint    ruff and mypy"
+	@echo "make site    the documents as a site: site/index.html"
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make docs-tables   the tables of docs/output.md and docs/scene.md, from the code"
@@ -31,6 +32,16 @@ lint: $(RUFF)
 .cache/lint/bin/ruff:
 	python3 -m venv .cache/lint
 	.cache/lint/bin/pip install --quiet --disable-pip-version-check ruff==0.17.5
+
+# On the host, too; a warning is an error, and every link of the result leads somewhere.
+site: .cache/site/done
+	NO_MKDOCS_2_WARNING=1 .cache/site/bin/mkdocs build --quiet --strict --clean
+	python3 docs/check_site.py site
+
+.cache/site/done: docs/requirements.txt
+	python3 -m venv --clear .cache/site
+	.cache/site/bin/pip install --quiet --disable-pip-version-check -r docs/requirements.txt
+	touch $@
 
 image:
 	./in-env --image

@@ -1,4 +1,4 @@
-"""Every command line and Python snippet of README and docs: run, in a form that is over soon.
+"""Every command line and Python snippet of README, CONTRIBUTING and docs, in a short form.
 
 Commands are read from the pages, so that a new one is run, too. What is not run is at least held to
 the parser, the Makefile or the tree, and has its reason in `reason_not_to_run`.
@@ -18,14 +18,15 @@ import pytest
 from processes import outside_mpirun
 
 from solver.cli import build_parser
+from solver.run.folders import LEFT_BEHIND
 
 pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 
 #: First words of a command line, after `./in-env`.
-PROGRAMS = ("rockslip", "mpirun", "make", "docker", "python3")
+PROGRAMS = ("rockslip", "mpirun", "make", "docker", "python3", "paraview", "pvpython")
 
 SCENE = """
 [[block]]
@@ -99,6 +100,8 @@ def reason_not_to_run(words: list[str]) -> str:
     """Why a command is not run here; empty where it is."""
     if words[0] == "docker":
         return "needs a container engine and an image"
+    if words[0] in ("paraview", "pvpython"):
+        return "ParaView is not in the environment"
     if words[0] == "make":
         return "sets up environments, runs whole demos or all tests"
     if words[0] == "python3":
@@ -197,7 +200,7 @@ def furnished(tmp_path_factory: pytest.TempPathFactory) -> Path:
         copy = folder / scene.relative_to(ROOT)
         copy.parent.mkdir(parents=True)
         shutil.copy(scene, copy)
-    for task, output in (("run", "out"), ("reference", "rigid")):
+    for task, output in (("run", "out"), ("run", "elastic"), ("reference", "rigid")):
         done = call(folder, ["rockslip", task, "scene.toml", "-o", output])
         assert done.returncode == 0, done.stderr
     return folder
@@ -238,6 +241,8 @@ def test_what_is_not_run_is_there(command: str) -> None:
         assert words[1] in targets
     elif words[0] == "python3":
         assert (ROOT / words[1]).is_file()
+    elif words[0] in ("paraview", "pvpython"):
+        assert words[1].removeprefix("--script=") in LEFT_BEHIND
     elif "synopsis" in reason_not_to_run(words):
         options = re.findall(r"-{1,2}[a-z][a-z-]*", command.split("[", 1)[1])
         done = call(Path.cwd(), ["python3", "-m", *words[:3], "--help"])

@@ -1,0 +1,61 @@
+"""The wheel: its name and version, all modules of the program and nothing else, its command."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+
+from solver import VERSION
+
+pytestmark = [pytest.mark.serial, pytest.mark.slow]
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("geometry", "solver")
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> ZipFile:
+    """The wheel of a copy of the sources, which a build would write into."""
+    for package in ("pip", "setuptools", "wheel"):
+        pytest.importorskip(package)
+    folder = tmp_path_factory.mktemp("wheel")
+    for name in ("pyproject.toml", "README.md", "LICENSE", "rockslip.py"):
+        shutil.copy(ROOT / name, folder)
+    for name in PACKAGES:
+        unwanted = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / name, folder / name, ignore=unwanted)
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    built = subprocess.run(
+        [*command, "-w", str(folder / "out"), str(folder)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert built.returncode == 0, built.stdout + built.stderr
+    (file,) = (folder / "out").iterdir()
+    assert file.name == f"rockslip-{VERSION}-py3-none-any.whl"
+    return ZipFile(file)
+
+
+def test_it_holds_all_modules_and_nothing_else(wheel: ZipFile) -> None:
+    sources = [file for name in PACKAGES for file in (ROOT / name).rglob("*.py")]
+    modules = {str(file.relative_to(ROOT)) for file in sources} | {"rockslip.py"}
+    names = {name for name in wheel.namelist() if ".dist-info/" not in name}
+    assert names == modules
+
+
+def test_it_brings_the_command(wheel: ZipFile) -> None:
+    text = wheel.read(f"rockslip-{VERSION}.dist-info/entry_points.txt").decode()
+    assert re.search(r"^\[console_scripts\]\nrockslip = solver\.cli:main$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("file", ["CITATION.cff", "conda/meta.yaml"])
+def test_versions_agree(file: str) -> None:
+    assert re.findall(r"version(?:: | = \")([\d.]+)", (ROOT / file).read_text())[-1] == VERSION
