@@ -93,7 +93,7 @@ def ramped_onset(scene: Scene, acceleration: float) -> Onset:
     ramp = SampledMotion(time=times, value=np.array([0.0, level, level]))
     ground = GroundMotion((ramp, None))
     history = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True).history
-    name, time = scene.blocks[0].name, history["time_s"] / scale
+    name, time = scene.blocks[0].name, np.asarray(history["time_s"] / scale)
     turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], degree=1) / scale
     slip = 2 * _fitted(time, history[f"{name}.slip_m"], degree=2) / scale**2
     return Onset(-turn, -slip)
