@@ -76,7 +76,7 @@ def test_elastic_blocks_begin_nearly_so(
 
 @pytest.mark.slow
 def test_what_an_elastic_block_is_off_by_is_elasticity(tables: Tables) -> None:
-    """Beside a rigid block under the same ramp: less if it is stiffer, not on a finer mesh."""
+    """Beside a rigid one under the same ramp: less with a stiffer block, not with a finer mesh."""
     (block,) = tables["block"]
 
     def off(cells: list[int], young: float) -> float:

@@ -93,20 +93,20 @@ def ramped_onset(scene: Scene, acceleration: float) -> Onset:
     ramp = SampledMotion(time=times, value=np.array([0.0, level, level]))
     ground = GroundMotion((ramp, None))
     history = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True).history
-    name, time = scene.blocks[0].name, np.asarray(history["time_s"] / scale)
-    turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], degree=1) / scale
-    slip = 2 * _fitted(time, history[f"{name}.slip_m"], degree=2) / scale**2
+    name, time = scene.blocks[0].name, history["time_s"]
+    turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], scale, degree=1)
+    slip = 2 * _fitted(time, history[f"{name}.slip_m"], scale, degree=2)
     return Onset(-turn, -slip)
 
 
-def _fitted(time: Array, values: Array, degree: int) -> float:
-    """Highest coefficient of the polynomial that fits values in the window best; times over 1/p.
+def _fitted(time: Array, values: Array, scale: float, degree: int) -> float:
+    """Highest coefficient of the polynomial of a degree that fits values in the window best.
 
-    Towards the ends of the window they count less and less (Hann's weights), so that vibration of
-    a few periods in it averages out.
+    The window is over `scale`, which is 1/p, s. Towards its ends values count less and less (Hann's
+    weights), so that vibration of a few periods in it averages out.
     """
     part = np.linspace(0.0, 1.0, 401)
-    at = WINDOW[0] + part * (WINDOW[1] - WINDOW[0])
+    at = scale * (WINDOW[0] + part * (WINDOW[1] - WINDOW[0]))
     weights = np.sin(np.pi * part)  # of the differences, which are squared
     fit = np.polyfit(at - at.mean(), np.interp(at, time, values), degree, w=weights)
     return float(fit[0])
