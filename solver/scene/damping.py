@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from solver.errors import SceneError
 from solver.scene.checking import Checked
 from solver.scene.ranges import NotNegative
 
@@ -46,3 +47,18 @@ class DampingSpec(Checked):
     def ratio(self, frequency: float) -> float:
         """Ratio of critical damping of a mode by its natural frequency, rad/s."""
         return (self.mass / frequency + self.stiffness * frequency) / 2
+
+
+def refuse_both_dampings(ratio: float | None, damping: DampingSpec | None) -> None:
+    """Refuse a body whose damping is given twice, by a ratio and by a table of its own.
+
+    Raises:
+        SceneError: It is.
+    """
+    if ratio is not None and damping is not None:
+        raise SceneError("damping_ratio", "both damping_ratio and damping", "one of the two")
+
+
+def stiffness_damping(ratio: float, frequency: float) -> DampingSpec:
+    """Stiffness-proportional damping that gives a ratio xi at a natural frequency, rad/s."""
+    return DampingSpec(stiffness=2 * ratio / frequency)

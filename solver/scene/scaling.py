@@ -58,7 +58,10 @@ DIMENSIONS: dict[str, dict[str, Dimensions]] = {
         **{"young": STRESS, "poisson": NUMBER},
         **{"period": TIME, "stiffness": SPRING, "damping_ratio": NUMBER},
     },
-    "FrameSpec": {"storey": LENGTH, "young": STRESS, "poisson": NUMBER, "density": DENSITY},
+    "FrameSpec": {
+        **{"storey": LENGTH, "young": STRESS, "poisson": NUMBER, "density": DENSITY},
+        "damping_ratio": NUMBER,
+    },
     "DeckSpec": _SIZES,
     "ColumnSpec": {"width": LENGTH, "thickness": LENGTH},
     "SineSpec": {"amplitude_g": NUMBER, "period": TIME, "cycles": NUMBER, "start": TIME},

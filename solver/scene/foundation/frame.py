@@ -9,10 +9,10 @@ from typing import ClassVar, Literal
 from solver.errors import SceneError
 from solver.scene.cells import SHAPES, mesh_size_in_words
 from solver.scene.checking import OPEN, Checked, shown
-from solver.scene.damping import DampingSpec
-from solver.scene.foundation.base import Foundation, Lines, thickness_of
+from solver.scene.damping import DampingSpec, refuse_both_dampings
+from solver.scene.foundation.base import Foundation, Lines, sway_damping, thickness_of
 from solver.scene.material import Material, Plane
-from solver.scene.ranges import Count, Dimension, Positive, Ratio
+from solver.scene.ranges import Count, DampingRatio, Dimension, Positive, Ratio
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,8 +79,12 @@ class FrameSpec(Foundation):
     """`[foundation.cells]`. Default: its defaults."""
     degree: Literal[1, 2] = 2
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
+    damping_ratio: DampingRatio | None = None
+    """xi of its first sway mode, by damping that is proportional to its stiffness. Default: see
+    `damping`."""
     damping: DampingSpec | None = None
-    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`."""
+    """Its own Rayleigh damping, a table as `[damping]`, where there is no `damping_ratio`. Default:
+    that of `[damping]`."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -89,11 +93,17 @@ class FrameSpec(Foundation):
         if columns >= self.deck.width:
             allowed = f"less than deck.width / (bays + 1) = {self.deck.width / (self.bays + 1):g}"
             raise SceneError("column.width", shown(self.column.width), allowed)
+        refuse_both_dampings(self.damping_ratio, self.damping)
 
     @property
     def moves_as_a_whole(self) -> bool:
         """The deck sways on its columns."""
         return True
+
+    @property
+    def sway_damping_ratio(self) -> float | None:
+        """Ratio of critical damping of the first sway mode; None: Rayleigh damping is given."""
+        return self.damping_ratio
 
     @property
     def depth(self) -> float | None:
@@ -140,6 +150,7 @@ class FrameSpec(Foundation):
             ("foundation", f"meshed frame, deck {size}"),
             ("  columns", f"{count}, {column}"),
             ("  mesh", self.mesh_size(dimension)),
+            *sway_damping(self.damping_ratio),
         ]
 
     def mesh_size(self, dimension: Dimension) -> str:
