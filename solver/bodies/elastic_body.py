@@ -247,9 +247,14 @@ class ElasticBody:
         """C v: mass-proportional damping and the dashpot; None without both."""
         force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
         if self._dashpot and self._spring is not None:
-            dashpot = self._dashpot * self._times(self._spring, velocity)
+            dashpot = self.dashpot(velocity)
             force = dashpot if force is None else force + dashpot
         return force
+
+    def dashpot(self, velocity: Array) -> Array:
+        """Force of the dashpot beside the spring to the ground, which there is."""
+        assert self._spring is not None
+        return self._dashpot * self._times(self._spring, velocity)
 
     def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
         """Weights of the tangent in a step."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from mpi4py import MPI
 
+import numpy as np
+
 from geometry.foundation import Frame, Plate
 from geometry.frame_mesh import FrameCells, frame_mesh
 from geometry.gmsh_model import MeshedBody
@@ -11,16 +13,41 @@ from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.supports import Support
 from solver.build.meshed_body import meshed_body
-from solver.build.support import FoundationBody, damping_of, with_top
+from solver.build.support import Foot, FoundationBody, Storeys, damping_of, with_top
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FrameSpec
+from solver.types import Array
 
 
 def build_frame(spec: FrameSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
     """Build a frame; `number` is that of its body."""
     damping = damping_of(scene, spec, lambda own: _body(spec, scene, None, own)[0])
-    return with_top(*_body(spec, scene, damping, comm), number)
+    body, made = _body(spec, scene, damping, comm)
+    return with_top(body, made, number, _storeys(spec, body))
+
+
+def _storeys(spec: FrameSpec, body: ElasticBody) -> Storeys:
+    """The feet and the floors of a frame, by the places of its nodes."""
+    near = 1e-9 * spec.deck.width
+    level = body.nodes[:, -1]
+    grounded = np.flatnonzero(np.abs(level + spec.depth) < near)
+    feet = []
+    for centre in _centres(spec, body.dimension):
+        sizes = np.array([spec.column.width, spec.column.thickness])[: body.dimension - 1]
+        off = np.abs(body.nodes[grounded, :-1] - centre)
+        feet.append(Foot(grounded[np.all(off < sizes / 2 + near, axis=1)], centre))
+    floors = [np.flatnonzero(np.abs(level) < near)]
+    return Storeys(feet, floors)
+
+
+def _centres(spec: FrameSpec, dimension: int) -> list[Array]:
+    """Centres of the columns in plan, in their order, m."""
+    outer = (spec.deck.width - spec.column.width) / 2
+    if dimension == 2:
+        return [np.array([x]) for x in np.linspace(-outer, outer, spec.bays + 1)]
+    side = (spec.deck.thickness - spec.column.thickness) / 2
+    return [np.array([sx * outer, sy * side]) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
 
 
 def _body(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from mpi4py import MPI
 
@@ -24,6 +25,27 @@ from solver.scene.foundation import FrameSpec, PlateSpec
 from solver.types import Array, Indices
 
 
+class Foot(NamedTuple):
+    """Where a column stands on the ground."""
+
+    nodes: Indices
+    """Owned nodes of the body."""
+    centre: Array
+    """Its centre along x, in space also along y, m."""
+
+
+class Storeys(NamedTuple):
+    """The parts of a frame that a history tells of; a plate on rollers has none."""
+
+    feet: Sequence[Foot] = ()
+    """Those of its columns: from -x to +x, in space round it from (-x, -y) by (+x, -y)."""
+    floors: Sequence[Indices] = ()
+    """Owned nodes on the tops of the decks, from the lowest upwards."""
+
+
+NO_STOREYS = Storeys()
+
+
 @dataclass(slots=True)
 class FoundationBody:
     """What carries the blocks.
@@ -35,6 +57,7 @@ class FoundationBody:
         width: Of a fixed plate, m; None for the endless ground.
         thickness: Of a fixed plate in space, m.
         surface: Facets of the top of a meshed one.
+        storeys: Parts of a meshed one that moves as a whole.
     """
 
     dimension: int
@@ -43,6 +66,7 @@ class FoundationBody:
     width: float | None = None
     thickness: float | None = None
     surface: Facets | None = None
+    storeys: Storeys = NO_STOREYS
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
@@ -69,10 +93,12 @@ class FoundationBody:
         return corners, np.array([[0, 1, 2, 3]]), "quadrilateral"
 
 
-def with_top(body: ElasticBody, made: MeshedBody, number: int) -> FoundationBody:
+def with_top(
+    body: ElasticBody, made: MeshedBody, number: int, storeys: Storeys = NO_STOREYS
+) -> FoundationBody:
     """A meshed body that carries blocks on its top."""
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return FoundationBody(body.dimension, number, body, surface=surface)
+    return FoundationBody(body.dimension, number, body, surface=surface, storeys=storeys)
 
 
 def damping_of(

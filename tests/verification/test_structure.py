@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from rockslip import Result, Scene, parse_scene, simulate
+from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
 from solver.errors import SceneError
+from solver.history.columns import positions
 from solver.run.describe import describe
+from solver.run.structure_observer import StructureObserver
 
 G = 9.81
 
@@ -105,3 +108,107 @@ def test_a_block_on_a_rigid_frame_does_not_feel_its_damping() -> None:
         found.append(run(case).history["block.slip_m"])
     assert np.abs(found[0]).max() > 1e-3
     np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("mass_damping", [0.0, 0.3])
+def test_base_shear_balances_all_masses_in_each_step(mass_damping: float) -> None:
+    """Less the sum of all masses times absolute accelerations, to 1e-10 of the largest.
+
+    The elastic forces at the feet add up to it, too, but for what damping takes that is
+    proportional to the mass; so do the upward ones to weight and inertia.
+    """
+    block = {"width": 0.5, "height": 1.5, "mass": 2000.0}
+    motion = {"kind": "half_sine", "amplitude_g": 0.5, "duration": 0.3}
+    tables = FRAME | {"damping": {"mass": mass_damping, "stiffness": 2e-4}, "bays": 2}
+    case = scene(tables, 0.5, 2e-3, block=block, motion=motion, friction=0.5)
+    found = steps(case, 250)
+    shear, exact, feet, axial, lifted, moment, arms = found.T
+    largest, weight = np.abs(exact).max(), lifted[0]
+    assert largest > 0.05 * weight
+    np.testing.assert_allclose(shear, exact, atol=1e-10 * largest, rtol=0)
+    through = 1e-9 if not mass_damping else 0.05
+    np.testing.assert_allclose(feet, exact, atol=through * largest, rtol=0)
+    np.testing.assert_allclose(axial, lifted, atol=through * weight, rtol=0)
+    np.testing.assert_allclose(moment, arms, atol=1e-9 * np.abs(moment).max(), rtol=0)
+
+
+def steps(case: Scene, count: int) -> Any:
+    """Rows of steps: base shear by the column and by masses, its parts at the feet, both upwards,
+    overturning moment by the column and by those of the feet.
+    """
+    assembly = build(case)
+    stepper = assembly.stepper
+    system, span = stepper.system, case.time.step
+    state, _ = initial_state(case, assembly)
+    observer = StructureObserver(assembly)
+    at, column = positions("foundation", 2), positions("column", 2)
+    mass = sum(body.mass for body in system.bodies)
+    first = len(at) + len(positions("storey", 2)) * observer.parts.storeys
+    feet = first + len(column) * np.arange(observer.parts.columns)
+    places = np.linspace(-1.95, 1.95, observer.parts.columns)
+    found = []
+    for _ in range(count):
+        new, exchange = stepper.advance(state, span)
+        inertia = system.directional_mass @ (new.v - state.v) / span
+        inertia += mass * stepper.mean_base(state.time, span)
+        row = np.full(100, np.nan)
+        observer.write(new, exchange, span, row)
+        shear, axial = row[feet + column.shear_N], row[feet + column.axial_force_N]
+        arms = places @ axial + row[feet + column.moment_Nm].sum()
+        ours = row[at.base_shear_N], -inertia[0], shear.sum(), axial.sum()
+        found.append((*ours, inertia[1] + mass * G, row[at.overturning_moment_Nm], arms))
+        state = new
+    return np.array(found)
+
+
+def test_statics_of_a_portal_on_an_incline() -> None:
+    """Base shear and overturning moment at the start: all weight, at the height where it acts."""
+    case = scene(FRAME, 4e-3, 2e-3, gravity_tilt_deg=2.0, block={"mass": 100.0})
+    first = run(case).history
+    deck, columns = 2500.0 * 4.0 * 0.6, 2500.0 * 2 * 0.1 * 3.0
+    along, down = G * math.sin(math.radians(2)), G * math.cos(math.radians(2))
+    push = (deck + columns + 100.0) * along
+    assert first["foundation.base_shear_N"][0] == pytest.approx(push, rel=1e-6)
+    shears = [first[f"foundation.column_{k}.shear_N"][0] for k in (1, 2)]
+    assert sum(shears) == pytest.approx(push, rel=1e-6)
+    axial = [first[f"foundation.column_{k}.axial_force_N"][0] for k in (1, 2)]
+    assert sum(axial) == pytest.approx((deck + columns + 100.0) * down, rel=1e-6)
+    drift = first["platform.drift_m"][0]
+    assert first["foundation.storey_1.drift_m"][0] == pytest.approx(drift, rel=1e-9)
+    moment = deck * (along * 3.3 + down * drift) + columns * (along * 1.5 + down * drift / 2)
+    moment += 100.0 * (along * 3.65 + down * drift)
+    assert first["foundation.overturning_moment_Nm"][0] == pytest.approx(moment, rel=1e-3)
+    # Kleinlogel's portal with fixed feet, of the load on the deck; the columns' own is spread.
+    stiff = (0.6 / 0.1) ** 3 * 3.0 / 3.9
+    foot = (deck + 100.0) * along * 3.0 / 2 * (3 * stiff + 1) / (6 * stiff + 1)
+    own = columns / 2 * along * 3.0 / 3
+    both = 2 * (foot + own)
+    moments = [first[f"foundation.column_{k}.moment_Nm"][0] for k in (1, 2)]
+    assert sum(moments) == pytest.approx(both, rel=0.03)
+
+
+def test_a_plate_on_rollers_pushes_with_its_spring_and_dashpot() -> None:
+    """Base shear k u + c v, and the weight of what slides to the side turns it."""
+    plate = {
+        "kind": "elastic",
+        "width": 2.0,
+        "height": 0.2,
+        "density": 2500.0,
+        "young": 3e10,
+        "poisson": 0.2,
+        "cells": [8, 2],
+        "support": "rollers",
+        "period": 0.5,
+        "damping_ratio": 0.05,
+    }
+    block = {"width": 0.4, "height": 0.4, "mass": 300.0}
+    time = {"end": 0.5, "step": 1e-3, "rho_inf": 1.0, "damped_steps": 0}
+    case = scene(plate, 0.5, 1e-3, block=block, motion=PULSE, time=time)
+    found = run(case).history
+    platform = case.platform()
+    drift, speed = found["platform.drift_m"], found["platform.velocity_m_s"]
+    exact = platform.stiffness * drift + platform.damping * speed
+    shear = found["foundation.base_shear_N"]
+    middle = (exact[1:] + exact[:-1]) / 2
+    np.testing.assert_allclose(shear[1:], middle, atol=2e-3 * np.abs(exact).max())
+    assert "foundation.storey_1.drift_m" not in found

@@ -92,6 +92,10 @@ class Foundation(Checked):
         """Whether it deforms as a body."""
         return bool(self.mesh_label)
 
+    def structure(self, dimension: Dimension) -> tuple[int, int] | None:
+        """Numbers of storeys and of columns of a mesh that moves as a whole; None for others."""
+        return None
+
     def in_dimension(self: Self, dimension: Dimension, thickness: float) -> Self:
         """The foundation under blocks of this thickness (m), nothing left open.
 

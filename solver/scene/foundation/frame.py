@@ -106,7 +106,7 @@ class FrameSpec(Foundation):
         return self.damping_ratio
 
     @property
-    def depth(self) -> float | None:
+    def depth(self) -> float:
         """From the feet of the columns to the top of the deck, m."""
         return self.deck.height + self.storey
 
@@ -119,6 +119,10 @@ class FrameSpec(Foundation):
     def mesh_label(self) -> str:
         """The cells of a frame are four numbers, which say little to a reader."""
         return "cells of the frame"
+
+    def structure(self, dimension: Dimension) -> tuple[int, int]:
+        """Numbers of storeys and of columns on the ground."""
+        return 1, 4 if dimension == 3 else self.bays + 1
 
     def in_dimension(self, dimension: Dimension, thickness: float) -> FrameSpec:
         """The frame in a scene of this dimension; `thickness`: of the blocks, m."""
@@ -143,7 +147,7 @@ class FrameSpec(Foundation):
 
     def describe(self, dimension: Dimension, carried: float) -> Lines:
         """What `rockslip check` says of it."""
-        deck, count = self.deck, 4 if dimension == 3 else self.bays + 1
+        deck, count = self.deck, self.structure(dimension)[1]
         size = f"{deck.width:g} x {deck.height:g} x {deck.thickness:g} m"
         column = f"{self.column.width:g} x {self.column.thickness:g} m, {self.storey:g} m high"
         return [

@@ -128,6 +128,10 @@ class PlateSpec(Foundation):
         """Numbers of its cells; a plate that is held altogether is not meshed."""
         return "" if self.support == "fixed" else cells_in_words(self.cells)
 
+    def structure(self, dimension: Dimension) -> tuple[int, int] | None:
+        """On rollers it has neither storeys nor columns; else it is no structure."""
+        return (0, 0) if self.on_spring else None
+
     def in_dimension(self, dimension: Dimension, thickness: float) -> PlateSpec:
         """The plate in a scene of this dimension; `thickness`: of the blocks, m."""
         return replace(
