@@ -74,7 +74,9 @@ def _plate_body(
     spring, directions = None, tuple(range(dimension))
     if spec.on_spring:
         platform = scene.platform()
-        spring = GroundSpring(facets=bottom, stiffness=platform.stiffness, dashpot=platform.damping)
+        along = (platform.stiffness,) * (dimension - 1)
+        delay = platform.damping / platform.stiffness
+        spring = GroundSpring(facets=bottom, stiffness=(*along, 0.0), delay=delay)
         directions = (dimension - 1,)
     body = meshed_body(
         scene,
