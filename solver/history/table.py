@@ -247,12 +247,12 @@ TABLE = (
     ),
     Column("STOREY.drift_second_m", "m", "That along y.", 3, needs="structure"),
     Column(
-        "STOREY.acceleration_m_s2",
-        "m/s²",
-        "Acceleration of the storey's deck along x relative to the ground.",
+        "STOREY.velocity_m_s",
+        "m/s",
+        "Velocity of the storey's deck along x relative to the ground.",
         needs="structure",
     ),
-    Column("STOREY.acceleration_second_m_s2", "m/s²", "That along y.", 3, needs="structure"),
+    Column("STOREY.velocity_second_m_s", "m/s", "That along y.", 3, needs="structure"),
     Column(
         "COLUMN.shear_N",
         "N",

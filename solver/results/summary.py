@@ -133,7 +133,7 @@ def _platform(history: History) -> dict[str, float]:
             known[f"residual_drift{direction}_m"] = float(drift[-1])
     for column in history.columns:
         owner, _, name = column.partition(".")
-        if owner == "foundation" and not name.endswith("_m_s2"):
+        if owner == "foundation" and not name.endswith("_m_s"):
             known[f"peak_{name.replace('.', '_')}"] = float(np.max(np.abs(history[column])))
     return known
 

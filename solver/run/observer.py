@@ -82,7 +82,6 @@ class Observer:
             "own": (self._exchanged, self._start),
             "blocks": [block.saved() for block in self._blocks],
             "platform": None if self._platform is None else self._platform.velocity,
-            "structure": None if self._structure is None else self._structure.velocity,
         }
 
     def resume(self, saved: dict[str, Any]) -> None:
@@ -92,8 +91,6 @@ class Observer:
             block.resume(own)
         if self._platform is not None:
             self._platform.velocity = saved["platform"]
-        if self._structure is not None:
-            self._structure.velocity = saved["structure"]
 
     def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
         """The values of a history row, in the order of the columns."""
@@ -115,7 +112,7 @@ class Observer:
         if self._platform is not None:
             self._platform.write(state, step, row[layout.platform : layout.energy])
         if self._structure is not None:
-            self._structure.write(state, exchange, step, row[layout.foundation :])
+            self._structure.write(state, exchange, row[layout.foundation :])
         begins = self._start is None
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:

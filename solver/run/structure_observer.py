@@ -31,21 +31,19 @@ class StructureObserver:
         self._counts = global_sum(self._body.comm, counts) if len(counts) else counts
         d = self._body.dimension
         self._at = tuple(positions(part, d) for part in ("foundation", "storey", "column"))
-        self.velocity: Array | None = None
-        """Mean velocities of the floors after the last step, (floors, d - 1), m/s."""
 
     @property
     def parts(self) -> Structure:
         """Numbers of storeys and columns."""
         return Structure(len(self._storeys.floors), len(self._storeys.feet))
 
-    def write(self, state: State, exchange: Exchange, step: float, row: Array) -> None:
+    def write(self, state: State, exchange: Exchange, row: Array) -> None:
         """The columns of the structure, of its storeys and of its columns, in this order."""
         forces = exchange.ground or self._stepper.ground_forces(state)
         own, storey, column = self._at
         self._write_base(forces, state, row)
         floors = row[len(own) :]
-        self._write_storeys(state, step, floors)
+        self._write_storeys(state, floors)
         feet = floors[len(storey) * len(self._counts) :]
         for number, foot in enumerate(self._storeys.feet):
             part = feet[len(column) * number :]
@@ -77,21 +75,18 @@ class StructureObserver:
         sums = global_sum(self._body.comm, own)
         return sums[:d], sums[d:]
 
-    def _write_storeys(self, state: State, step: float, row: Array) -> None:
-        """Drifts and accelerations of the storeys."""
+    def _write_storeys(self, state: State, row: Array) -> None:
+        """Drifts and velocities of the storeys."""
         if not len(self._counts):
             return
         at, floors = self._at[1], self._storeys.floors
         place, velocity = (self._means(vector[self._own], floors) for vector in (state.u, state.v))
-        before = velocity if self.velocity is None else self.velocity
-        self.velocity = velocity
         drift = np.diff(place, axis=0, prepend=np.zeros((1, place.shape[1])))
         for number in range(len(floors)):
             part = row[len(at) * number :]
             for k, way in enumerate(WAYS[: place.shape[1]]):
                 part[getattr(at, f"drift{way}_m")] = drift[number, k]
-                gained = velocity[number, k] - before[number, k]
-                part[getattr(at, f"acceleration{way}_m_s2")] = gained / step
+                part[getattr(at, f"velocity{way}_m_s")] = velocity[number, k]
 
     def _means(self, vector: Array, floors: Sequence[Indices]) -> Any:
         """Horizontal means over the floors, (floors, d - 1)."""

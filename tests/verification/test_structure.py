@@ -18,6 +18,7 @@ from solver.build.foundation import foundation as built
 from solver.build.foundation import natural_period
 from solver.errors import SceneError
 from solver.history.columns import positions
+from solver.results.floor_spectra import floor_spectra
 from solver.run.describe import describe
 from solver.run.structure_observer import StructureObserver
 
@@ -157,7 +158,7 @@ def steps(case: Scene, count: int) -> Any:
         inertia = system.directional_mass @ (new.v - state.v) / span
         inertia += mass * stepper.mean_base(state.time, span)
         row = np.full(100, np.nan)
-        observer.write(new, exchange, span, row)
+        observer.write(new, exchange, row)
         shear, axial = row[feet + column.shear_N], row[feet + column.axial_force_N]
         arms = places @ axial + row[feet + column.moment_Nm].sum()
         ours = row[at.base_shear_N], -inertia[0], shear.sum(), axial.sum()
@@ -297,8 +298,9 @@ def test_all_of_it_at_once_keeps_ledger_and_momentum() -> None:
     assert energy["ledger_error_fraction"] < 1e-8
     both = sum(history[f"foundation.storey_{k}.drift_m"] for k in (1, 2))
     np.testing.assert_allclose(both, history["platform.drift_m"], atol=1e-12)
-    top = history["foundation.storey_2.acceleration_m_s2"]
-    np.testing.assert_allclose(top, history["platform.acceleration_m_s2"], atol=1e-8)
+    top = history["foundation.storey_2.velocity_m_s"]
+    np.testing.assert_allclose(top, history["platform.velocity_m_s"], atol=1e-12)
+    assert set(floor_spectra(found.history)) == {"ground", "storey 1", "storey 2"}
     shear, exact, feet, axial, lifted, moment, arms = steps(case, 100).T
     largest, weight = np.abs(exact).max(), lifted[0]
     np.testing.assert_allclose(shear, exact, atol=1e-10 * largest, rtol=0)
@@ -381,4 +383,4 @@ def test_a_frame_drifts_as_the_oscillator_of_its_mass_stiffness_and_damping() ->
     assert np.abs(meshed.history["block.slip_m"]).max() > 5e-3
     peak = np.abs(exact).max()
     assert np.abs(drift).max() == pytest.approx(peak, rel=0.02)
-    np.testing.assert_allclose(drift, exact, atol=0.03 * peak)
+    np.testing.assert_allclose(drift, exact, atol=0.02 * peak)
