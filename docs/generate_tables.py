@@ -19,7 +19,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from solver import scene
-from solver.history.columns import TABLE, Column
+from solver.history.table import TABLE, Column
 from solver.scene import Scene, foundation, motion, output
 from solver.scene.cells import SHAPES
 from solver.scene.checking import key_of, shown
@@ -40,6 +40,7 @@ COLUMNS = {
     "columns of a block in the plane": lambda column: in_block(column, 2),
     "columns of a block in space": lambda column: in_block(column, 3),
     "columns of the platform": lambda column: column.part == "platform",
+    "columns of a structure": lambda column: column.needs == "structure",
     "columns of the energies": lambda column: column.part == "energy",
 }
 """Which columns stand in which table of docs/output.md."""
@@ -102,6 +103,8 @@ def allowed(hint: Any, key: str) -> str:
         return f"2 values, 3-D: 3, each {number(tuples[0][0], key)}"
     if len(parts) == 2:
         first, other = parts
+        if get_origin(other) is tuple and is_dataclass(get_args(other)[0]):
+            return f"{number(first, key)}, or an array of tables"
         return f"{number(first, key)}{', or a table' if is_dataclass(other) else '; 3-D: 3 values'}"
     return allowed_one(parts[0], key)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,6 +53,15 @@ class Plate:
         return self.width * self.height * self.thickness
 
 
+class Storey(NamedTuple):
+    """A storey below the uppermost one of a frame."""
+
+    columns: float
+    """Height of its columns, m."""
+    deck: float
+    """Height of its deck, m."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
     """A deck on columns that are fixed at their feet; origin at the centre of the deck's top.
@@ -66,6 +76,8 @@ class Frame:
     """Width of a column along x, m, > 0."""
     storey: float
     """Length of the columns, from their feet to the underside of the deck, m, > 0."""
+    below: tuple[Storey, ...] = ()
+    """Storeys below, from the ground upwards; all decks are of one width and thickness."""
     bays: int = 1
     """Spaces between columns, >= 1: bays + 1 columns, at equal distances, the outer ones flush."""
     column_thickness: float | None = None
@@ -88,6 +100,14 @@ class Frame:
                 f"Frame.column_thickness: got {self.column_thickness}, allowed more than 0 and less"
                 f" than half the deck's {self.deck.thickness}"
             )
+
+    @property
+    def levels(self) -> Array:
+        """Levels at which columns or decks end, from the feet up to the top at 0, m."""
+        storeys = [*self.below, Storey(self.storey, self.deck.height)]
+        heights = [part for storey in storeys for part in storey]
+        upwards: Array = np.concatenate([np.cumsum(heights[::-1])[::-1] * -1.0, [0.0]])
+        return upwards
 
     @property
     def bay(self) -> float:

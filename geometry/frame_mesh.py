@@ -69,15 +69,15 @@ def frame_mesh(
         column = frame.column_thickness or frame.column_width
         lines.append(column_breaks(frame.deck.thickness, column, 1))
         counts.append(alternate_counts(1, cells.bay_across or cells.bay, cells.column))
-    lines.append(np.array([-frame.deck.height - frame.storey, -frame.deck.height, 0.0]))
-    counts.append([cells.storey, cells.deck])
-    # All boxes of the deck; below it those where every direction has a column.
+    lines.append(frame.levels)
+    counts.append([cells.storey, cells.deck] * (len(frame.below) + 1))
+    # All boxes of decks; below them those where every direction has a column.
     boxes = [
         place
         for place in product(*(range(len(count)) for count in counts))
-        if place[-1] == 1 or all(index % 2 == 0 for index in place[:-1])
+        if place[-1] % 2 == 1 or all(index % 2 == 0 for index in place[:-1])
     ]
-    return boxes_mesh(lines, counts, boxes, carries=1, cell=cell, comm=comm)
+    return boxes_mesh(lines, counts, boxes, carries=len(counts[-1]) - 1, cell=cell, comm=comm)
 
 
 def column_breaks(length: float, column: float, bays: int) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
-from solver.bodies.elastic_forms import ElasticForms, StrainWeights, differs
+from solver.bodies.elastic_forms import ElasticForms, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kernels.momenta import momenta, move_on, turn_all, velocities
 from solver.bodies.kernels.rotation import best_rotation
@@ -43,6 +43,7 @@ class ElasticBody:
         thickness: float = 1.0,
         supports: Sequence[Support] = (),
         spring: GroundSpring | None = None,
+        regions: Sequence[Region] = (),
     ):
         """Compile the forms and assemble mass and stiffness.
 
@@ -57,18 +58,22 @@ class ElasticBody:
             thickness: t, m; 1 in 3-D.
             supports: Further held facets.
             spring: Between some facets and the ground.
+            regions: Cells of other materials.
         """
         self.name, self.thickness, self.damping = name, thickness, damping or DampingSpec()
         self.material = material.times(thickness)
         """Its stresses are times the thickness."""
+        self._regions = [Region(cells, own.times(thickness)) for cells, own in regions]
         self._discretise(domain, degree)
         if clamped is not None:
             facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
             supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
-        self.clamped, self.fixed = bool(supports), self._held(supports)
+        self.clamped = bool(supports) or spring is not None
+        """Whether it stands on the ground, and does not turn."""
+        self.fixed = self._held(supports)
         self._assemble()
         self._spring = None if spring is None else spring.matrix(self.space)
-        self._dashpot = 0.0 if spring is None else spring.dashpot / spring.stiffness
+        self._dashpot = 0.0 if spring is None else spring.delay
         self._measure_inertia()
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
@@ -87,7 +92,9 @@ class ElasticBody:
     def _assemble(self) -> None:
         """Forms, mass and stiffness; no tangent is factorized yet."""
         viscous = bool(self.damping.stiffness)
-        self._forms = ElasticForms(self.u, self.u_old, self.material, viscous=viscous)
+        self._forms = ElasticForms(
+            self.u, self.u_old, self.material, viscous=viscous, regions=self._regions
+        )
         self.stiffness_matrix, self.mass_matrix = self._forms.stiffness(), self._forms.mass()
         self._diagonal = self.stiffness_matrix.getDiagonal().array
         self._product = self.mass_matrix.createVecs()
@@ -247,9 +254,14 @@ class ElasticBody:
         """C v: mass-proportional damping and the dashpot; None without both."""
         force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
         if self._dashpot and self._spring is not None:
-            dashpot = self._dashpot * self._times(self._spring, velocity)
+            dashpot = self.dashpot(velocity)
             force = dashpot if force is None else force + dashpot
         return force
+
+    def dashpot(self, velocity: Array) -> Array:
+        """Force of the dashpot beside the spring to the ground, which there is."""
+        assert self._spring is not None
+        return self._dashpot * self._times(self._spring, velocity)
 
     def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
         """Weights of the tangent in a step."""

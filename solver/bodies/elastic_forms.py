@@ -10,12 +10,15 @@ which keeps energy and does no work in rotations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from petsc4py import PETSc
 
+import numpy as np
 import ufl
 from dolfinx import fem, mesh
+from numpy.typing import NDArray
 
 from solver.compat import CellValues, PackedForm
 from solver.scene.material import Material
@@ -24,6 +27,15 @@ from solver.types import Array
 STRAINED_STIFFNESS_CHANGE = 0.1
 """Change of the stiffness by strain, times (lambda + 2 mu)/mu, from which on the tangent follows
 it: what iterations with the undeformed tangent leave of an error is of that size."""
+
+
+class Region(NamedTuple):
+    """Cells of another material."""
+
+    cells: NDArray[np.int32]
+    """Numbers of cells on this rank, ghosts included."""
+    material: Material
+    """What they are made of."""
 
 
 class StrainWeights(NamedTuple):
@@ -51,20 +63,24 @@ class ElasticForms:
     """
 
     def __init__(
-        self, u: fem.Function, u_old: fem.Function, material: Material, *, viscous: bool
+        self,
+        u: fem.Function,
+        u_old: fem.Function,
+        material: Material,
+        *,
+        viscous: bool,
+        regions: Sequence[Region] = (),
     ) -> None:
         """Compile the forms; those of the strain rate only where the body is viscous.
 
         The values of `u` are those at the time of assembly; stresses are times the thickness.
         """
-        self._space, self._material = u.function_space, material
+        self._space, self._material, self._regions = u.function_space, material, regions
         domain = self._space.mesh
         self._shared = domain.comm.size > 1
         self._weights = StrainWeights(new=1.0, old=0.0)
-        values = (1.0, 0.0, material.lame, material.shear)
-        self._new, self._old, self._lame, self._shear = (
-            fem.Constant(domain, value) for value in values
-        )
+        self._new, self._old = (fem.Constant(domain, value) for value in (1.0, 0.0))
+        self._lame, self._shear = self._of_material("lame"), self._of_material("shear")
         degree = self._space.ufl_element().degree
         self._dx = _cell_measure(domain, degree)
         test = ufl.TestFunction(self._space)
@@ -87,11 +103,24 @@ class ElasticForms:
         """Let all forms of both displacements read the same values, cell by cell."""
         # Views that are kept: asking dolfinx for one costs as much as copying the values.
         self._new_values, self._old_values = ((each, each.x.array) for each in functions)
-        self._both = CellValues(self.force.form, functions)
-        self._last = self.strain_energy.cells = CellValues(self.strain_energy.form, functions[:1])
+        kept = [each for each in (self._lame, self._shear) if isinstance(each, fem.Function)]
+        self._both = CellValues(self.force.form, [*functions, *kept])
+        form = self.strain_energy.form
+        self._last = self.strain_energy.cells = CellValues(form, [functions[0], *kept])
         for form in (self.force, self.viscous, self.increment_energy):
             if form is not None:
                 form.cells = self._both
+
+    def _of_material(self, name: str) -> Any:
+        """A property of the material: a constant, or a function where regions have others."""
+        domain, value = self._space.mesh, float(getattr(self._material, name))
+        if not self._regions:
+            return fem.Constant(domain, value)
+        found = fem.Function(fem.functionspace(domain, ("DG", 0)))
+        found.x.array[:] = value
+        for region in self._regions:
+            found.x.array[region.cells] = float(getattr(region.material, name))
+        return found
 
     def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
         """Owned values into a function and its array, ghosts from their owners."""
@@ -141,7 +170,7 @@ class ElasticForms:
     def mass(self) -> PETSc.Mat:
         """M, consistent: a row-sum mass has the wrong rotary inertia."""
         trial, test = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
-        density = fem.Constant(self._space.mesh, self._material.density)
+        density = self._of_material("density")
         degree = 2 * self._space.ufl_element().degree
         dx = ufl.dx(self._space.mesh, metadata={"quadrature_degree": degree})
         return PackedForm(density * ufl.inner(trial, test) * dx).matrix()

@@ -1,6 +1,8 @@
-"""Natural vibration of meshed bodies: the lowest mode of the undeformed body, undamped."""
+"""Natural vibration of meshed bodies: the lowest modes of the undeformed body, undamped."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,12 +15,37 @@ from solver.types import Array
 STATIC = TangentWeights(mass=0.0, stiffness=1.0, interface=0.0, contact=0.0, spring=1.0)
 """Weights that make the tangent the stiffness K of the body with its springs to the ground."""
 
+SWAYING_PART = 0.1
+"""Part of the mass of a body that moves horizontally in a mode of sway, at least."""
+
+LOOKED_AT = 8
+"""Number of the lowest modes among which that of sway is looked for."""
+
 
 def eigenvalues(body: ElasticBody, count: int = 1) -> Array:
     """Lowest eigenvalues omega^2 of K x = omega^2 M x with held supports, 1/s^2, rising.
 
     The body is on one rank, and held or on a spring, so that K is positive definite.
     """
+    return _modes(body, count)[0]
+
+
+def sway_frequency(body: ElasticBody) -> float:
+    """Natural frequency of the first sway mode of a body as `eigenvalues` takes it, rad/s.
+
+    That is the lowest mode in which a tenth of the mass moves along a horizontal direction (the
+    effective mass of Clough and Penzien), or that with the most if there is none.
+    """
+    squared, shapes = _modes(body, LOOKED_AT)
+    part = (body.directional_mass[:-1] @ shapes) ** 2 / body.mass
+    most = part.max(axis=0)
+    sways = np.flatnonzero(most >= SWAYING_PART)
+    first = int(sways[0]) if len(sways) else int(most.argmax())
+    return math.sqrt(float(squared[first]))
+
+
+def _modes(body: ElasticBody, count: int) -> tuple[Array, Array]:
+    """Lowest eigenvalues, 1/s^2, rising, and their vectors x with x.M x = 1, as columns."""
     factor = body.factorization(STATIC)
     mass = body.mass_matrix.copy()
     if body.clamped:
@@ -28,13 +55,14 @@ def eigenvalues(body: ElasticBody, count: int = 1) -> Array:
         for matrix in (factor.matrix, mass)
     )
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
-    found = eigsh(
+    free = body.size - len(body.fixed)
+    found, vectors = eigsh(
         stiffness,
-        count,
+        min(count, free - 1),
         inertia,
         sigma=0.0,
         OPinv=inverse,
         v0=inertia @ np.ones(len(body.nodes) * body.dimension),
-        return_eigenvectors=False,
     )
-    return np.sort(found)
+    order = np.argsort(found)
+    return found[order], vectors[:, order]

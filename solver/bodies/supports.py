@@ -26,14 +26,14 @@ class Support:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroundSpring:
-    """A horizontal spring and dashpot to the ground, spread evenly over some facets."""
+    """Springs and dashpots to the ground, spread evenly over some facets."""
 
     facets: NDArray[np.int32]
     """Numbers of boundary facets."""
-    stiffness: float
-    """k of the whole spring, N/m."""
-    dashpot: float = 0.0
-    """c of the whole dashpot, N s/m."""
+    stiffness: tuple[float, ...]
+    """k of the whole spring along each direction, N/m; 0: there is none."""
+    delay: float = 0.0
+    """Dashpots over springs, c/k, s."""
 
     def matrix(self, space: fem.FunctionSpace) -> PETSc.Mat:
         """Its stiffness for displacements of a space; collective."""
@@ -43,7 +43,8 @@ class GroundSpring:
         )
         ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
         own = fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds))
+        area = domain.comm.allreduce(own)
         trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
-        horizontal = sum(trial[k] * test[k] for k in range(domain.geometry.dim - 1))
-        density = fem.Constant(domain, self.stiffness / domain.comm.allreduce(own))
-        return PackedForm(density * horizontal * ds).matrix()
+        density = fem.Constant(domain, [value / area for value in self.stiffness])
+        pushed = sum(density[k] * trial[k] * test[k] for k in range(domain.geometry.dim))
+        return PackedForm(pushed * ds).matrix()

@@ -16,8 +16,9 @@ from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import RigidBox, rigid_box
-from solver.build.foundation import FoundationBody, foundation
+from solver.build.foundation import foundation
 from solver.build.meshed_body import meshed_body
+from solver.build.support import FoundationBody
 from solver.contact.body_points import FacePoints, NodePoints, RigidPoints
 from solver.contact.candidates import ContactPair, FixedContactPair, MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface

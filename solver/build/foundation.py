@@ -3,74 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import singledispatch
 
 from mpi4py import MPI
 
-import numpy as np
-
-from geometry.foundation import Frame, Plate, level_frame
-from geometry.frame_mesh import FrameCells, frame_mesh
+from geometry.foundation import Plate
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import plate_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
 from solver.bodies.supports import GroundSpring, Support
+from solver.build.frame import build_frame
 from solver.build.meshed_body import meshed_body
-from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
-from solver.contact.carrier_surface import Facets, carrier_surface
-from solver.contact.facet_target import Face
-from solver.contact.plane_target import Carrier, Plane
+from solver.build.support import FoundationBody, damping_of, with_top
 from solver.scene import Scene
-from solver.scene.foundation import Foundation, FrameSpec, OscillatorSpec, PlateSpec
-from solver.types import Array, Indices
-
-
-@dataclass(slots=True)
-class FoundationBody:
-    """What carries the blocks.
-
-    Attributes:
-        dimension: Of space.
-        number: Of its body in the system; None for what does not move.
-        body: The body; None for what does not move.
-        width: Of a fixed plate, m; None for the endless ground.
-        thickness: Of a fixed plate in space, m.
-        surface: Facets of the top of a meshed one.
-    """
-
-    dimension: int
-    number: int | None = None
-    body: Oscillator | ElasticBody | None = None
-    width: float | None = None
-    thickness: float | None = None
-    surface: Facets | None = None
-
-    def carrier(self) -> Carrier:
-        """The surface that blocks stand on."""
-        frame = level_frame(self.dimension)
-        if self.surface is not None:
-            assert isinstance(self.body, ElasticBody)
-            surface = self.surface
-            points = NodePoints(self.body, surface.layer, surface.positions)
-            return Face(points, surface.nodes, frame, surface.cell, surface.degree)
-        if self.width is not None:
-            corners, facets, cell = self._fixed(self.width)
-            return Face(FixedPoints(corners), facets, frame, cell)
-        if isinstance(self.body, Oscillator):
-            platform = RigidPoints(self.body, np.zeros((1, self.dimension)))
-            return Plane.level(self.dimension, platform)
-        return Plane.level(self.dimension)
-
-    def _fixed(self, width: float) -> tuple[Array, Indices, str]:
-        """Corners and the one facet of the top of a plate that is held altogether."""
-        if self.dimension == 2:
-            return np.array([[-0.5, 0.0], [0.5, 0.0]]) * width, np.array([[0, 1]]), "interval"
-        signs = np.array([[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
-        corners = np.column_stack([signs * (width, self.thickness or width), np.zeros(4)])
-        return corners, np.array([[0, 1, 2, 3]]), "quadrilateral"
+from solver.scene.damping import DampingSpec
+from solver.scene.foundation import Foundation, OscillatorSpec, PlateSpec
 
 
 def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
@@ -103,9 +52,17 @@ def _oscillator(
 @_built.register
 def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
     """A meshed plate on its bottom, or on rollers and a spring; not meshed where all is held."""
-    dimension = scene.dimension
     if spec.support == "fixed":
-        return FoundationBody(dimension, width=spec.width, thickness=spec.thickness)
+        return FoundationBody(scene.dimension, width=spec.width, thickness=spec.thickness)
+    damping = damping_of(scene, spec, lambda own: _plate_body(spec, scene, None, own)[0])
+    return with_top(*_plate_body(spec, scene, damping, comm), number)
+
+
+def _plate_body(
+    spec: PlateSpec, scene: Scene, damping: DampingSpec | None, comm: MPI.Intracomm
+) -> tuple[ElasticBody, MeshedBody]:
+    """The body of a plate, and its mesh."""
+    dimension = scene.dimension
     made = plate_mesh(
         Plate(width=spec.width, height=spec.height, thickness=spec.thickness),
         dimension=dimension,
@@ -117,7 +74,9 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
     spring, directions = None, tuple(range(dimension))
     if spec.on_spring:
         platform = scene.platform()
-        spring = GroundSpring(facets=bottom, stiffness=platform.stiffness, dashpot=platform.damping)
+        along = (platform.stiffness,) * (dimension - 1)
+        delay = platform.damping / platform.stiffness
+        spring = GroundSpring(facets=bottom, stiffness=(*along, 0.0), delay=delay)
         directions = (dimension - 1,)
     body = meshed_body(
         scene,
@@ -126,57 +85,14 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
         material=spec.material(scene.material_plane, scene.carried_mass),
         thickness=spec.thickness,
         degree=spec.degree,
-        damping=scene.damping_of(spec),
+        damping=damping,
         supports=[Support(facets=bottom, directions=directions)],
         spring=spring,
     )
-    return _with_top(body, made, number)
+    return body, made
 
 
-@_built.register
-def _frame(spec: FrameSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """A meshed deck on columns."""
-    dimension = scene.dimension
-    deck = Plate(width=spec.deck.width, height=spec.deck.height, thickness=spec.deck.thickness)
-    frame = Frame(
-        deck=deck,
-        column_width=spec.column.width,
-        storey=spec.storey,
-        bays=spec.bays,
-        column_thickness=spec.column.thickness if dimension == 3 else None,
-    )
-    cells = FrameCells(
-        bay=spec.cells.bay,
-        column=spec.cells.column,
-        deck=spec.cells.deck,
-        storey=spec.cells.storey,
-    )
-    made = frame_mesh(frame, dimension=dimension, cells=cells, comm=comm)
-    return _on_feet(spec, scene, made, spec.deck.thickness, number)
-
-
-def _on_feet(
-    spec: FrameSpec, scene: Scene, made: MeshedBody, thickness: float, number: int
-) -> FoundationBody:
-    """A mesh that is clamped at its feet and carries blocks on its top; `thickness`: t, m."""
-    feet = made.facet_tags.find(FacetTag.FEET)
-    body = meshed_body(
-        scene,
-        spec.kind,
-        made,
-        material=spec.material(scene.material_plane),
-        thickness=thickness,
-        degree=spec.degree,
-        damping=scene.damping_of(spec),
-        supports=[Support(facets=feet, directions=tuple(range(scene.dimension)))],
-    )
-    return _with_top(body, made, number)
-
-
-def _with_top(body: ElasticBody, made: MeshedBody, number: int) -> FoundationBody:
-    """A meshed body that carries blocks on its top."""
-    surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return FoundationBody(body.dimension, number, body, surface=surface)
+_built.register(build_frame)
 
 
 def natural_period(scene: Scene) -> float:

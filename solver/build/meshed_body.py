@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from geometry.gmsh_model import MeshedBody
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_forms import Region
 from solver.bodies.supports import GroundSpring, Support
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec
@@ -23,6 +24,7 @@ def meshed_body(
     damping: DampingSpec | None,
     supports: Sequence[Support] = (),
     spring: GroundSpring | None = None,
+    regions: Sequence[Region] = (),
 ) -> ElasticBody:
     """The elastic body on a mesh.
 
@@ -36,6 +38,7 @@ def meshed_body(
         damping: Its Rayleigh damping; None: it has none.
         supports: Held facets.
         spring: To the ground.
+        regions: Cells of other materials.
     """
     return ElasticBody(
         made.mesh,
@@ -46,4 +49,5 @@ def meshed_body(
         thickness=thickness if scene.dimension == 2 else 1.0,
         supports=supports,
         spring=spring,
+        regions=regions,
     )

@@ -12,11 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import SceneError
-from solver.history.columns import columns
+from solver.history.columns import Structure, columns
 from solver.scene import Scene
 
 #: Rows that become text in one go.
 CHUNK = 256
+
+
+def structure_of(scene: Scene) -> Structure | None:
+    """What the structure of a scene has; None where what carries the blocks is no structure."""
+    parts = scene.foundation.structure(scene.dimension)
+    return None if parts is None else Structure(*parts)
 
 
 def scene_columns(scene: Scene) -> tuple[str, ...]:
@@ -31,6 +37,7 @@ def scene_columns(scene: Scene) -> tuple[str, ...]:
         platform=scene.carrier_moves,
         vertical=motion is not None and motion.vertical is not None,
         second=motion is not None and motion.second is not None,
+        structure=structure_of(scene),
     )
 
 

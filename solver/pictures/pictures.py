@@ -13,10 +13,12 @@ from solver.errors import SceneError
 from solver.pictures.angles import draw_angle, draw_overlay, draw_phase
 from solver.pictures.deformed import deformed_figure
 from solver.pictures.energy import draw_energy
+from solver.pictures.floors import draw_floors, write_floors
 from solver.pictures.forces import draw_forces, draw_platform
 from solver.pictures.ground import draw_motion, sampled_motions
 from solver.pictures.style import save_as
 from solver.reference.answer import reference_history, reference_name
+from solver.results.floor_spectra import floor_spectra
 from solver.results.runs import FIELDS, Run
 
 
@@ -37,6 +39,9 @@ def picture_run(
     figures["forces"] = lambda: draw_forces(run)
     if np.all(np.isfinite(run.history["energy.ledger_error_J"])):
         figures["energy"] = lambda: draw_energy(run)
+    spectra = floor_spectra(run.history)
+    if spectra:
+        figures["floors"] = lambda: draw_floors(spectra)
     motions = sampled_motions(run)
     if motions:
         figures["motion"] = lambda: draw_motion(motions)
@@ -45,6 +50,8 @@ def picture_run(
     files = []
     for name, draw in figures.items():
         files += save_as(draw, folder / name, formats)
+    if spectra:
+        files.append(write_floors(spectra, folder))
     return files
 
 

@@ -131,6 +131,10 @@ def _platform(history: History) -> dict[str, float]:
             drift = history[f"platform.drift{direction}_m"]
             known[f"peak_drift{direction}_m"] = float(np.max(np.abs(drift)))
             known[f"residual_drift{direction}_m"] = float(drift[-1])
+    for column in history.columns:
+        owner, _, name = column.partition(".")
+        if owner == "foundation" and not name.endswith("_m_s"):
+            known[f"peak_{name.replace('.', '_')}"] = float(np.max(np.abs(history[column])))
     return known
 
 

@@ -20,6 +20,7 @@ from solver.history.columns import (
 )
 from solver.parallel import global_sum
 from solver.run.block_observer import BlockObserver
+from solver.run.structure_observer import StructureObserver
 from solver.stepping.state import Exchange, State
 from solver.types import Array
 
@@ -50,9 +51,17 @@ class Observer:
         self._platform = None
         if "platform.drift_m" in names:
             self._platform = PlatformObserver(assembly)
+        self._structure = None
+        if "foundation.base_shear_N" in names:
+            self._structure = StructureObserver(assembly)
         d, moves = self._stepper.system.dimension, self._platform is not None
         self._columns = columns(
-            list(members), dimension=d, platform=moves, vertical=True, second=d == 3
+            list(members),
+            dimension=d,
+            platform=moves,
+            vertical=True,
+            second=d == 3,
+            structure=None if self._structure is None else self._structure.parts,
         )
         self._layout = row_layout(len(members), dimension=d, platform=moves)
         self._written = [self._columns.index(name) for name in names]
@@ -102,6 +111,8 @@ class Observer:
             block.write(state, row[first : first + layout.stride])
         if self._platform is not None:
             self._platform.write(state, step, row[layout.platform : layout.energy])
+        if self._structure is not None:
+            self._structure.write(state, exchange, row[layout.foundation :])
         begins = self._start is None
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:

@@ -26,6 +26,11 @@ FRAME = {
     "density": 2500.0,
     **STONE,
 }
+STOREYS = {
+    "storey": [{"height": 1.5}, {"height": 1.0, "extra_mass": 1000.0}],
+    "feet": {"vertical": 1e9},
+    "damping_ratio": 0.02,
+}
 OSCILLATOR = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5}
 
 CELLS: dict[int, dict[str, Any]] = {2: {"cells": [3, 6]}, 3: {"cells": [2, 2, 4]}}
@@ -61,6 +66,7 @@ def scenes(dimension: int) -> Iterator[tuple[str, dict[str, Any]]]:
         ("on a plate that is held", [elastic], {"foundation": plate}),
         ("on a plate on rollers", [elastic], {"foundation": plate | SWAYING}),
         ("on a frame", [elastic], {"foundation": frame}),
+        ("on a frame of storeys", [elastic], {"foundation": frame | STOREYS}),
         ("rigid on a frame", [rigid], {"foundation": frame}),
         ("a stack", stack, {}),
     ):

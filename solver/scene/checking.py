@@ -182,8 +182,9 @@ def _nested(hint: Any, value: Any, where: str) -> Any:
     tables = [choice for choice in choices if dataclasses.is_dataclass(choice)]
     if tables and (isinstance(value, Mapping) or len(tables) == len(choices)):
         return _table(tables, value, where)
-    item = next(iter(get_args(hint)), None) if get_origin(hint) is tuple else None
-    if not dataclasses.is_dataclass(item):
+    arrays = [get_args(choice)[0] for choice in choices if get_origin(choice) is tuple]
+    item = next(iter(arrays), None)
+    if not dataclasses.is_dataclass(item) or (len(choices) > 1 and not isinstance(value, list)):
         return value
     if not isinstance(value, list):
         raise SceneError(where, shown(value), f"an array of tables, [[{where}]]")

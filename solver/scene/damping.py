@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from solver.errors import SceneError
 from solver.scene.checking import Checked
 from solver.scene.ranges import NotNegative
 
@@ -50,3 +51,18 @@ class DampingSpec(Checked):
     def left(self, frequency: float, time: float) -> float:
         """The share of a mode of a natural frequency, rad/s, that is left of it after a time, s."""
         return math.exp(-self.ratio(frequency) * frequency * time)
+
+
+def refuse_both_dampings(ratio: float | None, damping: DampingSpec | None) -> None:
+    """Refuse a body whose damping is given twice, by a ratio and by a table of its own.
+
+    Raises:
+        SceneError: It is.
+    """
+    if ratio is not None and damping is not None:
+        raise SceneError("damping_ratio", "both damping_ratio and damping", "one of the two")
+
+
+def stiffness_damping(ratio: float, frequency: float) -> DampingSpec:
+    """Stiffness-proportional damping that gives a ratio xi at a natural frequency, rad/s."""
+    return DampingSpec(stiffness=2 * ratio / frequency)

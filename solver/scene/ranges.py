@@ -13,6 +13,8 @@ Ratio = Annotated[float, Number(at_least=0, below=0.5)]
 """Poisson's."""
 Tilt = Annotated[float, Number(above=-90, below=90)]
 Turn = Annotated[float, Number(at_least=-360, at_most=360)]
+DampingRatio = Annotated[float, Number(at_least=0, below=1)]
+"""xi, of critical damping."""
 Count = Annotated[int, Number(at_least=1)]
 
 Vector: TypeAlias = tuple[Finite, Finite] | tuple[Finite, Finite, Finite]

@@ -33,6 +33,7 @@ MASS, DENSITY = Dimensions(1, 3), Dimensions(1, 0)
 STRESS, SPRING, BED = Dimensions(1, 1), Dimensions(1, 2), Dimensions(1, 0)
 
 _SIZES = {"width": LENGTH, "height": LENGTH, "thickness": LENGTH}
+_MATERIAL = {"young": STRESS, "poisson": NUMBER, "density": DENSITY}
 _PULSE = {"amplitude_g": NUMBER, "duration": TIME, "start": TIME}
 
 DIMENSIONS: dict[str, dict[str, Dimensions]] = {
@@ -58,9 +59,14 @@ DIMENSIONS: dict[str, dict[str, Dimensions]] = {
         **{"young": STRESS, "poisson": NUMBER},
         **{"period": TIME, "stiffness": SPRING, "damping_ratio": NUMBER},
     },
-    "FrameSpec": {"storey": LENGTH, "young": STRESS, "poisson": NUMBER, "density": DENSITY},
-    "DeckSpec": _SIZES,
-    "ColumnSpec": {"width": LENGTH, "thickness": LENGTH},
+    "FrameSpec": {
+        **{"storey": LENGTH, "damping_ratio": NUMBER},
+        **_MATERIAL,
+    },
+    "DeckSpec": _SIZES | _MATERIAL | {"extra_mass": MASS},
+    "ColumnSpec": {"width": LENGTH, "thickness": LENGTH} | _MATERIAL,
+    "StoreySpec": {"height": LENGTH, "deck_height": LENGTH, "extra_mass": MASS},
+    "FeetSpec": {"horizontal": SPRING, "vertical": SPRING},
     "SineSpec": {"amplitude_g": NUMBER, "period": TIME, "cycles": NUMBER, "start": TIME},
     "HalfSineSpec": _PULSE,
     "OneSineSpec": _PULSE,

@@ -112,3 +112,5 @@ class StepSolution(NamedTuple):
     """What is left of the out-of-balance force, N."""
     outcome: NewtonOutcome
     """How the iteration ended."""
+    held: Array
+    """The residual at the unknowns that do not move, `System.fixed`, N."""

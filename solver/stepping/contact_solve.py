@@ -96,7 +96,7 @@ class ContactSolve:
             u, outcome = self._solver.solve(problem, u, tolerance)
             outcome = outcome._replace(iterations=outcome.iterations + before)
         contacts = problem.contacts(u) if outcome.converged else []
-        return StepSolution(u, contacts, self._solver.residual, outcome)
+        return StepSolution(u, contacts, self._solver.residual, outcome, problem.held)
 
     def _restiffens(self, balance: Balance) -> bool:
         """Give meshed bodies the stiffness of the strained state of a step that failed, once."""

@@ -35,13 +35,16 @@ def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights
 
 def consistent(system: System, links: Sequence[Link], state: State) -> State:
     """Fill in p_0 = -F(u_0) and the energies of a state."""
-    forces = np.zeros(system.size)
+    forces, held = np.zeros(system.size), np.zeros(system.size)
     for body, own in zip(system.bodies, system.slices, strict=True):
         u = state.u[own]
         body.begin_static(u)
-        for force in (body.internal_force(u, static=True), body.spring(u)):
+        internal, spring = body.internal_force(u, static=True), body.spring(u)
+        for force in (internal, spring):
             if force is not None:
                 forces[own] += force
+        if isinstance(body, ElasticBody) and spring is not None:
+            held[own] = -spring
     for link, memory in zip(links, state.contacts, strict=True):
         if link.interface.theta:
             add_contact_forces(
@@ -53,11 +56,13 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
                 contact_weight=1.0,
                 sign=-1.0,
             )
+    held[system.fixed] = -forces[system.fixed]
     forces[system.fixed] = 0.0
     stored = energies(system, state.u, state.v)
     return replace(
         state,
         p=-forces,
+        held=held,
         kinetic=stored.kinetic,
         strain=stored.strain,
         spring=stored.spring,

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
 
 from solver.bodies.kinematics import RigidMotion
 from solver.contact.memory import Memory
@@ -21,6 +24,7 @@ class State:
         u: Displacement of the owned unknowns of all bodies, m.
         v: Velocity, m/s.
         p: Inertia force M a without that of the impulses, which are contact, loads and damping, N.
+        held: The p of elastic forces at supports and of springs to the ground, else 0, N.
         contacts: Memory of each interface.
         faces: Tags of the faces of each contact that have joined: whose points the memories are of.
         kinetic: Kinetic energy, J.
@@ -38,6 +42,7 @@ class State:
     v: Array
     p: Array
     contacts: Sequence[Memory]
+    held: Array = field(default_factory=lambda: np.zeros(0))
     faces: tuple[frozenset[int], ...] = ()
     kinetic: float = 0.0
     strain: float = 0.0
@@ -60,6 +65,16 @@ class State:
         return self.motions[number]
 
 
+class GroundForces(NamedTuple):
+    """What the ground does to meshed bodies that it holds, N."""
+
+    nodal: Array
+    """On each of the owned unknowns of all bodies."""
+    total: Array
+    """Sum over this rank along each direction, (d,), with damping that is relative to the ground:
+    exactly what balances the momentum of all bodies, which residuals are left in."""
+
+
 @dataclass(frozen=True, slots=True)
 class Exchange:
     """Energy that a step took in or lost, J; each term from its own formula.
@@ -72,6 +87,7 @@ class Exchange:
         contact: Lost in closing, opening and exchanging contact points.
         numerical: Lost to the averaging of forces.
         iterations: Corrections that the step took.
+        ground: Mean forces of the ground; None: not known.
     """
 
     input: float = 0.0
@@ -81,3 +97,4 @@ class Exchange:
     contact: float = 0.0
     numerical: float = 0.0
     iterations: int = 0
+    ground: GroundForces | None = None

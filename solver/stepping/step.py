@@ -110,7 +110,10 @@ def inertia_force(
     ends: StepEnds,
     contacts: Sequence[Contact],
 ) -> Array:
-    """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step."""
+    """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step.
+
+    Forces of supports are not in it: those rows are for `ground_forces`, and to be 0 afterwards.
+    """
     scheme, dt = step.scheme, step.dt
     impulse = 0.5 / scheme.beta
     p = system.inertia(ends.du - dt * state.v)
@@ -133,5 +136,4 @@ def inertia_force(
             contact_weight=1.0,
             sign=-impulse,
         )
-    p[system.fixed] = 0.0
     return p

@@ -61,6 +61,7 @@ class StepProblem:
         force: Point forces f of the present iterate, (points, d), N.
         friction: Bounds of friction.
         forces: Largest norm of the contact forces so far, N.
+        held: Residual of the iterate at the unknowns that do not move, N.
     """
 
     def __init__(
@@ -107,6 +108,7 @@ class StepProblem:
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.forces = 0.0
+        self.held: Array = np.empty(0)
 
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
@@ -120,6 +122,7 @@ class StepProblem:
                 seen.append(self._points.observe(number, u))
                 self._subtract_contact(number, seen[-1], residual)
         if len(self._system.fixed):
+            self.held = residual[self._system.fixed]
             residual[self._system.fixed] = 0.0
         self._iterate = Iterate(u, seen)
         self._kinematics = [kinematics for _, kinematics in seen]

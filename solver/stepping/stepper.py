@@ -24,7 +24,13 @@ from solver.stepping.impulses import ClosedPoints, VelocityCorrection, VelocityI
 from solver.stepping.interfaces import Faces, Interfaces, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
-from solver.stepping.state import Exchange, State
+from solver.stepping.reactions import (
+    HeldForces,
+    ground_forces,
+    standing_forces,
+    with_impulses,
+)
+from solver.stepping.state import Exchange, GroundForces, State
 from solver.stepping.step import (
     Step,
     balance_of,
@@ -139,6 +145,10 @@ class Stepper:
     def interface_energy(self, state: State) -> float:
         """Energy stored in all interfaces, J."""
         return self._interfaces.energy(state.faces, state.contacts)
+
+    def ground_forces(self, state: State) -> GroundForces:
+        """What the ground does to meshed bodies that it holds at the start of a run."""
+        return standing_forces(self.system, state, self.gravity)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
         """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
@@ -270,6 +280,9 @@ class Stepper:
         v = 2 * mean - state.v
         ends = StepEnds(dt, u, v, du, mean, impulsive_forces(system, u, dt), solution.residual)
         p = inertia_force(system, self.links, state, step, ends, solution.contacts)
+        at_supports = HeldForces(solution.held, p[system.fixed])
+        p[system.fixed] = 0.0
+        held, ground = ground_forces(system, state, step, ends, p, at_supports)
         remembered = [
             link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
@@ -279,6 +292,7 @@ class Stepper:
         lost = [dissipation for _, dissipation in remembered]
         rubbed = sum(each.friction for each in lost)
         correction = self._velocity_correction(u, v, solution, dt, rubbed)
+        ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
         time, damped_until = state.time + dt, state.damped_until
         if changed:
@@ -288,6 +302,7 @@ class Stepper:
             u=system.settled(u),
             v=v + correction.change,
             p=turned(self.system, p, step.turning.halves),
+            held=held,
             contacts=contacts,
             faces=step.start.faces,
             kinetic=sums.energies.kinetic - correction.contact - correction.friction,
@@ -308,6 +323,7 @@ class Stepper:
                 sums, self.links, old=old, new=contacts, skew=step.scheme.skew
             ),
             iterations=solution.outcome.iterations,
+            ground=ground,
         )
         return new, exchange
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 import pytest
 
 from rockslip import Scene, parse_scene
-from solver.history.columns import TABLE
+from solver.history.table import TABLE
 from solver.run.describe import describe
 from solver.scene.checking import Number, shown
 

@@ -9,7 +9,8 @@ import pytest
 
 from rockslip import Scene, parse_scene
 from solver.history.block_columns import lean_in_space
-from solver.history.columns import TABLE, check_filled, columns, positions, row_layout
+from solver.history.columns import Structure, check_filled, columns, positions, row_layout
+from solver.history.table import TABLE
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
 
@@ -29,25 +30,39 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
     """Every name of a row is reached by its part and its field, and no other."""
     blocks = ["a", "b", "c"]
     names = columns(
-        blocks, dimension=dimension, platform=platform, vertical=True, second=dimension == 3
+        blocks,
+        dimension=dimension,
+        platform=platform,
+        vertical=True,
+        second=dimension == 3,
+        structure=Structure(storeys=2, columns=3) if platform else None,
     )
     layout = row_layout(3, dimension=dimension, platform=platform)
+    storeys = layout.foundation + len(positions("foundation", dimension))
+    feet = storeys + 2 * len(positions("storey", dimension))
     assert layout.stride == len(positions("block", dimension))
     starts = {"run": [0], "platform": [layout.platform] * platform, "energy": [layout.energy]}
+    starts["foundation"] = [layout.foundation] * platform
+    starts["storey"] = [
+        storeys + len(positions("storey", dimension)) * k for k in range(2 * platform)
+    ]
+    starts["column"] = [feet + len(positions("column", dimension)) * k for k in range(3 * platform)]
     starts["block"] = [layout.block + layout.stride * b for b in range(3)]
     found = {}
     for column in TABLE:
         if column.dimension not in (None, dimension):
             continue
         place = getattr(positions(column.part, dimension), column.field)
-        for start, name in zip(starts[column.part], blocks, strict=False):
-            found[start + place] = column.name.replace("NAME", name)
+        for number, start in enumerate(starts[column.part]):
+            name = column.name.replace("NAME", blocks[number])
+            name = name.replace("STOREY", f"foundation.storey_{number + 1}")
+            found[start + place] = name.replace("COLUMN", f"foundation.column_{number + 1}")
     assert tuple(found[k] for k in sorted(found)) == names
 
 
 def test_every_name_ends_with_its_unit() -> None:
     ends = {"m": "_m", "m/s": "_m_s", "m/s²": "_m_s2", "rad": "_rad", "rad/s": "_rad_s"}
-    ends |= {"N": "_N", "J": "_J", "s": "_s", "-": ""}
+    ends |= {"N": "_N", "J": "_J", "s": "_s", "-": "", "N m": "_Nm"}
     for column in TABLE:
         assert column.name.endswith(ends[column.unit])
         assert column.meaning.endswith(".")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rockslip import History, parse_scene, simulate
-from solver.history.columns import TABLE, Column
+from solver.history.table import TABLE, Column
 
 PLATE = {"kind": "elastic", "width": 4.0, "height": 0.2, "density": 2400.0}
 """The ground of the meshed engine, held altogether: its mesh has no use."""

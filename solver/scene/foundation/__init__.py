@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from solver.scene.foundation.base import Foundation, Platform
-from solver.scene.foundation.frame import ColumnSpec, DeckSpec, FrameCellsSpec, FrameSpec
+from solver.scene.foundation.frame import (
+    ColumnSpec,
+    DeckSpec,
+    FeetSpec,
+    FrameCellsSpec,
+    FrameSpec,
+    StoreySpec,
+)
 from solver.scene.foundation.ground import RigidSpec
 from solver.scene.foundation.oscillator import OscillatorSpec
 from solver.scene.foundation.plate import PlateSpec
@@ -16,6 +23,7 @@ FoundationSpec: TypeAlias = RigidSpec | OscillatorSpec | PlateSpec | FrameSpec
 __all__ = [
     "ColumnSpec",
     "DeckSpec",
+    "FeetSpec",
     "Foundation",
     "FoundationSpec",
     "FrameCellsSpec",
@@ -24,4 +32,5 @@ __all__ = [
     "PlateSpec",
     "Platform",
     "RigidSpec",
+    "StoreySpec",
 ]

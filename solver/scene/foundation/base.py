@@ -83,9 +83,18 @@ class Foundation(Checked):
         return ""
 
     @property
+    def sway_damping_ratio(self) -> float | None:
+        """Ratio of critical damping of the first sway mode of its mesh; None: not given by that."""
+        return None
+
+    @property
     def is_meshed(self) -> bool:
         """Whether it deforms as a body."""
         return bool(self.mesh_label)
+
+    def structure(self, dimension: Dimension) -> tuple[int, int] | None:
+        """Numbers of storeys and of columns of a mesh that moves as a whole; None for others."""
+        return None
 
     def in_dimension(self: Self, dimension: Dimension, thickness: float) -> Self:
         """The foundation under blocks of this thickness (m), nothing left open.
@@ -121,6 +130,11 @@ class Foundation(Checked):
     def with_degree(self: Self, degree: Literal[1, 2]) -> Self:
         """The foundation with another polynomial degree, where studies may change it."""
         return self
+
+
+def sway_damping(ratio: float | None) -> Lines:
+    """What `rockslip check` says of damping by the ratio of the first sway mode."""
+    return [] if ratio is None else [("  damping", f"{100 * ratio:g} % of critical at first sway")]
 
 
 def thickness_of(

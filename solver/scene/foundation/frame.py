@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from solver.errors import SceneError
 from solver.scene.cells import SHAPES, mesh_size_in_words
 from solver.scene.checking import OPEN, Checked, shown
-from solver.scene.damping import DampingSpec
-from solver.scene.foundation.base import Foundation, Lines, thickness_of
+from solver.scene.damping import DampingSpec, refuse_both_dampings
+from solver.scene.foundation.base import Foundation, Lines, sway_damping, thickness_of
 from solver.scene.material import Material, Plane
-from solver.scene.ranges import Count, Dimension, Positive, Ratio
+from solver.scene.ranges import Count, DampingRatio, Dimension, NotNegative, Positive, Ratio
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,6 +26,14 @@ class DeckSpec(Checked):
     thickness: Positive = OPEN
     """Along y, m; 2-D: no other than that of the blocks. Default: that of the blocks; 3-D:
     required."""
+    young: Positive | None = None
+    """Young's modulus E, Pa. Default: that of the frame."""
+    poisson: Ratio | None = None
+    """Poisson's ratio nu. Default: that of the frame."""
+    density: Positive | None = None
+    """rho, kg/m³. Default: that of the frame."""
+    extra_mass: NotNegative = 0.0
+    """Mass that is spread over the deck besides its own, kg: fixed to it, it moves and weighs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +45,46 @@ class ColumnSpec(Checked):
     thickness: Positive = OPEN
     """Along y, m; 3-D: less than half of the deck's. Default: that of the blocks; 3-D: the
     width."""
+    young: Positive | None = None
+    """Young's modulus E, Pa. Default: that of the frame."""
+    poisson: Ratio | None = None
+    """Poisson's ratio nu. Default: that of the frame."""
+    density: Positive | None = None
+    """rho, kg/m³. Default: that of the frame."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoreySpec(Checked):
+    """A storey of a frame, from the ground upwards: `[[foundation.storey]]`."""
+
+    height: Positive
+    """Height of its columns, from the deck below or the ground to the underside of its deck, m."""
+    deck_height: Positive | None = None
+    """Height of its deck, m. Default: that of `[foundation.deck]`."""
+    extra_mass: NotNegative | None = None
+    """As in `[foundation.deck]`, for this deck, kg. Default: that of `[foundation.deck]`."""
+
+
+class Layer(NamedTuple):
+    """The columns or the deck of a storey."""
+
+    height: float
+    """m."""
+    deck: bool
+    """Whether it is a deck."""
+    extra_mass: float = 0.0
+    """Mass besides its own, kg."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeetSpec(Checked):
+    """Springs below the feet of a frame: `foundation.feet`; what is left out is held."""
+
+    horizontal: Positive | None = None
+    """k of each foot along x, in 3-D along y, too, N/m. Default: held."""
+    vertical: Positive | None = None
+    """k of each foot along the vertical, N/m, spread over it: a foot of width b turns on k b²/12.
+    Default: held."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,8 +115,11 @@ class FrameSpec(Foundation):
     """`[foundation.column]`."""
     bays: Count = 1
     """Spaces between columns; there is one column more. 3-D: 1."""
-    storey: Positive
-    """Height of the columns, from their feet to the underside of the deck, m."""
+    storey: Positive | tuple[StoreySpec, ...]
+    """Height of the columns, from their feet to the underside of the deck, m; or several storeys,
+    `[[foundation.storey]]`."""
+    feet: FeetSpec | None = None
+    """`[foundation.feet]`: springs below the columns. Default: held in all directions."""
     young: Positive
     """Young's modulus E, Pa."""
     poisson: Ratio
@@ -79,8 +130,12 @@ class FrameSpec(Foundation):
     """`[foundation.cells]`. Default: its defaults."""
     degree: Literal[1, 2] = 2
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
+    damping_ratio: DampingRatio | None = None
+    """xi of its first sway mode, by damping that is proportional to its stiffness. Default: see
+    `damping`."""
     damping: DampingSpec | None = None
-    """Its own Rayleigh damping, a table as `[damping]`. Default: that of `[damping]`."""
+    """Its own Rayleigh damping, a table as `[damping]`, where there is no `damping_ratio`. Default:
+    that of `[damping]`."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -89,6 +144,22 @@ class FrameSpec(Foundation):
         if columns >= self.deck.width:
             allowed = f"less than deck.width / (bays + 1) = {self.deck.width / (self.bays + 1):g}"
             raise SceneError("column.width", shown(self.column.width), allowed)
+        if self.storey == ():
+            raise SceneError("storey", "no storey", "storey > 0 or an array of tables, [[storey]]")
+        refuse_both_dampings(self.damping_ratio, self.damping)
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """Columns, deck, columns, deck, ... from the ground upwards."""
+        deck = self.deck
+        if not isinstance(self.storey, tuple):
+            return Layer(self.storey, False), Layer(deck.height, True, deck.extra_mass)
+        found: list[Layer] = []
+        for storey in self.storey:
+            extra = deck.extra_mass if storey.extra_mass is None else storey.extra_mass
+            high = deck.height if storey.deck_height is None else storey.deck_height
+            found += [Layer(storey.height, False), Layer(high, True, extra)]
+        return tuple(found)
 
     @property
     def moves_as_a_whole(self) -> bool:
@@ -96,9 +167,14 @@ class FrameSpec(Foundation):
         return True
 
     @property
-    def depth(self) -> float | None:
+    def sway_damping_ratio(self) -> float | None:
+        """Ratio of critical damping of the first sway mode; None: Rayleigh damping is given."""
+        return self.damping_ratio
+
+    @property
+    def depth(self) -> float:
         """From the feet of the columns to the top of the deck, m."""
-        return self.deck.height + self.storey
+        return sum(layer.height for layer in self.layers)
 
     @property
     def top(self) -> tuple[float, float]:
@@ -109,6 +185,10 @@ class FrameSpec(Foundation):
     def mesh_label(self) -> str:
         """The cells of a frame are four numbers, which say little to a reader."""
         return "cells of the frame"
+
+    def structure(self, dimension: Dimension) -> tuple[int, int]:
+        """Numbers of storeys and of columns on the ground."""
+        return len(self.layers) // 2, 4 if dimension == 3 else self.bays + 1
 
     def in_dimension(self, dimension: Dimension, thickness: float) -> FrameSpec:
         """The frame in a scene of this dimension; `thickness`: of the blocks, m."""
@@ -127,29 +207,51 @@ class FrameSpec(Foundation):
             column=replace(self.column, thickness=column),
         )
 
-    def material(self, plane: Plane) -> Material:
-        """The material of deck and columns."""
-        return Material(young=self.young, poisson=self.poisson, density=self.density, plane=plane)
+    def material(self, plane: Plane, layer: Layer) -> Material:
+        """The material of the columns or the deck of a storey, with its extra mass."""
+        part = self.deck if layer.deck else self.column
+        deck = self.deck
+        extra = layer.extra_mass / (deck.width * layer.height * deck.thickness)
+        density = self.density if part.density is None else part.density
+        return Material(
+            young=self.young if part.young is None else part.young,
+            poisson=self.poisson if part.poisson is None else part.poisson,
+            density=density + extra,
+            plane=plane,
+        )
 
     def describe(self, dimension: Dimension, carried: float) -> Lines:
         """What `rockslip check` says of it."""
-        deck, count = self.deck, 4 if dimension == 3 else self.bays + 1
+        deck, count = self.deck, self.structure(dimension)[1]
         size = f"{deck.width:g} x {deck.height:g} x {deck.thickness:g} m"
-        column = f"{self.column.width:g} x {self.column.thickness:g} m, {self.storey:g} m high"
+        heights = ", ".join(f"{layer.height:g}" for layer in self.layers if not layer.deck)
+        column = f"{self.column.width:g} x {self.column.thickness:g} m, {heights} m high"
         return [
             ("foundation", f"meshed frame, deck {size}"),
             ("  columns", f"{count}, {column}"),
             ("  mesh", self.mesh_size(dimension)),
+            *self._feet_in_words(),
+            *sway_damping(self.damping_ratio),
         ]
+
+    def _feet_in_words(self) -> Lines:
+        """The springs below the feet, where there are any."""
+        if self.feet is None:
+            return []
+        given = (("horizontal", self.feet.horizontal), ("vertical", self.feet.vertical))
+        words = [f"{name} {'held' if k is None else f'{k:g} N/m'}" for name, k in given]
+        return [("  feet", ", ".join(words))]
 
     def mesh_size(self, dimension: Dimension) -> str:
         """Size of the mesh, in words; columns share their uppermost nodes with the deck."""
         cells, degree, flat = self.cells, self.degree, dimension - 1
         along = self.bays * cells.bay + (self.bays + 1) * cells.column
-        columns = (self.bays + 1) ** flat
+        columns, storeys = (self.bays + 1) ** flat, len(self.layers) // 2
         count = along**flat * cells.deck + columns * cells.column**flat * cells.storey
-        nodes = (degree * along + 1) ** flat * (degree * cells.deck + 1)
-        nodes += columns * (degree * cells.column + 1) ** flat * degree * cells.storey
+        nodes = storeys * (degree * along + 1) ** flat * (degree * cells.deck + 1)
+        feet = columns * (degree * cells.column + 1) ** flat
+        nodes += feet * (storeys * degree * cells.storey - (storeys - 1))
+        count *= storeys
         cell = SHAPES[dimension][0]
         return mesh_size_in_words(count, cell, degree, nodes, dimension)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 from geometry.block import Block
-from solver.errors import not_applicable
+from solver.errors import SceneError, not_applicable
 from solver.scene.cells import (
     box_mesh_size,
     cell_of,
@@ -17,9 +17,15 @@ from solver.scene.cells import (
     equal_parts,
     refined,
 )
-from solver.scene.checking import OPEN, Checked, exactly_one
-from solver.scene.damping import DampingSpec
-from solver.scene.foundation.base import Foundation, Lines, Platform, thickness_of
+from solver.scene.checking import OPEN, Checked, exactly_one, shown
+from solver.scene.damping import DampingSpec, refuse_both_dampings
+from solver.scene.foundation.base import (
+    Foundation,
+    Lines,
+    Platform,
+    sway_damping,
+    thickness_of,
+)
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import Cell, Cells, Dimension, NotNegative, Positive, Ratio
 
@@ -74,7 +80,8 @@ class PlateSpec(Foundation):
     stiffness: Positive | None = None
     """k of the spring, N/m; rollers only. Default: -; rollers: this or `period`."""
     damping_ratio: NotNegative = 0.0
-    """xi of the empty plate; rollers only."""
+    """xi of the empty plate; rollers: by the dashpot; bottom: that of the first sway mode, below 1,
+    by damping that is proportional to its stiffness, instead of `damping`."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -85,14 +92,26 @@ class PlateSpec(Foundation):
         if self.on_spring:
             exactly_one(self, "period", "stiffness")
             return
-        for key in ("period", "stiffness", "damping_ratio"):
+        for key in ("period", "stiffness"):
             if getattr(self, key):
                 raise not_applicable(key, 'a plate with support = "rollers" only')
+        if self.damping_ratio:
+            if self.support == "fixed":
+                raise not_applicable("damping_ratio", "a plate that is not held everywhere")
+            if self.damping_ratio >= 1:
+                allowed = '0 <= damping_ratio < 1 with support = "bottom"'
+                raise SceneError("damping_ratio", shown(self.damping_ratio), allowed)
+            refuse_both_dampings(self.damping_ratio, self.damping)
 
     @property
     def on_spring(self) -> bool:
         """Whether it is on rollers."""
         return self.support == "rollers"
+
+    @property
+    def sway_damping_ratio(self) -> float | None:
+        """Ratio of critical damping of the first sway mode of a plate without a spring."""
+        return None if self.on_spring else self.damping_ratio or None
 
     @property
     def depth(self) -> float | None:
@@ -108,6 +127,10 @@ class PlateSpec(Foundation):
     def mesh_label(self) -> str:
         """Numbers of its cells; a plate that is held altogether is not meshed."""
         return "" if self.support == "fixed" else cells_in_words(self.cells)
+
+    def structure(self, dimension: Dimension) -> tuple[int, int] | None:
+        """On rollers it has neither storeys nor columns; else it is no structure."""
+        return (0, 0) if self.on_spring else None
 
     def in_dimension(self, dimension: Dimension, thickness: float) -> PlateSpec:
         """The plate in a scene of this dimension; `thickness`: of the blocks, m."""
@@ -163,6 +186,7 @@ class PlateSpec(Foundation):
             ("foundation", f"meshed plate, {size}, {SUPPORTS[self.support]}"),
             ("  density", f"{self.shape(carried).density:.6g} kg/m3"),
             ("  mesh", box_mesh_size(self, dimension)),
+            *sway_damping(self.sway_damping_ratio),
         ]
 
     def refined(self, times: Callable[[int], int]) -> PlateSpec:

@@ -1,0 +1,119 @@
+"""What carries the blocks, once it is built: its body, its surface, and how it is damped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mpi4py import MPI
+
+import numpy as np
+
+from geometry.foundation import level_frame
+from geometry.gmsh_model import MeshedBody
+from geometry.tags import FacetTag
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.oscillator import Oscillator
+from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
+from solver.contact.carrier_surface import Facets, carrier_surface
+from solver.contact.facet_target import Face
+from solver.contact.plane_target import Carrier, Plane
+from solver.scene import Scene
+from solver.scene.damping import DampingSpec, stiffness_damping
+from solver.scene.foundation import FrameSpec, PlateSpec
+from solver.types import Array, Indices
+
+
+class Foot(NamedTuple):
+    """Where a column stands on the ground."""
+
+    nodes: Indices
+    """Owned nodes of the body."""
+    centre: Array
+    """Its centre along x, in space also along y, m."""
+
+
+class Storeys(NamedTuple):
+    """The parts of a frame that a history tells of; a plate on rollers has none."""
+
+    feet: Sequence[Foot] = ()
+    """Those of its columns: from -x to +x, in space round it from (-x, -y) by (+x, -y)."""
+    floors: Sequence[Indices] = ()
+    """Owned nodes on the tops of the decks, from the lowest upwards."""
+
+
+NO_STOREYS = Storeys()
+
+
+@dataclass(slots=True)
+class FoundationBody:
+    """What carries the blocks.
+
+    Attributes:
+        dimension: Of space.
+        number: Of its body in the system; None for what does not move.
+        body: The body; None for what does not move.
+        width: Of a fixed plate, m; None for the endless ground.
+        thickness: Of a fixed plate in space, m.
+        surface: Facets of the top of a meshed one.
+        storeys: Parts of a meshed one that moves as a whole.
+    """
+
+    dimension: int
+    number: int | None = None
+    body: Oscillator | ElasticBody | None = None
+    width: float | None = None
+    thickness: float | None = None
+    surface: Facets | None = None
+    storeys: Storeys = NO_STOREYS
+
+    def carrier(self) -> Carrier:
+        """The surface that blocks stand on."""
+        frame = level_frame(self.dimension)
+        if self.surface is not None:
+            assert isinstance(self.body, ElasticBody)
+            surface = self.surface
+            points = NodePoints(self.body, surface.layer, surface.positions)
+            return Face(points, surface.nodes, frame, surface.cell, surface.degree)
+        if self.width is not None:
+            corners, facets, cell = self._fixed(self.width)
+            return Face(FixedPoints(corners), facets, frame, cell)
+        if isinstance(self.body, Oscillator):
+            platform = RigidPoints(self.body, np.zeros((1, self.dimension)))
+            return Plane.level(self.dimension, platform)
+        return Plane.level(self.dimension)
+
+    def _fixed(self, width: float) -> tuple[Array, Indices, str]:
+        """Corners and the one facet of the top of a plate that is held altogether."""
+        if self.dimension == 2:
+            return np.array([[-0.5, 0.0], [0.5, 0.0]]) * width, np.array([[0, 1]]), "interval"
+        signs = np.array([[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
+        corners = np.column_stack([signs * (width, self.thickness or width), np.zeros(4)])
+        return corners, np.array([[0, 1, 2, 3]]), "quadrilateral"
+
+
+def with_top(
+    body: ElasticBody, made: MeshedBody, number: int, storeys: Storeys = NO_STOREYS
+) -> FoundationBody:
+    """A meshed body that carries blocks on its top."""
+    surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
+    return FoundationBody(body.dimension, number, body, surface=surface, storeys=storeys)
+
+
+def damping_of(
+    scene: Scene,
+    spec: PlateSpec | FrameSpec,
+    alone: Callable[[MPI.Intracomm], ElasticBody],
+) -> DampingSpec | None:
+    """Rayleigh damping of a meshed foundation; collective.
+
+    By the ratio of its first sway mode where that is given: `alone` makes the body without damping,
+    which every rank asks for itself.
+    """
+    ratio = spec.sway_damping_ratio
+    if not ratio:
+        return scene.damping_of(spec) if ratio is None else None
+    from solver.bodies.modes import sway_frequency  # scipy's sparse solvers take their time
+
+    return stiffness_damping(ratio, sway_frequency(alone(MPI.COMM_SELF)))

@@ -1,0 +1,35 @@
+"""The picture and the table of floor response spectra."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from solver.pictures.style import colour, legend_above, new_figure
+from solver.results.floor_spectra import DAMPING, PERIODS
+from solver.scene.units import G_UNIT
+from solver.types import Array
+
+
+def draw_floors(spectra: dict[str, Array]) -> Figure:
+    """Spectra of the ground and of all floors."""
+    figure = new_figure(3.6)
+    axes = figure.subplots()
+    for number, (name, spectrum) in enumerate(spectra.items()):
+        hue = "black" if name == "ground" else colour(number - 1)
+        axes.semilogx(PERIODS, spectrum / G_UNIT, color=hue, label=name)
+    label = f"PSA (g), {DAMPING:.0%} of critical"
+    axes.set(xlabel="period (s)", ylabel=label, ylim=(0, None))
+    legend_above(figure)
+    return figure
+
+
+def write_floors(spectra: dict[str, Array], folder: Path) -> Path:
+    """The same as `floor_spectra.csv`: periods and a column for the ground and each floor."""
+    names = ["period_s", *(f"{name.replace(' ', '_')}_m_s2" for name in spectra)]
+    table = np.column_stack([PERIODS, *spectra.values()])
+    file = folder / "floor_spectra.csv"
+    np.savetxt(file, table, fmt="%.9g", delimiter=",", header=",".join(names), comments="")
+    return file
