@@ -8,7 +8,7 @@ import numpy as np
 from solver.contact.body_points import FacePoints, SurfaceState
 from solver.contact.kernels.chain import Feet, stand_on_chain
 from solver.contact.kernels.facets import FacetShapes, stand_on_facets
-from solver.contact.kernels.way import Stand, forces_in_space, work_defect
+from solver.contact.kernels.way import StandArrays, forces_in_space, work_defect
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, Projection
 from solver.types import Array, Indices, Mask
@@ -59,7 +59,7 @@ class Face(FacetCarrier):
         if cell == "interval" and degree == 1:
             self._chain = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
             self._reference = np.ascontiguousarray(along[self._chain, 0])
-        self._shapes = facet_shapes(facets, kind, degree, along, margin)
+        self._shapes = tuple(facet_shapes(facets, kind, degree, along, margin))
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -82,11 +82,10 @@ class Face(FacetCarrier):
         )
         nodes = carrier.position
         if self._chain is not None:
-            stand_on_chain(
-                self._chain, self._reference, self.margin, position, nodes, self.frame, place, feet
-            )
+            chain = self._chain, self._reference, self.margin
+            stand_on_chain(*chain, position, nodes, self.frame, place, tuple(feet))
         else:
-            stand_on_facets(self._shapes, position, nodes, self.frame, place, feet)
+            stand_on_facets(self._shapes, position, nodes, self.frame, place, tuple(feet))
         return ContactKinematics(place, self.frame, carrier, Projection(feet))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
@@ -110,10 +109,10 @@ class Face(FacetCarrier):
         return kinematics.foot.beyond_edge
 
 
-def _stand(kinematics: ContactKinematics) -> Stand:
+def _stand(kinematics: ContactKinematics) -> StandArrays:
     """Where points stand on a face, as arrays."""
     assert isinstance(kinematics.foot, Projection) and kinematics.carrier is not None
-    return Stand(kinematics.place, kinematics.foot.feet, kinematics.carrier.position)
+    return *kinematics.foot.feet[:4], kinematics.place, kinematics.carrier.position
 
 
 def facet_shapes(

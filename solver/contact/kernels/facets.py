@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet
-from solver.law.compiled import compiled
+from solver.law.compiled import borrowed, compiled
 from solver.types import Array, Indices
 
 FOOT_SETTLED = 1e-12
@@ -267,18 +267,24 @@ def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) 
 
 @compiled
 def stand_on_facets(
-    shapes: FacetShapes, position: Array, carrier: Array, frame: Array, place: Array, feet: Feet
+    face: tuple[Any, ...],
+    position: Array,
+    carrier: Array,
+    frame: Array,
+    place: Array,
+    stand: tuple[Any, ...],
 ) -> None:
     """Fill in gaps and tangential positions (m, d) of points over a face, and their feet.
 
     Args:
-        shapes: Its facets.
+        face: The fields of its `FacetShapes`; tuples without names are handed over faster.
         position: Of the points in space, (m, d), m.
         carrier: Of its nodes in space, (n, d), m.
         frame: Rows normal and tangents, (d, d).
         place: (g, s), (m, d), m.
-        feet: Where the points stand.
+        stand: The fields of the `Feet` of the points.
     """
+    shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
     placed, inverses = carrier @ frame.T, np.empty((len(shapes.facets), t, t))
     points = position @ frame.T
