@@ -5,7 +5,7 @@ from __future__ import annotations
 import basix
 import numpy as np
 
-from solver.contact.body_points import FacePoints, SurfaceState
+from solver.contact.body_points import FacePoints, FixedPoints, SurfaceState
 from solver.contact.kernels.chain import Feet, stand_on_chain
 from solver.contact.kernels.facets import FacetShapes, stand_on_facets
 from solver.contact.kernels.way import StandArrays, forces_in_space, work_defect
@@ -51,6 +51,7 @@ class Face(FacetCarrier):
             facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
         frame = np.ascontiguousarray(frame)
         self.points, self.facets, self.degree = points, facets, degree
+        self.turns = not isinstance(points, FixedPoints)
         self.reference_frame = self.frame = frame
         along = points.reference @ frame[1:].T
         kind = getattr(basix.CellType, cell)
