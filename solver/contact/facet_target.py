@@ -61,6 +61,10 @@ class Face(FacetCarrier):
             self._chain = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
             self._reference = np.ascontiguousarray(along[self._chain, 0])
         self._shapes = tuple(facet_shapes(facets, kind, degree, along, margin))
+        n, t = along.shape
+        at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
+        self._room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
+        self._last: dict[int, Indices] = {}  # facets that points were on, by their number
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -86,7 +90,9 @@ class Face(FacetCarrier):
             chain = self._chain, self._reference, self.margin
             stand_on_chain(*chain, position, nodes, self.frame, place, tuple(feet))
         else:
-            stand_on_facets(self._shapes, position, nodes, self.frame, place, tuple(feet))
+            last = self._last.setdefault(m, np.zeros(m, dtype=np.int64))
+            stand = place, tuple(feet), self._room, last
+            stand_on_facets(self._shapes, position, nodes, self.frame, *stand)
         return ContactKinematics(place, self.frame, carrier, Projection(feet))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:

@@ -17,8 +17,14 @@ the square of that."""
 FOOT_ITERATIONS = 4
 """Corrections of Newton's method for a foot, at most."""
 
+WELL_INSIDE = 1e-6
+"""Part of a facet: a point that is inside of it by more is on no other."""
+
 FACETS_TRIED = 4
 """Facets around a point, the nearest ones first, among which its foot is looked for."""
+
+FARTHER = 0.5
+"""Part of a facet: one that is farther than the nearest one by more is not tried."""
 
 
 class FacetShapes(NamedTuple):
@@ -48,23 +54,32 @@ class FacetShapes(NamedTuple):
 
 
 @compiled
+def power_of(base: float, exponent: int) -> float:
+    """A small power; `**` takes ten times as long."""
+    result = 1.0
+    for _ in range(exponent):
+        result *= base
+    return result
+
+
+@compiled
 def shape_functions(shapes: FacetShapes, where: Array, values: Array, derivatives: Array) -> None:
     """Fill in shape functions (k,) and their derivatives (t, k) at coordinates (t,)."""
     values[:], derivatives[:] = 0.0, 0.0
     for c in range(len(shapes.powers)):
         monomial = 1.0
         for j in range(len(where)):
-            monomial *= where[j] ** shapes.powers[c, j]
+            monomial *= power_of(where[j], shapes.powers[c, j])
         for k in range(len(values)):
             values[k] += shapes.factors[k, c] * monomial
         for j in range(len(where)):
             power = shapes.powers[c, j]
             if power == 0:
                 continue
-            slope = power * where[j] ** (power - 1)
+            slope = power * power_of(where[j], power - 1)
             for i in range(len(where)):
                 if i != j:
-                    slope *= where[i] ** shapes.powers[c, i]
+                    slope *= power_of(where[i], shapes.powers[c, i])
             for k in range(len(values)):
                 derivatives[j, k] += shapes.factors[k, c] * slope
 
@@ -240,16 +255,31 @@ def nearest_facet(
             last -= 1
         misses[last], tried[last] = miss, facet
     least, best = np.inf, tried[0]
-    for facet in tried:
+    for k in range(len(tried)):
+        if misses[k] > least + FARTHER:
+            break
+        facet = tried[k]
         coordinates_on(shapes, facet, point, placed, inverses[facet], guess)
         settle_on(shapes, facet, point, placed, guess)
         miss = outside_by(shapes, guess)
-        if miss < least or facet == tried[0]:
+        if miss < least or k == 0:
             least, best = miss, facet
             where[:] = guess
-        if facet == tried[0] and miss <= shapes.margin:
+        if k == 0 and miss <= shapes.margin:
             break
     return best
+
+
+@compiled
+def is_on(
+    shapes: FacetShapes, facet: int, point: Array, placed: Array, inverse: Array, where: Array
+) -> bool:
+    """Whether a point is well inside of a facet, with its coordinates there filled in."""
+    coordinates_on(shapes, facet, point, placed, inverse, where)
+    if not outside_by(shapes, where) < 1.0:
+        return False
+    settle_on(shapes, facet, point, placed, where)
+    return outside_by(shapes, where) < -WELL_INSIDE
 
 
 @compiled
@@ -273,6 +303,8 @@ def stand_on_facets(
     frame: Array,
     place: Array,
     stand: tuple[Any, ...],
+    room: tuple[Array, Array, Array, Array],
+    last: Indices,
 ) -> None:
     """Fill in gaps and tangential positions (m, d) of points over a face, and their feet.
 
@@ -283,23 +315,30 @@ def stand_on_facets(
         frame: Rows normal and tangents, (d, d).
         place: (g, s), (m, d), m.
         stand: The fields of the `Feet` of the points.
+        room: For the nodes in the frame, (n, d), for a (d-1, d-1) matrix of each facet, and for
+            slopes, (n, d-1), and stretches, (n, d-1, d-1), averaged at the nodes.
+        last: The facets that the points were on last, to look there first; those of now, (m,).
     """
     shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
+    placed, inverses, mean_slope, mean_stretch = borrowed(room)
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
-    placed, inverses = carrier @ frame.T, np.empty((len(shapes.facets), t, t))
-    points = position @ frame.T
+    placed[:], points = carrier @ frame.T, position @ frame.T
     if shapes.corners > 2:
         spanned(shapes, placed, inverses)
     where, values, derivatives = np.empty(t), np.empty(k), np.empty((t, k))
     tried = np.zeros(min(FACETS_TRIED, len(shapes.facets)), np.int64)
     gradient, undeformed = np.empty((t, t)), np.empty((t, t))
-    mean_slope, mean_stretch = np.empty(t), np.empty((t, t))
+    for node in range(len(placed)):
+        average_at(shapes, node, placed, mean_slope[node], mean_stretch[node])
     for p in range(len(points)):
         point = points[p, 1:]
         if shapes.corners == 2:
             facet = facet_under(shapes, point, placed, where)
         else:
-            facet = nearest_facet(shapes, point, placed, inverses, tried, where)
+            facet = last[p]
+            if not is_on(shapes, facet, point, placed, inverses[facet], where):
+                facet = nearest_facet(shapes, point, placed, inverses, tried, where)
+            last[p] = facet
         nodes = shapes.facets[facet]
         shape_functions(shapes, where, values, derivatives)
         feet.nodes[p], feet.weights[p] = nodes, values
@@ -318,6 +357,5 @@ def stand_on_facets(
             slope *= 1.0 - share
             stretch *= 1.0 - share
             for a in range(k):
-                average_at(shapes, nodes[a], placed, mean_slope, mean_stretch)
-                slope += share * values[a] * mean_slope
-                stretch += share * values[a] * mean_stretch
+                slope += share * values[a] * mean_slope[nodes[a]]
+                stretch += share * values[a] * mean_stretch[nodes[a]]
