@@ -68,6 +68,7 @@ class ElasticBody:
         self.clamped, self.fixed = bool(supports), self._held(supports)
         self._assemble()
         self._spring = None if spring is None else spring.matrix(self.space)
+        self.has_spring = spring is not None
         self._dashpot = 0.0 if spring is None else spring.dashpot / spring.stiffness
         self._measure_inertia()
 
