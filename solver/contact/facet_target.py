@@ -7,7 +7,8 @@ import numpy as np
 
 from solver.contact.body_points import FacePoints, FixedPoints, SurfaceState
 from solver.contact.kernels.chain import Feet, stand_on_chain
-from solver.contact.kernels.facets import FacetShapes, stand_on_facets
+from solver.contact.kernels.facets import stand_on_facets
+from solver.contact.kernels.shapes import FacetShapes
 from solver.contact.kernels.way import StandArrays, forces_in_space, work_defect
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, Projection
@@ -64,7 +65,6 @@ class Face(FacetCarrier):
         n, t = along.shape
         at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
         self._room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
-        self._last: dict[int, Indices] = {}  # facets that points were on, by their number
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -90,8 +90,7 @@ class Face(FacetCarrier):
             chain = self._chain, self._reference, self.margin
             stand_on_chain(*chain, position, nodes, self.frame, place, tuple(feet))
         else:
-            last = self._last.setdefault(m, np.zeros(m, dtype=np.int64))
-            stand = place, tuple(feet), self._room, last
+            stand = place, tuple(feet), self._room
             stand_on_facets(self._shapes, position, nodes, self.frame, *stand)
         return ContactKinematics(place, self.frame, carrier, Projection(feet))
 

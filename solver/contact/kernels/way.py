@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.facets import inverted
+from solver.contact.kernels.shapes import inverted
 from solver.law.compiled import borrowed, compiled
 from solver.types import Array, Indices
 
