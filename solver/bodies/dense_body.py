@@ -86,6 +86,11 @@ class DenseBody(ABC):
         """The unknowns that the next step starts from: those at the end of this one."""
         return u
 
+    @property
+    def has_spring(self) -> bool:
+        """Whether a spring holds it to the ground."""
+        return bool(self.stiffness)
+
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
         return self.stiffness * vector if self.stiffness else None

@@ -73,6 +73,7 @@ class ElasticBody:
         self.fixed = self._held(supports)
         self._assemble()
         self._spring = None if spring is None else spring.matrix(self.space)
+        self.has_spring = spring is not None
         self._dashpot = 0.0 if spring is None else spring.delay
         self._measure_inertia()
 

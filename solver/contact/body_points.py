@@ -165,20 +165,23 @@ class NitschePoints:
         self.count, self.dimension = points.count, points.dimension
         self.reference, self.size = points.reference, points.size
         self._layer = points.layer
-        self._rows = points.rows._replace(nodes=points.layer.numbers(points.rows.nodes))
+        point, nodes = points.rows.index[:, :1], points.layer.numbers(points.rows.index[:, 1:])
+        self._rows = points.rows._replace(index=np.concatenate([point, nodes], axis=1))
+        self._index, self._table, _ = self._rows
 
     def observe(self, u: Array | None) -> NitscheState:
         """Positions and tractions for the owned unknowns u."""
         assert u is not None
         state = new_state(self._rows)
-        evaluate(self._rows, self._layer.reached(u.reshape(-1, self.dimension)), state)
+        evaluate(*self._rows, self._layer.reached(u.reshape(-1, self.dimension)), state.values)
         return state
 
     def velocity(self, u: Array | None, v: Array | None) -> Array:
         """Velocities of the points."""
         assert u is not None and v is not None
         velocity = np.empty_like(self.reference)
-        point_values(self._rows, self._layer.reached(v.reshape(-1, self.dimension)), velocity)
+        nodal = self._layer.reached(v.reshape(-1, self.dimension))
+        point_values(self._index, self._table, nodal, velocity)
         return velocity
 
     def add_forces(self, target: Array, forces: PointForces) -> None:
@@ -187,10 +190,11 @@ class NitschePoints:
         owned = target.reshape(-1, self.dimension)
         nodal = self._layer.room(owned)
         if pull is None:
-            add_point_forces(self._rows, force, nodal)
+            add_point_forces(self._index, self._table, force, nodal)
         else:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
-            add_contact_forces(self._rows, old, new, force, pull, nodal)
+            states = old.values, new.values
+            add_contact_forces(self._index, self._table, *states, force, *pull, nodal)
         self._layer.put(owned, nodal)
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import basix
 import numpy as np
 
-from solver.contact.body_points import FacePoints, SurfaceState
+from solver.contact.body_points import FacePoints, FixedPoints, SurfaceState
 from solver.contact.kernels.chain import Feet, stand_on_chain
-from solver.contact.kernels.facets import FacetShapes, stand_on_facets
-from solver.contact.kernels.way import Stand, forces_in_space, work_defect
+from solver.contact.kernels.facets import stand_on_facets
+from solver.contact.kernels.shapes import FacetShapes
+from solver.contact.kernels.way import StandArrays, forces_in_space, work_defect
 from solver.contact.plane_target import FacetCarrier
 from solver.contact.projection import ContactKinematics, Projection
 from solver.types import Array, Indices, Mask
@@ -51,6 +52,7 @@ class Face(FacetCarrier):
             facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
         frame = np.ascontiguousarray(frame)
         self.points, self.facets, self.degree = points, facets, degree
+        self.turns = not isinstance(points, FixedPoints)
         self.reference_frame = self.frame = frame
         along = points.reference @ frame[1:].T
         kind = getattr(basix.CellType, cell)
@@ -59,7 +61,10 @@ class Face(FacetCarrier):
         if cell == "interval" and degree == 1:
             self._chain = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
             self._reference = np.ascontiguousarray(along[self._chain, 0])
-        self._shapes = facet_shapes(facets, kind, degree, along, margin)
+        self._shapes = tuple(facet_shapes(facets, kind, degree, along, margin))
+        n, t = along.shape
+        at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
+        self._room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -82,11 +87,11 @@ class Face(FacetCarrier):
         )
         nodes = carrier.position
         if self._chain is not None:
-            stand_on_chain(
-                self._chain, self._reference, self.margin, position, nodes, self.frame, place, feet
-            )
+            chain = self._chain, self._reference, self.margin
+            stand_on_chain(*chain, position, nodes, self.frame, place, tuple(feet))
         else:
-            stand_on_facets(self._shapes, position, nodes, self.frame, place, feet)
+            stand = place, tuple(feet), self._room
+            stand_on_facets(self._shapes, position, nodes, self.frame, *stand)
         return ContactKinematics(place, self.frame, carrier, Projection(feet))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
@@ -110,10 +115,10 @@ class Face(FacetCarrier):
         return kinematics.foot.beyond_edge
 
 
-def _stand(kinematics: ContactKinematics) -> Stand:
+def _stand(kinematics: ContactKinematics) -> StandArrays:
     """Where points stand on a face, as arrays."""
     assert isinstance(kinematics.foot, Projection) and kinematics.carrier is not None
-    return Stand(kinematics.place, kinematics.foot.feet, kinematics.carrier.position)
+    return *kinematics.foot.feet[:4], kinematics.place, kinematics.carrier.position
 
 
 def facet_shapes(

@@ -113,7 +113,9 @@ class Interface:
             if isinstance(points, RigidPoints) and count is None:
                 self.area = points.area
         self._gamma_column = self.inverse_gamma[:, None]
-        self._pull_scale = self.theta * self.inverse_gamma
+        scale = self.theta * self.inverse_gamma
+        self._pull_scale: Array = np.column_stack([scale * self.weight, scale])
+        self._pull_weight: Array = self._pull_scale[:, 0].copy()
         self.beds: PointBeds | None = None
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
@@ -236,7 +238,7 @@ class Interface:
         """
         old = sign * (1.0 - traction_weight) if traction_weight else 0.0
         frame, new = self.carrier.frame, sign * traction_weight
-        return TractionPull(self._pull_scale, self.weight, force, frame, old, new)
+        return TractionPull(self._pull_scale, force, frame, old, new)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.
@@ -261,9 +263,7 @@ class Interface:
         if not self.theta:
             return 0.0
         assert isinstance(old.surface, NitscheState) and isinstance(new.surface, NitscheState)
-        return squared_change(
-            self._pull_scale * self.weight, old.surface.traction, new.surface.traction
-        )
+        return squared_change(self._pull_weight, old.surface.traction, new.surface.traction)
 
     def remember(
         self,
@@ -285,7 +285,7 @@ class Interface:
         y_old, y = self.augmented(old.surface, old.kinematics), self.augmented(surface, kinematics)
         anchor = np.empty_like(old.anchor)
         past, friction, contact = after_step(
-            self._laws,
+            tuple(self._laws),
             force,
             y,
             old.force,
@@ -293,7 +293,8 @@ class Interface:
             old.anchor,
             old.past,
             self.softness,
-            bounds,
+            bounds.mu,
+            bounds.cohesion,
             step,
             anchor,
         )

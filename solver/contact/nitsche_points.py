@@ -99,14 +99,14 @@ class ContactPoints:
         values.eliminate_zeros()  # what tabulation leaves at other nodes
         self._sparse = average, values, _gradient_rows(table, layer)
         self.values_T = compact(values.T)
-        self.rows = SurfaceRows(
-            nodes=np.ascontiguousarray(table.nodes, dtype=np.int64),
-            values=np.ascontiguousarray(shape_functions),
-            gradients=np.ascontiguousarray(table.gradients),
-            point=np.ascontiguousarray(point, dtype=np.int64),
-            share=np.ascontiguousarray(table.weight / self.weight[point]),
-            stress_rows=np.ascontiguousarray(normal_stress_map(material, table.normal)),
-            reference=np.ascontiguousarray(self.reference),
+        self.rows = SurfaceRows.of(
+            nodes=table.nodes,
+            values=shape_functions,
+            gradients=table.gradients,
+            point=point,
+            share=table.weight / self.weight[point],
+            stress_rows=normal_stress_map(material, table.normal),
+            reference=self.reference,
         )
         if runs_machine_code():
             self._compile()
@@ -114,15 +114,15 @@ class ContactPoints:
     def _compile(self) -> None:
         """Let what is compiled be compiled, or read what was kept, before time counts."""
         at_rest = np.zeros((self.layer.size, self.dimension))
-        state, nothing = self.evaluate(at_rest), np.zeros(self.count)
-        unloaded, frame = np.zeros_like(state.traction), np.eye(self.dimension)
-        pull = TractionPull(nothing, self.weight, unloaded, frame, 0.5, 0.5)
-        add_contact_forces(self.rows, state, state, unloaded, pull, at_rest)
+        state, nothing = self.evaluate(at_rest).values, np.zeros((self.count, 2))
+        unloaded, frame = np.zeros_like(self.reference), np.eye(self.dimension)
+        pull = TractionPull(nothing, unloaded, frame, 0.5, 0.5)
+        add_contact_forces(*self.rows[:2], state, state, unloaded, *pull, at_rest)
 
     def evaluate(self, displacement: Array) -> NitscheState:
         """Positions and tractions for the displacements (nodes, d) of the layer."""
         state = new_state(self.rows)
-        evaluate(self.rows, displacement, state)
+        evaluate(*self.rows, displacement, state.values)
         return state
 
     def traction_gradient(self, old: NitscheState, new: NitscheState, vector: Array) -> Array:
@@ -131,7 +131,7 @@ class ContactPoints:
         DT is the discrete gradient of the traction between two states.
         """
         nodal = np.zeros((self.layer.size, self.dimension))
-        add_traction_gradient(self.rows, old, new, vector, nodal)
+        add_traction_gradient(*self.rows[:2], old.values, new.values, vector, nodal)
         return nodal
 
     def traction_rows(self) -> sp.csr_matrix:

@@ -75,9 +75,11 @@ def solve(
 
 
 @compiled
-def solve_points(W: Array, q: Array, bounds: Bounds, f: Array, counts: Indices) -> bool:
-    """As `solve`, with W (m, d, m, d), and q and f (m, d)."""
-    m, d = q.shape
+def solve_points(
+    W: Array, q: Array, mu: Array, cohesion: Array, slope: float, f: Array, counts: Indices
+) -> bool:
+    """As `solve`, with W (m, d, m, d), q and f (m, d), and the fields of the bounds one by one."""
+    (m, d), bounds = q.shape, Bounds(mu, cohesion, slope)
     states = np.empty(m, np.int64)
     flat = W.reshape(d * m, d * m)
     return solve(d, flat, q.reshape(d * m), bounds, f.reshape(d * m), states, counts)
@@ -146,7 +148,7 @@ class LocalProblem:
             flat = whole.reshape(force.size, force.size), free.ravel()
             settled = self._many.solve(force.shape[1], *flat, bounds, force.reshape(-1))
         else:
-            settled = not m or solve_points(whole, free, bounds, force, self.counts)
+            settled = not m or solve_points(whole, free, *bounds, force, self.counts)
         if not settled:
             raise NoContactSolution(f"the local contact problem of {m} points did not settle")
         return force

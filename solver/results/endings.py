@@ -8,6 +8,7 @@ holds it any more. Both are told from the columns of a history, in the same way 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,7 @@ class Watch:
         self._before: Array | None = None
         self._overturning = scene.blocks if scene.time.stop == "overturned" else ()
         self._falling = () if scene.is_rigid else tuple(b for b in scene.blocks if _ends(scene, b))
+        self._tops = [_Top(scene, self._names, block) for block in self._falling]
 
     @property
     def ends_runs(self) -> bool:
@@ -62,6 +64,11 @@ class Watch:
         """The first of some rows, (n, columns), after which the run ends; None: it goes on."""
         if not self.ends_runs:
             return None
+        if len(rows) == 1 and not self._overturning:
+            values = rows[0].tolist()
+            if all(top.carries(values) for top in self._tops):
+                self._before = rows.copy()
+                return None
         before = rows[:1] if self._before is None else self._before
         table = _Rows(self._names, np.vstack([before, rows]))
         self._before = rows[-1:].copy()
@@ -73,6 +80,47 @@ class Watch:
         row, lying, what = min(found, key=lambda entry: entry[0])
         time = table["time_s"][row + 1]
         return Ending(row, f"{lying.name} {what} at t = {time:.6g} s")
+
+
+class _Top:
+    """The top of what carries a block in the plane or of a foundation, for a row in Python's time.
+
+    Nearly always the centre of a block is over it, and then it has not fallen (`fallen`).
+    """
+
+    def __init__(self, scene: Scene, names: tuple[str, ...], block: BlockSpec):
+        """Find the columns."""
+        axes, carrier = ("xy", "xyz")[scene.dimension - 2], scene.carrier_of(block)
+        place = names.index
+        self._centre = [place(f"{block.name}.centre_{axis}_m") for axis in axes]
+        self._carrier: list[int] | None = None
+        self._turn: int | None = None
+        self._drift: list[int | None] = []
+        if carrier is None:
+            assert scene.foundation.top is not None
+            self._half = [length / 2 for length in scene.foundation.top[: len(axes) - 1]]
+            drifts = [f"platform.drift{way}_m" for way in ("", "_second")[: len(axes) - 1]]
+            self._drift = [place(name) if name in names else None for name in drifts]
+        else:
+            self._half = list(carrier.shape.half_lengths(len(axes)))
+            self._carrier = [place(f"{carrier.name}.centre_{axis}_m") for axis in axes]
+            self._turn = place(f"{carrier.name}.angle_rad")
+        self._knows = carrier is None or len(axes) == 2
+
+    def carries(self, row: list[float]) -> bool:
+        """Whether the centre of the block is over the top; False also where that is not known."""
+        if not self._knows:
+            return False
+        *along, height = (row[k] for k in self._centre)
+        if self._carrier is None or self._turn is None:
+            drift = [0.0 if k is None else row[k] for k in self._drift]
+            aside = [x - moved for x, moved in zip(along, drift, strict=True)]
+        else:
+            x, y = (row[a] - row[b] for a, b in zip(self._centre, self._carrier, strict=True))
+            cosine, sine = math.cos(row[self._turn]), math.sin(row[self._turn])
+            aside, height = [cosine * x - sine * y], sine * x + cosine * y - self._half[-1]
+        sides = zip(aside, self._half, strict=False)
+        return height >= 0.0 and all(abs(x) <= half for x, half in sides)
 
 
 class _Rows:

@@ -41,6 +41,8 @@ class BlockObserver:
         self._own, self._shape = stepper.system.slices[member.number], member.spec.shape
         self._angles = np.zeros(1 if stepper.system.dimension == 2 else 4)
         self._slip = np.zeros(stepper.system.dimension - 1)
+        plane, shape = stepper.system.dimension == 2, self._shape
+        self._inertia = np.array([shape.rotary_inertia] if plane else shape.principal_inertias)
         self._interface = self._link.interface
         self._home = self._first_home(state)
         self._homes: tuple[bytes, Array] | None = None
@@ -134,8 +136,10 @@ class BlockObserver:
         deepest = 0.0
         for number in self._member.contacts:
             interface, memory = self._stepper.links[number].interface, state.contacts[number]
-            gap = memory.kinematics.place[interface.inside(memory), 0]
-            deepest = min(deepest, float(np.min(gap, initial=0.0)))
+            gap = memory.kinematics.place[:, 0]
+            if float(gap.min()) < deepest:
+                inside = gap[interface.inside(memory)]
+                deepest = min(deepest, float(np.min(inside, initial=0.0)))
         return max(0.0, -deepest)
 
     def _write_motion(self, state: State, row: Array) -> None:
@@ -147,15 +151,14 @@ class BlockObserver:
         mass, centre = shape.mass, body.centre + moved
         if body.dimension == 2:
             angles[0] = unwrap(lean(rotation), angles[0])
-            inertia = np.array([shape.rotary_inertia])
             write_plane_motion(
-                MovingBlock(mass, inertia, centre, velocity, angles, spin, spin), row
+                MovingBlock(mass, self._inertia, centre, velocity, angles, spin, spin), row
             )
             return
         angles[0] = lean_in_space(rotation, angles[0])
         angles[1:] = rotation_vector(rotation)
-        inertia, own = np.array(shape.principal_inertias), rotation.T @ spin
-        write_space_motion(MovingBlock(mass, inertia, centre, velocity, angles, spin, own), row)
+        moving = mass, self._inertia, centre, velocity, angles, spin, rotation.T @ spin
+        write_space_motion(MovingBlock(*moving), row)
 
     def _force(self, state: State, lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.

@@ -117,7 +117,8 @@ class Observer:
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:
             check_filled(self._columns, row[None])
-        return list(map(float, row.take(self._written)))
+        written: list[float] = row.take(self._written).tolist()
+        return written
 
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""

@@ -92,13 +92,14 @@ def _add_spring(
     body: Body, weights: TangentWeights, part: Array, u: Array, travel: Array | None
 ) -> None:
     """Add the averaged force of a spring and dashpot to the ground, where there is one."""
-    spring = body.spring(u)
-    if spring is None:
+    if not body.has_spring:
         return
-    part += weights.interface * spring
-    dashpot = None if travel is None else body.spring(travel)
-    if dashpot is not None:
-        part += (weights.spring - weights.interface) * dashpot
+    moved = weights.interface * u
+    if travel is not None:
+        moved += (weights.spring - weights.interface) * travel
+    spring = body.spring(moved)
+    assert spring is not None
+    part += spring
 
 
 class StepSolution(NamedTuple):

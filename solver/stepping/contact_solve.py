@@ -42,7 +42,6 @@ class ContactSolve:
             points=points,
             local=local,
             softening=Softening.of(system, links, points.softness),
-            turns=any(link.interface.carrier.turns for link in links),
         )
         self._solver = NonlinearSolver(system.comm, system.size, NoContactSolution, options)
         self._tangents: dict[tuple[TangentWeights, ...], Tangents] = {}
@@ -95,7 +94,7 @@ class ContactSolve:
             before = outcome.iterations
             u, outcome = self._solver.solve(problem, u, tolerance)
             outcome = outcome._replace(iterations=outcome.iterations + before)
-        contacts = problem.contacts(u) if outcome.converged else []
+        contacts = problem.contacts() if outcome.converged else []
         return StepSolution(u, contacts, self._solver.residual, outcome, problem.held)
 
     def _restiffens(self, balance: Balance) -> bool:

@@ -41,8 +41,7 @@ class FrictionBounds:
             np.zeros(0, dtype=bool) if law.constant else memory.slipped
             for law, memory in zip(laws, memories, strict=True)
         ]
-        self.steady = all(law.constant for law in laws)
-        self._decays = any(law.decays for law in laws)
+        self.steady, self._decays = points.steady, points.decays
         self._speed: Array = np.zeros(points.count)
         pairs = zip(points.links, self._pasts, strict=True)
         self.bounds = [link.interface.bounds(past) for link, past in pairs]

@@ -113,9 +113,9 @@ class VelocityImpulses:
         """
         closed, pressed = points
         operator = self._operator(closed, u, contacts)
-        mu = joined([contact.bounds.mu for contact in contacts])
-        cohesion = joined([contact.bounds.cohesion for contact in contacts])
-        bounds = Bounds(mu.take(closed), dt * cohesion.take(closed))
+        mu = joined([contact.bounds.mu for contact in contacts]).take(closed)
+        cohesion = joined([contact.bounds.cohesion for contact in contacts]).take(closed)
+        bounds = Bounds(mu, dt * cohesion)
         velocity, W = self._velocity(u, v, contacts).take(closed, axis=0), operator.W
         if self._points.has_bed:
             velocity, W = self._held_by_beds(closed, velocity, W)

@@ -39,15 +39,19 @@ class Interfaces:
         """Take the bodies, and who may touch whom."""
         self._system, self._contacts = system, tuple(contacts)
         self._links: dict[tuple[int, frozenset[int]], Link] = {}
+        self._last: tuple[Faces, tuple[Link, ...]] | None = None
 
     def links(self, faces: Faces) -> tuple[Link, ...]:
         """The interfaces of these faces; collective."""
+        if self._last is not None and (self._last[0] is faces or self._last[0] == faces):
+            return self._last[1]
         for number, contact in enumerate(self._contacts):
             key = number, faces[number]
             if key not in self._links:
                 made = contact.join(faces[number])
                 self._links[key] = Link(made, contact.body, contact.carrier)
-        return tuple(self._links[key] for key in enumerate(faces))
+        self._last = faces, tuple(self._links[key] for key in enumerate(faces))
+        return self._last[1]
 
     def facing(self, rotations: Sequence[Array]) -> Faces:
         """Faces that are turned towards their carriers by the rotations of all contacts' bodies."""

@@ -25,8 +25,6 @@ class ContactModel:
     """Solver of local problems."""
     softening: Softening | None
     """Of rigid points; None where there are none."""
-    turns: bool
-    """Whether a carrier turns with its body."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -179,7 +179,12 @@ class NonlinearSolver:
     def _set_options(snes: PETSc.SNES, words: Sequence[str]) -> PetscOptions:
         """Let SNES read the user's options, and take them out of PETSc's data base again."""
         options = parse_options(words)
-        chosen = {f"{PREFIX}snes_linesearch_type": "basic", **options.solver}
+        # The tangent is a shell that never changes: once it is asked for is enough (-2).
+        chosen = {
+            f"{PREFIX}snes_linesearch_type": "basic",
+            f"{PREFIX}snes_lag_jacobian": "-2",
+            **options.solver,
+        }
         try:
             with in_data_base(chosen):
                 snes.setFromOptions()

@@ -51,6 +51,8 @@ class PointTable:
         count: Number of all points.
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
         has_bed: Whether points stand on beds.
+        steady: Whether friction depends on neither speed nor the past.
+        decays: Whether that of some points decays with the speed.
         size: Of the body that each point belongs to, (points,), m.
         reach: Gaps below which points may come into contact in a correction, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
@@ -65,6 +67,9 @@ class PointTable:
             [np.full(link.interface.count, link.interface.size) for link in links]
         )
         self.has_bed = any(link.interface.beds is not None for link in links)
+        laws = [link.interface.law for link in links]
+        self.steady = all(law.constant for law in laws)
+        self.decays = any(law.decays for law in laws)
         self._turns = any(link.interface.carrier.turns for link in links)
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
@@ -119,7 +124,8 @@ class EdgeWatch:
 
     def __init__(self, count: int):
         """Begin with all points within."""
-        self._crossings = np.zeros(count, dtype=np.int64)
+        self._count = count
+        self._crossings: Indices | None = None
         self._last: Mask | None = None
 
     def settled(self, beyond: Mask | None) -> Mask | None:
@@ -129,8 +135,10 @@ class EdgeWatch:
         """
         if beyond is None and self._last is None:
             return None
-        none = np.zeros(len(self._crossings), dtype=bool)
+        none = np.zeros(self._count, dtype=bool)
         was, now = (none if mask is None else mask for mask in (self._last, beyond))
+        if self._crossings is None:
+            self._crossings = np.zeros(self._count, dtype=np.int64)
         self._crossings += was != now
         restless = self._crossings > MOST_CROSSED
         self._last = now | restless if restless.any() else beyond

@@ -82,7 +82,6 @@ class StepProblem:
         self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
         self._points, self._system = model.points, model.system
         self._static, self._weight = balance.static, balance.contact_weight
-        self._number = number if model.turns else 0
         memories = balance.contact
         self.force: Array = np.concatenate([memory.force for memory in memories])
         self._anchor = joined([memory.anchor for memory in memories])
@@ -101,8 +100,14 @@ class StepProblem:
         ]
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch(model.points.count)
-        self._looked: dict[int, tuple[Array, Observed]] = {}
-        self._asleep = [not balance.static and self._far(k, guess) for k in range(len(memories))]
+        self._looked: dict[int, Observed] = {}  # sleeping interfaces at the end of the step
+        self._asleep = [not balance.static and self._far(k) for k in range(len(memories))]
+        turns = [link.interface.carrier.turns for link in model.points.links]
+        self._number = (
+            number
+            if any(on and not far for on, far in zip(turns, self._asleep, strict=True))
+            else 0
+        )
         self._iterate = Iterate(guess, ())
         self._kinematics: list[ContactKinematics] = []  # of all interfaces at the iterate
         self._configurations: Sequence[Any] = ()
@@ -297,21 +302,19 @@ class StepProblem:
                 break
         return force
 
-    def _far(self, number: int, guess: Array) -> bool:
-        """Whether an interface need not be looked at in this step, far from contact as it is.
+    def _far(self, number: int) -> bool:
+        """Whether an interface need not be looked at in this step: far from contact at its start.
 
         Only those without tractions can sleep: the theta term acts on open points, too.
         """
-        points = self._points
-        interface = points.links[number].interface
-        if interface.theta or self._balance.contact[number].force.any():
+        interface, memory = self._points.links[number].interface, self._balance.contact[number]
+        if interface.theta or memory.force.any():
             return False
-        return self._clearance(number, guess) > ASLEEP_REACHES * REACH * interface.size
+        far = ASLEEP_REACHES * REACH * interface.size
+        return self._clearance(number, memory.kinematics) > far
 
-    def _clearance(self, number: int, u: Array) -> float:
+    def _clearance(self, number: int, kinematics: ContactKinematics) -> float:
         """Smallest gap of an interface's points that may touch, m."""
-        self._looked[number] = u, self._points.observe(number, u)
-        kinematics = self._looked[number][1][1]
         beyond = self._beyond_edge(number, kinematics)
         may_touch = self._balance.contact[number].may_touch
         may = may_touch if beyond is None else may_touch & ~beyond
@@ -323,22 +326,20 @@ class StepProblem:
 
     def _wake(self, u: Array) -> bool:
         """Whether interfaces that were left out have come into contact after all."""
-        woken = [
-            number
-            for number, asleep in enumerate(self._asleep)
-            if asleep and self._clearance(number, u) < 0
-        ]
-        for number in woken:
-            self._asleep[number] = False
-        return bool(woken)
+        woken = False
+        for number, asleep in enumerate(self._asleep):
+            if asleep:
+                self._looked[number] = seen = self._points.observe(number, u)
+                if self._clearance(number, seen[1]) < 0:
+                    self._asleep[number], woken = False, True
+        return woken
 
-    def contacts(self, u: Array) -> list[Contact]:
-        """Every interface at the end of the step."""
+    def contacts(self) -> list[Contact]:
+        """Every interface at the end of the step, after `continues` was asked."""
         points, found = self._points, []
         for number, (own, bounds) in enumerate(zip(points.own, self.friction.bounds, strict=True)):
             surface, kinematics = self._iterate.seen[number]
             if self._asleep[number]:
-                at, seen = self._looked[number]
-                surface, kinematics = seen if at is u else points.observe(number, u)
+                surface, kinematics = self._looked[number]
             found.append(Contact(surface, kinematics, self.force[own], bounds))
         return found

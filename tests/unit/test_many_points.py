@@ -76,7 +76,7 @@ def test_the_answer_is_that_of_the_small_solver(case: str, d: int) -> None:
     assert q.size > MANY_ROWS
     bounds = Bounds(np.full(m, mu), np.full(m, cohesion))
     small = np.zeros((m, d))
-    assert solve_points(W, q, bounds, small, new_counts())
+    assert solve_points(W, q, *bounds, small, new_counts())
     many = LocalProblem(d).solve(W, q, np.zeros((m, d)), bounds)
     np.testing.assert_allclose(many, small, rtol=0, atol=1e-9 * np.abs(small).max())
     assert law_violation(W, q, many, bounds) < 1e-10

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet
-from solver.law.compiled import compiled
+from solver.contact.kernels.shapes import (
+    FacetShapes,
+    average_at,
+    gradient_of,
+    inverted,
+    shape_functions,
+    slope_and_stretch,
+)
+from solver.law.compiled import borrowed, compiled
 from solver.types import Array, Indices
 
 FOOT_SETTLED = 1e-12
@@ -20,74 +28,8 @@ FOOT_ITERATIONS = 4
 FACETS_TRIED = 4
 """Facets around a point, the nearest ones first, among which its foot is looked for."""
 
-
-class FacetShapes(NamedTuple):
-    """What stays the same of the facets of a face; t = d - 1 coordinates on each."""
-
-    facets: Indices
-    """Nodes of each facet, (facets, k)."""
-    powers: Indices
-    """Powers of the coordinates in the monomials of a shape function, (k, t)."""
-    factors: Array
-    """Factors of these monomials in each shape function, (k, k)."""
-    derivatives: Array
-    """Derivatives of the shape functions at a facet's own nodes, (k, t, k)."""
-    undeformed: Array
-    """Inverses of the derivatives of undeformed tangential positions at each facet's nodes,
-    (facets, k, t, t), 1/m."""
-    meeting: Indices
-    """Facets that meet at nodes, and which of a facet's nodes that is, node after node, (.., 2)."""
-    first: Indices
-    """Number of the first of them at each node, and of all, (n + 1,)."""
-    along: Array
-    """Tangential positions of the nodes in the undeformed face, (n, t), m."""
-    corners: int
-    """Number of corners of a facet: 2 for intervals, 3 for triangles, 4 for quadrilaterals."""
-    margin: float
-    """Part of a facet by which points may be beyond its edge."""
-
-
-@compiled
-def shape_functions(shapes: FacetShapes, where: Array, values: Array, derivatives: Array) -> None:
-    """Fill in shape functions (k,) and their derivatives (t, k) at coordinates (t,)."""
-    values[:], derivatives[:] = 0.0, 0.0
-    for c in range(len(shapes.powers)):
-        monomial = 1.0
-        for j in range(len(where)):
-            monomial *= where[j] ** shapes.powers[c, j]
-        for k in range(len(values)):
-            values[k] += shapes.factors[k, c] * monomial
-        for j in range(len(where)):
-            power = shapes.powers[c, j]
-            if power == 0:
-                continue
-            slope = power * where[j] ** (power - 1)
-            for i in range(len(where)):
-                if i != j:
-                    slope *= where[i] ** shapes.powers[c, i]
-            for k in range(len(values)):
-                derivatives[j, k] += shapes.factors[k, c] * slope
-
-
-@compiled
-def inverted(matrix: Array, inverse: Array) -> None:
-    """Fill in the inverse of a matrix (1, 1) or (2, 2); not numbers where there is none."""
-    if len(matrix) == 1:
-        inverse[0, 0] = 1.0 / matrix[0, 0]
-        return
-    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-    inverse[0, 0], inverse[1, 1] = matrix[1, 1] / determinant, matrix[0, 0] / determinant
-    inverse[0, 1], inverse[1, 0] = -matrix[0, 1] / determinant, -matrix[1, 0] / determinant
-
-
-@compiled
-def gradient_of(nodes: Indices, values: Array, derivatives: Array, gradient: Array) -> None:
-    """Fill in derivatives of nodal values (n, c) along the coordinates of a facet, (c, t)."""
-    gradient[:] = 0.0
-    for k in range(len(nodes)):
-        for i in range(len(gradient)):
-            for j in range(len(derivatives)):
-                gradient[i, j] += derivatives[j, k] * values[nodes[k], i]
+FARTHER = 0.5
+"""Part of a facet: one that is farther than the nearest one by more is not tried."""
 
 
 @compiled
@@ -100,65 +42,6 @@ def outside_by(shapes: FacetShapes, where: Array) -> float:
         if shapes.corners != 3:
             miss = max(miss, where[j] - 1.0)
     return max(miss, total - 1.0) if shapes.corners == 3 else miss
-
-
-@compiled
-def slope_and_stretch(
-    nodes: Indices,
-    placed: Array,
-    derivatives: Array,
-    undeformed: Array,
-    slope: Array,
-    stretch: Array,
-) -> None:
-    """Fill in rise (t,) and stretch (t, t) of a facet over its tangential coordinates.
-
-    Args:
-        nodes: Of the facet, (k,).
-        placed: Where all nodes are in the frame, normal first, (n, t + 1), m.
-        derivatives: Of the shape functions, (t, k).
-        undeformed: Inverse of the derivatives of the undeformed tangential positions, (t, t), 1/m.
-        slope: (t,).
-        stretch: (t, t).
-    """
-    t = len(derivatives)
-    rise, flat, inverse = np.zeros(t), np.zeros((t, t)), np.empty((t, t))
-    for k in range(len(nodes)):
-        for j in range(t):
-            rise[j] += derivatives[j, k] * placed[nodes[k], 0]
-            for i in range(t):
-                flat[i, j] += derivatives[j, k] * placed[nodes[k], 1 + i]
-    inverted(flat, inverse)
-    for j in range(t):
-        slope[j] = 0.0
-        for i in range(t):
-            slope[j] += rise[i] * inverse[i, j]
-            stretch[i, j] = 0.0
-            for k in range(t):
-                stretch[i, j] += flat[i, k] * undeformed[k, j]
-
-
-@compiled
-def average_at(shapes: FacetShapes, node: int, placed: Array, slope: Array, stretch: Array) -> None:
-    """Fill in slope (t,) and stretch (t, t) at a node, means of the facets that meet there."""
-    t, meeting = len(slope), 0
-    own_slope, own_stretch = np.empty(t), np.empty((t, t))
-    slope[:], stretch[:] = 0.0, 0.0
-    for m in range(shapes.first[node], shapes.first[node + 1]):
-        facet, corner = shapes.meeting[m, 0], shapes.meeting[m, 1]
-        slope_and_stretch(
-            shapes.facets[facet],
-            placed,
-            shapes.derivatives[corner],
-            shapes.undeformed[facet, corner],
-            own_slope,
-            own_stretch,
-        )
-        slope += own_slope
-        stretch += own_stretch
-        meeting += 1
-    slope /= max(meeting, 1)
-    stretch /= max(meeting, 1)
 
 
 @compiled
@@ -240,14 +123,17 @@ def nearest_facet(
             last -= 1
         misses[last], tried[last] = miss, facet
     least, best = np.inf, tried[0]
-    for facet in tried:
+    for k in range(len(tried)):
+        if misses[k] > least + FARTHER:
+            break
+        facet = tried[k]
         coordinates_on(shapes, facet, point, placed, inverses[facet], guess)
         settle_on(shapes, facet, point, placed, guess)
         miss = outside_by(shapes, guess)
-        if miss < least or facet == tried[0]:
+        if miss < least or k == 0:
             least, best = miss, facet
             where[:] = guess
-        if facet == tried[0] and miss <= shapes.margin:
+        if k == 0 and miss <= shapes.margin:
             break
     return best
 
@@ -267,27 +153,37 @@ def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) 
 
 @compiled
 def stand_on_facets(
-    shapes: FacetShapes, position: Array, carrier: Array, frame: Array, place: Array, feet: Feet
+    face: tuple[Any, ...],
+    position: Array,
+    carrier: Array,
+    frame: Array,
+    place: Array,
+    stand: tuple[Any, ...],
+    room: tuple[Array, Array, Array, Array],
 ) -> None:
     """Fill in gaps and tangential positions (m, d) of points over a face, and their feet.
 
     Args:
-        shapes: Its facets.
+        face: The fields of its `FacetShapes`; tuples without names are handed over faster.
         position: Of the points in space, (m, d), m.
         carrier: Of its nodes in space, (n, d), m.
         frame: Rows normal and tangents, (d, d).
         place: (g, s), (m, d), m.
-        feet: Where the points stand.
+        stand: The fields of the `Feet` of the points.
+        room: For the nodes in the frame, (n, d), for a (d-1, d-1) matrix of each facet, and for
+            slopes, (n, d-1), and stretches, (n, d-1, d-1), averaged at the nodes.
     """
+    shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
+    placed, inverses, mean_slope, mean_stretch = borrowed(room)
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
-    placed, inverses = carrier @ frame.T, np.empty((len(shapes.facets), t, t))
-    points = position @ frame.T
+    placed[:], points = carrier @ frame.T, position @ frame.T
     if shapes.corners > 2:
         spanned(shapes, placed, inverses)
     where, values, derivatives = np.empty(t), np.empty(k), np.empty((t, k))
     tried = np.zeros(min(FACETS_TRIED, len(shapes.facets)), np.int64)
     gradient, undeformed = np.empty((t, t)), np.empty((t, t))
-    mean_slope, mean_stretch = np.empty(t), np.empty((t, t))
+    for node in range(len(placed)):
+        average_at(shapes, node, placed, mean_slope[node], mean_stretch[node])
     for p in range(len(points)):
         point = points[p, 1:]
         if shapes.corners == 2:
@@ -312,6 +208,5 @@ def stand_on_facets(
             slope *= 1.0 - share
             stretch *= 1.0 - share
             for a in range(k):
-                average_at(shapes, nodes[a], placed, mean_slope, mean_stretch)
-                slope += share * values[a] * mean_slope
-                stretch += share * values[a] * mean_stretch
+                slope += share * values[a] * mean_slope[nodes[a]]
+                stretch += share * values[a] * mean_stretch[nodes[a]]

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from solver.law.compiled import compiled
+from solver.law.compiled import borrowed, compiled
 from solver.law.friction import SLIPPED, Bounds, FrictionLaws, pasts_after, points_that_slip
-from solver.types import Array
+from solver.types import Array, Mask
 
 
 @compiled
 def after_step(
-    laws: FrictionLaws,
+    friction_laws: tuple[Array, Array, Array, Array, Mask],
     force: Array,
     y: Array,
     old_force: Array,
@@ -21,7 +21,8 @@ def after_step(
     old_anchor: Array,
     old_past: Array,
     softness: Array,
-    bounds: Bounds,
+    mu: Array,
+    cohesion: Array,
     step: float,
     anchor: Array,
 ) -> tuple[Array, float, float]:
@@ -31,7 +32,7 @@ def after_step(
     the forces against y that is neither stored in their softness nor lost in friction.
 
     Args:
-        laws: Friction of the interface, its only one.
+        friction_laws: The fields of the `FrictionLaws` of the interface, its only ones.
         force: Point forces at t_{n+1}, (points, d), N.
         y: Augmented positions at t_{n+1}, (points, d), m.
         old_force: The same at t_n, in the frame of the step.
@@ -39,10 +40,12 @@ def after_step(
         old_anchor: Stick memory at t_n, (points, d-1), m.
         old_past: What points remembered of their friction, (points, PAST).
         softness: 1/(gamma_h w), (points,), m/N.
-        bounds: Of friction in this step.
+        mu: Coefficients of friction in this step, (points,).
+        cohesion: What points hold besides, (points,), N.
         step: Its length, s; infinite in equilibrium.
         anchor: Stick memory at t_{n+1}, filled in.
     """
+    laws, bounds = borrowed(FrictionLaws(*friction_laws)), borrowed(Bounds(mu, cohesion, np.inf))
     (m, d), friction, contact = force.shape, 0.0, 0.0
     closed, way = force[:, 0] > 0.0, np.zeros(len(force))
     for p in range(m):

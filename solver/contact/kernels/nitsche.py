@@ -1,7 +1,8 @@
 """Positions and tractions of contact points, and forces on the nodes: one pass each, compiled.
 
 The rows of an evaluation reach the nodes of one cell only, so that a pass takes as long as there
-are evaluations, whatever the size of the body.
+are evaluations, whatever the size of the body. Python hands over few arrays: each one costs a fifth
+of a microsecond at every call.
 """
 
 from __future__ import annotations
@@ -17,33 +18,44 @@ from solver.types import Array, Indices
 class SurfaceRows(NamedTuple):
     """What turns displacements into positions and tractions: e evaluations that make p points."""
 
-    nodes: Indices
-    """Nodes that each evaluation reaches, (e, k)."""
-    values: Array
-    """Their shape functions N there, (e, k)."""
-    gradients: Array
-    """And the derivatives of these, (e, k, d), 1/m."""
-    point: Indices
-    """The point that each evaluation belongs to, (e,)."""
-    share: Array
-    """Its weight in the averages of that point, (e,)."""
-    stress_rows: Array
-    """D with S N = D (2 E), (e, d, d d), Pa."""
+    index: Indices
+    """The point that each evaluation belongs to, and the nodes that it reaches, (e, 1 + k)."""
+    table: Array
+    """Of each evaluation one after another, (e, 1 + k + k d + d d d): its weight in the averages of
+    its point, the shape functions N of the nodes, their derivatives, 1/m, and D with
+    S N = D (2 E), Pa."""
     reference: Array
     """Positions of the points in the undeformed body, (p, d), m."""
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        nodes: Indices,
+        values: Array,
+        gradients: Array,
+        point: Indices,
+        share: Array,
+        stress_rows: Array,
+        reference: Array,
+    ) -> SurfaceRows:
+        """The parts, as the fields name them, put together."""
+        e = len(nodes)
+        parts = share[:, None], values, gradients.reshape(e, -1), stress_rows.reshape(e, -1)
+        index = np.column_stack([point, nodes]).astype(np.int64)
+        return cls(index, np.concatenate(parts, axis=1), np.ascontiguousarray(reference))
 
 
 class NitscheState(NamedTuple):
     """What a surface knows of one configuration: positions and nominal tractions of its points."""
 
+    values: Array
+    """All of it, (2 p + e (d + 1), d): x and T of all points, and for each evaluation F and S N,
+    the second Piola-Kirchhoff stress on the normal, Pa."""
     position: Array
     """x, (p, d), m."""
     traction: Array
     """T = F S N, (p, d), Pa, averaged over the evaluations of a point."""
-    deformation: Array
-    """F, (e, d, d)."""
-    normal_stress: Array
-    """S N, second Piola-Kirchhoff stress on the normal, (e, d), Pa."""
 
 
 def new_state(rows: SurfaceRows) -> NitscheState:
@@ -51,65 +63,69 @@ def new_state(rows: SurfaceRows) -> NitscheState:
 
     Compiled code fills it, as all arrays here: each one that it returned would cost a microsecond.
     """
-    evaluations, (count, d) = len(rows.nodes), rows.reference.shape
-    place, each = (count, d), (evaluations, d)
-    return NitscheState(np.empty(place), np.empty(place), np.empty((*each, d)), np.empty(each))
+    p, d = rows.reference.shape
+    values = np.empty((2 * p + len(rows.index) * (d + 1), d))
+    return NitscheState(values, values[:p], values[p : 2 * p])
 
 
 @compiled
-def evaluate(rows: SurfaceRows, displacement: Array, state: NitscheState) -> None:
-    """Fill in positions and tractions for displacements of the nodes, (n, d)."""
-    nodes, values, gradients, point, share, stress_rows, reference = rows
-    position, traction, deformation, stress = state
-    d = displacement.shape[1]
+def evaluate(
+    index: Indices, table: Array, reference: Array, displacement: Array, state: Array
+) -> None:
+    """Fill in the values of a `NitscheState` for displacements of the nodes, (n, d)."""
+    d, k, points = displacement.shape[1], index.shape[1] - 1, len(reference)
+    slopes, stiff = 1 + k, 1 + k + k * d
     gradient, twice = np.empty((d, d)), np.empty((d, d))
-    position[:], traction[:], stress[:] = reference, 0.0, 0.0
-    for e in range(len(nodes)):
-        p, gradient[:] = point[e], 0.0
-        for a in range(nodes.shape[1]):
+    state[:points], state[points : 2 * points] = reference, 0.0
+    for e in range(len(index)):
+        p, share, own = index[e, 0], table[e, 0], 2 * points + e * (d + 1)
+        gradient[:] = 0.0
+        for a in range(k):
             for i in range(d):
-                moved = displacement[nodes[e, a], i]
-                position[p, i] += share[e] * values[e, a] * moved
+                moved = displacement[index[e, 1 + a], i]
+                state[p, i] += share * table[e, 1 + a] * moved
                 for j in range(d):
-                    gradient[i, j] += moved * gradients[e, a, j]
+                    gradient[i, j] += moved * table[e, slopes + d * a + j]
         # 2 E = H + H^T + H^T H with H = F - I: F^T F - I would lose the digits of small strains.
         for i in range(d):
             for j in range(d):
                 twice[i, j] = gradient[i, j] + gradient[j, i]
-                for k in range(d):
-                    twice[i, j] += gradient[k, i] * gradient[k, j]
+                for m in range(d):
+                    twice[i, j] += gradient[m, i] * gradient[m, j]
         for i in range(d):
             gradient[i, i] += 1.0
+            stress = 0.0
             for j in range(d):
-                for k in range(d):
-                    stress[e, i] += stress_rows[e, i, d * j + k] * twice[j, k]
+                for m in range(d):
+                    stress += table[e, stiff + d * (d * i + j) + m] * twice[j, m]
+            state[own + d, i] = stress
         for i in range(d):
             for j in range(d):
-                deformation[e, i, j] = gradient[i, j]
-                traction[p, i] += share[e] * gradient[i, j] * stress[e, j]
+                state[own + i, j] = gradient[i, j]
+                state[points + p, i] += share * gradient[i, j] * state[own + d, j]
 
 
 @compiled
-def point_values(rows: SurfaceRows, nodal: Array, found: Array) -> None:
+def point_values(index: Indices, table: Array, nodal: Array, found: Array) -> None:
     """Fill in what values of the nodes, (n, d), are at the points, (p, d)."""
     found[:] = 0.0
-    for e in range(len(rows.nodes)):
-        p = rows.point[e]
-        for a in range(rows.nodes.shape[1]):
-            factor = rows.share[e] * rows.values[e, a]
+    for e in range(len(index)):
+        p = index[e, 0]
+        for a in range(1, index.shape[1]):
+            factor = table[e, 0] * table[e, a]
             for i in range(nodal.shape[1]):
-                found[p, i] += factor * nodal[rows.nodes[e, a], i]
+                found[p, i] += factor * nodal[index[e, a], i]
 
 
 @compiled
-def add_point_forces(rows: SurfaceRows, force: Array, nodal: Array) -> None:
+def add_point_forces(index: Indices, table: Array, force: Array, nodal: Array) -> None:
     """Add forces at the points, (p, d), to those on the nodes, (n, d)."""
-    for e in range(len(rows.nodes)):
-        p = rows.point[e]
-        for a in range(rows.nodes.shape[1]):
-            factor = rows.share[e] * rows.values[e, a]
+    for e in range(len(index)):
+        p = index[e, 0]
+        for a in range(1, index.shape[1]):
+            factor = table[e, 0] * table[e, a]
             for i in range(nodal.shape[1]):
-                nodal[rows.nodes[e, a], i] += factor * force[p, i]
+                nodal[index[e, a], i] += factor * force[p, i]
 
 
 @compiled
@@ -132,50 +148,51 @@ def augment(place: Array, traction: Array, inverse_gamma: Array, frame: Array, y
 
 @compiled
 def add_traction_gradient(
-    rows: SurfaceRows, old: NitscheState, new: NitscheState, vector: Array, nodal: Array
+    index: Indices, table: Array, old: Array, new: Array, vector: Array, nodal: Array
 ) -> None:
     """Add vectors (p, d) times the discrete gradient of the traction to forces on nodes, (n, d).
 
     With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is
     exactly T_new - T_old: work against a traction is a difference of states (after Simo and Tarnow
-    1992).
+    1992). Both are the values of a `NitscheState`.
     """
-    nodes, _, gradients, point, share, stress_rows, _ = rows
-    d = vector.shape[1]
+    points, d = vector.shape
+    k = index.shape[1] - 1
+    slopes, stiff = 1 + k, 1 + k + k * d
     middle, outer, weighted = np.empty((d, d)), np.empty((d, d)), np.empty(d)
-    for e in range(len(nodes)):
+    for e in range(len(index)):
+        own = 2 * points + e * (d + 1)
         for i in range(d):
-            weighted[i] = share[e] * vector[point[e], i]
+            weighted[i] = table[e, 0] * vector[index[e, 0], i]
         outer[:] = 0.0
         for i in range(d):
             for j in range(d):
-                middle[i, j] = 0.5 * (old.deformation[e, i, j] + new.deformation[e, i, j])
-        for k in range(d):
+                middle[i, j] = 0.5 * (old[own + i, j] + new[own + i, j])
+        for n in range(d):
             along = 0.0
             for i in range(d):
-                along += weighted[i] * middle[i, k]
+                along += weighted[i] * middle[i, n]
             for j in range(d):
                 for m in range(d):
-                    virtual = 2.0 * along * stress_rows[e, k, d * j + m]
+                    virtual = 2.0 * along * table[e, stiff + d * (d * n + j) + m]
                     for i in range(d):
                         outer[j, i] += virtual * middle[i, m]
         for j in range(d):
-            stress = 0.5 * (old.normal_stress[e, j] + new.normal_stress[e, j])
+            stress = 0.5 * (old[own + d, j] + new[own + d, j])
             for i in range(d):
                 outer[j, i] += stress * weighted[i]
-        for a in range(nodes.shape[1]):
+        for a in range(k):
+            node = index[e, 1 + a]
             for j in range(d):
                 for i in range(d):
-                    nodal[nodes[e, a], i] += gradients[e, a, j] * outer[j, i]
+                    nodal[node, i] += table[e, slopes + d * a + j] * outer[j, i]
 
 
 class TractionPull(NamedTuple):
-    """What the gradient of the traction is multiplied by: scale (w T - w_c f), T averaged."""
+    """What the gradient of the traction is multiplied by: theta/gamma_h (w T - w_c f)."""
 
     scale: Array
-    """theta/gamma_h, (p,), m/Pa."""
-    weight: Array
-    """w, (p,), m or m2."""
+    """theta w/gamma_h, m2/Pa or m3/Pa, and theta/gamma_h, m/Pa, (p, 2)."""
     force: Array
     """w_c f, (p, d), N: normal, tangential."""
     frame: Array
@@ -187,30 +204,29 @@ class TractionPull(NamedTuple):
 
 
 @compiled
-def add_traction_forces(
-    rows: SurfaceRows, old: NitscheState, new: NitscheState, pull: TractionPull, nodal: Array
-) -> None:
-    """Add a pull times the discrete gradient of the traction to forces on nodes, (n, d)."""
-    vector = np.empty_like(pull.force)
-    for p in range(len(vector)):
-        for i in range(vector.shape[1]):
-            averaged = pull.new * new.traction[p, i] + pull.old * old.traction[p, i]
-            vector[p, i] = pull.weight[p] * averaged
-            for k in range(vector.shape[1]):
-                vector[p, i] -= pull.force[p, k] * pull.frame[k, i]
-            vector[p, i] *= pull.scale[p]
-    add_traction_gradient(rows, old, new, vector, nodal)
-
-
-@compiled
 def add_contact_forces(
-    rows: SurfaceRows,
-    old: NitscheState,
-    new: NitscheState,
+    index: Indices,
+    table: Array,
+    old: Array,
+    new: Array,
+    vectors: Array,
+    scale: Array,
     force: Array,
-    pull: TractionPull,
+    frame: Array,
+    old_weight: float,
+    new_weight: float,
     nodal: Array,
 ) -> None:
-    """Add forces at the points, as vectors in space (p, d), and those of a pull to nodal ones."""
-    add_point_forces(rows, force, nodal)
-    add_traction_forces(rows, old, new, pull, nodal)
+    """Add forces at the points, as vectors in space (p, d), and those of a pull to nodal ones.
+
+    Rows, the values of both states, the vectors, the fields of a `TractionPull`, forces on nodes.
+    """
+    (points, d), pulled = vectors.shape, np.empty_like(vectors)
+    for p in range(points):
+        for i in range(d):
+            averaged = new_weight * new[points + p, i] + old_weight * old[points + p, i]
+            pulled[p, i] = scale[p, 0] * averaged
+            for k in range(d):
+                pulled[p, i] -= scale[p, 1] * force[p, k] * frame[k, i]
+    add_point_forces(index, table, vectors, nodal)
+    add_traction_gradient(index, table, old, new, pulled, nodal)

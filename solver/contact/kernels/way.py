@@ -17,9 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.chain import Feet
-from solver.contact.kernels.facets import inverted
-from solver.law.compiled import compiled
+from solver.contact.kernels.shapes import inverted
+from solver.law.compiled import borrowed, compiled
 from solver.types import Array, Indices
 
 STANDING_STILL = 1e-4
@@ -28,14 +27,24 @@ twice as much or more those of its way; between the two they go over from one to
 
 
 class Stand(NamedTuple):
-    """Where points stand at one instant."""
+    """Where points stand on a face at one instant."""
 
+    nodes: Indices
+    """Nodes of the facet of each point, (m, k)."""
+    weights: Array
+    """Shape functions N of these there, (m, k)."""
+    slope: Array
+    """Rise of the face along the tangents of the frame, (m, d-1)."""
+    stretch: Array
+    """Current over undeformed tangential lengths, (m, d-1, d-1)."""
     place: Array
     """(g, s), (m, d), m."""
-    feet: Feet
-    """On which facets."""
-    nodes: Array
+    position: Array
     """Where the nodes of the face are, (n, d), m."""
+
+
+StandArrays = tuple[Indices, Array, Array, Array, Array, Array]
+"""The fields of a `Stand` as Python hands them over: without names they take half the time."""
 
 
 @compiled
@@ -85,12 +94,12 @@ def foot_way(
         a: Stretch likewise, (d-1, d-1).
     """
     d, moved = len(frame), np.zeros(len(frame))
-    for k in range(new.feet.nodes.shape[1]):
-        first, last = old.feet.nodes[p, k], new.feet.nodes[p, k]
+    for k in range(new.nodes.shape[1]):
+        first, last = old.nodes[p, k], new.nodes[p, k]
         for i in range(d):
-            before = 0.5 * (old.nodes[first, i] + new.nodes[first, i])
-            after = 0.5 * (old.nodes[last, i] + new.nodes[last, i])
-            moved[i] += new.feet.weights[p, k] * after - old.feet.weights[p, k] * before
+            before = 0.5 * (old.position[first, i] + new.position[first, i])
+            after = 0.5 * (old.position[last, i] + new.position[last, i])
+            moved[i] += new.weights[p, k] * after - old.weights[p, k] * before
     way[:] = 0.0
     for i in range(d):
         for j in range(d):
@@ -98,10 +107,10 @@ def foot_way(
     squares = along = 0.0
     for i in range(d - 1):
         ds[i] = new.place[p, 1 + i] - old.place[p, 1 + i]
-        kappa[i] = 0.5 * (old.feet.slope[p, i] + new.feet.slope[p, i])
+        kappa[i] = 0.5 * (old.slope[p, i] + new.slope[p, i])
         squares, along = squares + ds[i] ** 2, along + way[1 + i] ** 2
         for j in range(d - 1):
-            a[i, j] = 0.5 * (old.feet.stretch[p, i, j] + new.feet.stretch[p, i, j])
+            a[i, j] = 0.5 * (old.stretch[p, i, j] + new.stretch[p, i, j])
     share = min(max(math.sqrt(squares) / (STANDING_STILL * facet) - 1.0, 0.0), 1.0)
     if share > 0.0:
         # The least changes after which kappa . e_t = e_n and a ds = e_t.
@@ -120,18 +129,26 @@ def foot_way(
 
 @compiled
 def forces_in_space(
-    old: Stand, new: Stand, frame: Array, facet: float, force: Array, vectors: Array
+    before: StandArrays,
+    after: StandArrays,
+    frame: Array,
+    facet: float,
+    force: Array,
+    vectors: Array,
 ) -> None:
     """Fill in vectors in space (m, d) of normal and tangential forces, whose work is exact.
 
     They are f_n (n - kappa t) + a^-T f_t; arguments as in `foot_way`.
     """
-    d = len(frame)
+    d, old, new = len(frame), borrowed(Stand(*before)), borrowed(Stand(*after))
     way, ds, kappa, local = np.empty(d), np.empty(d - 1), np.empty(d - 1), np.empty(d)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     vectors[:] = 0.0
     for p in range(len(force)):
-        if not np.any(force[p]):
+        loaded = False
+        for i in range(d):
+            loaded = loaded or force[p, i] != 0.0
+        if not loaded:
             continue
         foot_way(p, old, new, frame, facet, way, ds, kappa, a)
         inverted(a, inverse)
@@ -146,13 +163,15 @@ def forces_in_space(
 
 
 @compiled
-def work_defect(old: Stand, new: Stand, frame: Array, facet: float, force: Array) -> float:
+def work_defect(
+    before: StandArrays, after: StandArrays, frame: Array, facet: float, force: Array
+) -> float:
     """Work of these vectors less that of the forces (m, d), N, on (g, s), J.
 
     Only feet of closed points that hardly move have any: kappa . e_t is not e_n there,
     nor a^-1 e_t ds. Arguments as in `foot_way`.
     """
-    d, total = len(frame), 0.0
+    d, total, old, new = len(frame), 0.0, borrowed(Stand(*before)), borrowed(Stand(*after))
     way, ds, kappa = np.empty(d), np.empty(d - 1), np.empty(d - 1)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     for p in range(len(force)):
