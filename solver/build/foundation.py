@@ -9,6 +9,7 @@ from functools import singledispatch
 from mpi4py import MPI
 
 import numpy as np
+from dolfinx import fem
 
 from geometry.foundation import Frame, Plate, level_frame
 from geometry.frame_mesh import FrameCells, frame_mesh
@@ -19,7 +20,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
 from solver.bodies.supports import GroundSpring, Support
 from solver.build.meshed_body import meshed_body
-from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
+from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face
 from solver.contact.plane_target import Carrier, Plane
@@ -36,9 +37,10 @@ class FoundationBody:
         dimension: Of space.
         number: Of its body in the system; None for what does not move.
         body: The body; None for what does not move.
-        width: Of a fixed plate, m; None for the endless ground.
-        thickness: Of a fixed plate in space, m.
+        width: Of a plate that is held altogether and not meshed, m; None for all others.
+        thickness: The same of its thickness.
         surface: Facets of the top of a meshed one.
+        held: Linear displacements on the mesh of a plate that is held altogether, all of them zero.
     """
 
     dimension: int
@@ -47,14 +49,16 @@ class FoundationBody:
     width: float | None = None
     thickness: float | None = None
     surface: Facets | None = None
+    held: fem.FunctionSpace | None = None
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
         frame = level_frame(self.dimension)
         if self.surface is not None:
-            assert isinstance(self.body, ElasticBody)
             surface = self.surface
-            points = NodePoints(self.body, surface.layer, surface.positions)
+            points: FacePoints = FixedPoints(surface.positions)
+            if isinstance(self.body, ElasticBody):
+                points = NodePoints(self.body, surface.layer, surface.positions)
             return Face(points, surface.nodes, frame, surface.cell, surface.degree)
         if self.width is not None:
             corners, facets, cell = self._fixed(self.width)
@@ -102,9 +106,9 @@ def _oscillator(
 
 @_built.register
 def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """A meshed plate on its bottom, or on rollers and a spring; not meshed where all is held."""
+    """A meshed plate on its bottom, or on rollers and a spring; held altogether as a rigid face."""
     dimension = scene.dimension
-    if spec.support == "fixed":
+    if spec.support == "fixed" and not spec.meshed:
         return FoundationBody(dimension, width=spec.width, thickness=spec.thickness)
     made = plate_mesh(
         Plate(width=spec.width, height=spec.height, thickness=spec.thickness),
@@ -113,6 +117,10 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
         cell=spec.cell,
         comm=comm,
     )
+    if spec.support == "fixed":
+        space = fem.functionspace(made.mesh, ("Lagrange", 1, (dimension,)))
+        surface = carrier_surface(space, made.facet_tags, int(FacetTag.TOP))
+        return FoundationBody(dimension, surface=surface, held=space)
     bottom = made.facet_tags.find(FacetTag.BOTTOM)
     spring, directions = None, tuple(range(dimension))
     if spec.on_spring:
