@@ -50,11 +50,12 @@ import json
 import sys
 from pathlib import Path
 
+from demos.program import output_of
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 
 HERE = Path(__file__).resolve().parent
-SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
+SCENE, OUTPUT = HERE / "scene.toml", output_of("modes")
 # -
 
 # ## Running it
