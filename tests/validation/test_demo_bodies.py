@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import importlib
 import os
-import shutil
 import subprocess
 import sys
+import tempfile
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -22,7 +23,7 @@ DEMOS = Path(__file__).parents[2] / "demos"
 
 #: Module, end of the runs, picture, number of checks.
 SHORT = {
-    "foundation": ("demos.foundation.block_on_foundation", 0.45, "foundation.png", 14),
+    "foundation": ("demos.foundation.block_on_foundation", 0.4, "foundation.png", 14),
     "stack": ("demos.stack.stack_under_record", 2.0, "stack.png", 13),
     "frame": ("demos.frame.block_on_frame", 0.6, "frame.png", 11),
 }
@@ -69,7 +70,10 @@ def test_its_checks_can_fail(left: tuple[str, Path]) -> None:
     if name == "foundation":
         runs[0].summary["blocks"]["block"]["impacts"][0]["time_s"] += 1e-5
     else:
-        runs[0].history["platform.drift_m"][:] *= 1.05
+        history = runs[0].history
+        columns = {column: history[column] for column in history.columns}
+        columns["platform.drift_m"] *= 1.2
+        runs[0] = replace(runs[0], history=columns)
     assert [good for good, _ in demo.checks(runs)].count(False) == 1
     runs[1].summary["energy"]["ledger_error_fraction"] = 2e-8
     assert [good for good, _ in demo.checks(runs)].count(False) == 2
@@ -107,25 +111,24 @@ def test_it_runs_on_two_ranks(script: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
-def test_it_runs_as_another_user(tmp_path: Path) -> None:
+def test_it_runs_as_another_user() -> None:
     """Who may not write into the repository finds the results in the current folder."""
-    home = tmp_path / "home"
-    home.mkdir()
-    for folder in (home, *home.parents[:3]):
-        folder.chmod(0o755)
-    shutil.chown(home, 65534, 65534)
-    environment = {**outside_mpirun(), "PYTHONPATH": str(DEMOS.parent), "HOME": str(home)}
-    environment |= {"XDG_CACHE_HOME": str(home), "MPLCONFIGDIR": str(home)}
-    done = subprocess.run(
-        [sys.executable, str(DEMOS / "hertz" / "hertz.py")],
-        cwd=home,
-        env=environment,
-        user=65534,
-        group=65534,
-        capture_output=True,
-        text=True,
-        timeout=900,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert (home / "output" / "hertz" / "hertz.png").is_file()
+    with tempfile.TemporaryDirectory() as made:  # pytest's own folders are closed to others
+        home = Path(made)
+        home.chmod(0o755)
+        os.chown(home, 65534, 65534)
+        environment = {**outside_mpirun(), "PYTHONPATH": str(DEMOS.parent), "HOME": made}
+        environment |= {"XDG_CACHE_HOME": made, "MPLCONFIGDIR": made}
+        done = subprocess.run(
+            [sys.executable, str(DEMOS / "hertz" / "hertz.py")],
+            cwd=home,
+            env=environment,
+            user=65534,
+            group=65534,
+            capture_output=True,
+            text=True,
+            timeout=900,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        assert (home / "output" / "hertz" / "hertz.png").is_file()
