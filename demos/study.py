@@ -25,7 +25,7 @@ def judged_study(
         command: Name of the study, scene, options.
         checks: Of the demo.
         arguments: Options of the demo, which are those of the study; None: of the command line.
-        output: Folder of the study where they name none, in that of the demo.
+        output: Folder of the study where they name none; its last part is the demo's name.
     """
     name, scene, *rest = command
     parser = argparse.ArgumentParser(description=f"All options of `rockslip study {name}`, and:")
@@ -35,7 +35,7 @@ def judged_study(
     code = rockslip(["study", name, scene, *rest, *again, "-o", str(options.output), *words])
     if code not in (0, 3):  # 3: single cases failed or disagree, which the checks will say
         return code
-    return verdict(output.parent.name, checks(options.output))
+    return verdict(output.name, checks(options.output))
 
 
 def read_table(file: Path) -> Rows:

@@ -37,10 +37,11 @@ import json
 import sys
 from pathlib import Path
 
+from demos.program import output_of
 from demos.study import judged_study, read_table
 
 HERE = Path(__file__).resolve().parent
-SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
+SCENE, OUTPUT = HERE / "scene.toml", output_of("ensemble")
 # -
 
 # ## Running it

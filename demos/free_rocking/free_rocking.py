@@ -71,7 +71,6 @@
 # in the middle of a swing.
 
 # +
-import argparse
 import sys
 from pathlib import Path
 
@@ -82,21 +81,18 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from demos.program import conclude, output_of, parser_of, run_scene
 from demos.verdict import verdict
-from rockslip import Scene, load_scene, read_run, simulate
-from solver.errors import RockslipError
-from solver.parallel import on_first_rank
+from rockslip import Scene, load_scene, read_run
 from solver.pictures import pictures, style
 from solver.pictures.deformed import draw_deformed
 from solver.pictures.instants import instants
 from solver.reference.housner import RockingReference, housner
 from solver.results.report import report
 from solver.results.runs import Run
-from solver.run.folders import claim_folder
-from solver.run.progress import Progress
 
 HERE = Path(__file__).resolve().parent
-SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
+SCENE, OUTPUT = HERE / "scene.toml", output_of("free_rocking")
 # -
 
 # ## Running it
@@ -107,16 +103,9 @@ SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
 
 
 # +
-def claim(folder: Path, comm: MPI.Intracomm) -> None:
-    """Take a folder for a run on rank 0; where that fails, it fails on every rank."""
-    on_first_rank(comm, lambda: claim_folder(folder, SCENE, force=True))
-
-
 def rock(scene: Scene, folder: Path, comm: MPI.Intracomm = MPI.COMM_WORLD) -> None:
     """Run a scene into a folder."""
-    claim(folder, comm)
-    progress = Progress(scene.time.end, rank=comm.rank)
-    simulate(scene, folder=folder, progress=progress, comm=comm)
+    run_scene(scene, folder, SCENE, comm)
 
 
 # -
@@ -317,31 +306,17 @@ def show(folder: Path, others: list[Path]) -> int:
     return verdict("free_rocking", checks(run, matched))
 
 
-def complain(error: RockslipError) -> int:
-    """Say in one line what went wrong; returns the exit code."""
-    if MPI.COMM_WORLD.rank == 0:
-        print(f"free_rocking: {error}", file=sys.stderr)
-    return error.exit_code
-
-
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code, the same on every rank."""
-    parser = argparse.ArgumentParser(description="Free rocking of the paper's granite block.")
+    parser = parser_of("Free rocking of the paper's granite block.", OUTPUT)
     parser.add_argument("--steps", action="store_true", help="also with other steps and damping")
     options = parser.parse_args(arguments)
-    comm, scene = MPI.COMM_WORLD, load_scene(SCENE)
-    try:
-        rock(scene, OUTPUT, comm)
-        others = variants(OUTPUT, comm) if options.steps else []
-    except RockslipError as error:
-        return complain(error)
-    code = 0
-    if comm.rank == 0:
-        try:
-            code = show(OUTPUT, others)
-        except RockslipError as error:
-            code = complain(error)
-    return int(comm.bcast(code))
+
+    def work() -> list[Path]:
+        rock(load_scene(SCENE, options.set), options.output)
+        return variants(options.output) if options.steps else []
+
+    return conclude("free_rocking", work, lambda others: show(options.output, others))
 
 
 if __name__ == "__main__":

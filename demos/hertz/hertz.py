@@ -33,7 +33,6 @@
 # those of a steel roller of 0.2 m in diameter.
 
 # +
-import argparse
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,11 +43,12 @@ from matplotlib.figure import Figure
 from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
 from benchmarks.verification.load_steps import Tractions, pressed
 from benchmarks.verification.pressed_disc import disc_on_ground
+from demos.program import conclude, output_of, parser_of
 from demos.verdict import verdict
 from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.scene.material import Material
 
-OUTPUT = Path(__file__).resolve().parent / "output"
+OUTPUT = output_of("hertz")
 
 STEEL = Material(young=2.1e11, poisson=0.3, density=7850.0)
 RADIUS = 0.1  # R, m
@@ -188,13 +188,15 @@ def checks(contacts: list[Pressed]) -> list[tuple[bool, str]]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """The demo; returns its exit code."""
-    parser = argparse.ArgumentParser(description="Hertz's line contact by finite elements.")
-    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="folder of the picture")
-    options = parser.parse_args(arguments)
-    contacts = press()
-    print(f"\n{table(contacts)}\n\n{picture(contacts, options.output)}\n")
-    return verdict("hertz", checks(contacts))
+    """The demo; returns its exit code, the same on every rank."""
+    description = "Hertz's line contact by finite elements."
+    options = parser_of(description, OUTPUT, changes=False).parse_args(arguments)
+
+    def show(contacts: list[Pressed]) -> int:
+        print(f"\n{table(contacts)}\n\n{picture(contacts, options.output)}\n")
+        return verdict("hertz", checks(contacts))
+
+    return conclude("hertz", press, show)
 
 
 if __name__ == "__main__":

@@ -36,12 +36,13 @@ import argparse
 import sys
 from pathlib import Path
 
+from demos.program import output_of
 from demos.study import Rows, read_table
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 
 HERE = Path(__file__).resolve().parent
-SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
+SCENE, OUTPUT = HERE / "scene.toml", output_of("inertia")
 
 MAP = ("period=0.25,0.5,1,2", "friction=0.05,0.1,0.2,0.4")
 BLOCKS = ("friction=0.1,0.2,0.3",)

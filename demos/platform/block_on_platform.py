@@ -52,7 +52,6 @@
 # coefficient is 0.1, then 0.3. A block twice as wide as high would tip only with friction above 2.
 
 # +
-import argparse
 import sys
 from pathlib import Path
 
@@ -61,19 +60,16 @@ from mpi4py import MPI
 import numpy as np
 from matplotlib.figure import Figure
 
+from demos.program import conclude, output_of, parser_of, run_scene
 from demos.verdict import verdict
-from rockslip import Scene, load_scene, read_run, simulate
-from solver.errors import RockslipError
+from rockslip import Scene, load_scene, read_run
 from solver.excitation.motion import base_motion
-from solver.parallel import on_first_rank
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.results.runs import Run
-from solver.run.folders import claim_folder
-from solver.run.progress import Progress
 
 HERE = Path(__file__).resolve().parent
-SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
+SCENE, OUTPUT = HERE / "scene.toml", output_of("platform")
 
 FRICTIONS = (0.1, 0.3)
 MODELS = ("elastic", "rigid")
@@ -103,19 +99,11 @@ def variants(*changes: str) -> dict[str, Scene]:
     }
 
 
-def claim(folder: Path, comm: MPI.Intracomm) -> None:
-    """Take a folder for a run on rank 0; where that fails, it fails on every rank."""
-    on_first_rank(comm, lambda: claim_folder(folder, SCENE, force=True))
-
-
 def slide(folder: Path, *changes: str, comm: MPI.Intracomm = MPI.COMM_WORLD) -> list[Path]:
     """Run all variants of the scene, with other values changed or not; returns their folders."""
     folders = []
     for name, variant in variants(*changes).items():
-        folders.append(folder / name)
-        claim(folders[-1], comm)
-        progress = Progress(variant.time.end, rank=comm.rank)
-        simulate(variant, folder=folders[-1], progress=progress, comm=comm)
+        folders.append(run_scene(variant, folder / name, SCENE, comm))
     return folders
 
 
@@ -305,28 +293,10 @@ def show(folders: list[Path]) -> int:
     return verdict("block_on_platform", checks(runs, answers))
 
 
-def complain(error: RockslipError) -> int:
-    """Say in one line what went wrong; returns the exit code."""
-    if MPI.COMM_WORLD.rank == 0:
-        print(f"block_on_platform: {error}", file=sys.stderr)
-    return error.exit_code
-
-
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code, the same on every rank."""
-    argparse.ArgumentParser(description="Sliding on the paper's platform.").parse_args(arguments)
-    comm = MPI.COMM_WORLD
-    try:
-        folders = slide(OUTPUT, comm=comm)
-    except RockslipError as error:
-        return complain(error)
-    code = 0
-    if comm.rank == 0:
-        try:
-            code = show(folders)
-        except RockslipError as error:
-            code = complain(error)
-    return int(comm.bcast(code))
+    options = parser_of("Sliding on the paper's platform.", OUTPUT).parse_args(arguments)
+    return conclude("block_on_platform", lambda: slide(options.output, *options.set), show)
 
 
 if __name__ == "__main__":

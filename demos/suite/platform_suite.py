@@ -60,13 +60,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from demos.program import output_of
 from demos.study import Rows, read_table
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save
 
 HERE = Path(__file__).resolve().parent
-SCENE, OUTPUT = HERE / "scene.toml", HERE / "output"
+SCENE, OUTPUT = HERE / "scene.toml", output_of("suite")
 
 FRICTIONS = (0.1, 0.2, 0.3, 0.4)
 

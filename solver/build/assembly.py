@@ -19,7 +19,7 @@ from solver.bodies.rigid_box import RigidBox, rigid_box
 from solver.build.foundation import foundation
 from solver.build.meshed_body import meshed_body
 from solver.build.support import FoundationBody
-from solver.contact.body_points import FacePoints, NodePoints, RigidPoints
+from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.candidates import ContactPair, FixedContactPair, MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.crossing_interface import CrossingInterface
@@ -196,13 +196,13 @@ def _contacts(
 def _outline(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
     """Points of a rigid block that may touch, and the area of the bottom that each stands for, m2.
 
-    They are its corners, on facets also a grid on its bottom, no closer than the facets: forces of
-    more points than there are nodes below are not unique. Those of the top stand for as much as
-    those of the bottom: they touch where the block lies on its back.
+    They are its corners, on facets that deform also a grid on its bottom, no closer than the
+    facets: forces of more points than there are nodes below are not unique. Those of the top stand
+    for as much as those of the bottom: they touch where the block lies on its back.
     """
     sides = np.ptp(body.bottom, axis=0)[:-1]
     counts = [1] * len(sides)
-    if isinstance(carrier, Face):
+    if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
         counts = [max(1, int(side / carrier.facet + 1e-9)) for side in sides]
     lines = [np.linspace(0, 1, count + 1) for count in counts]
     fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
@@ -251,13 +251,16 @@ def _crossings(bottom: Face, top: Face) -> Crossings:
 
 
 def rim(points: FacePoints) -> FacePoints:
-    """Points of a level face that lie on its outline: some of a mesh, all of other bodies."""
-    if not isinstance(points, NodePoints):
+    """Points of a level face that lie on its outline: of what cannot bend, its corners."""
+    if isinstance(points, RigidPoints):
         return points
     level = points.reference[:, :-1]
     near = 1e-9 * np.ptp(level, axis=0)
     low, high = level.min(axis=0) + near, level.max(axis=0) - near
-    outline = np.flatnonzero(np.any((level < low) | (level > high), axis=1))
+    extreme = (level < low) | (level > high)
+    if isinstance(points, FixedPoints):
+        return FixedPoints(points.reference[np.all(extreme, axis=1)])
+    outline = np.flatnonzero(np.any(extreme, axis=1))
     return NodePoints(points.body, points.layer, points.reference, chosen=outline)
 
 

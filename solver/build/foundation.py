@@ -7,6 +7,8 @@ from functools import singledispatch
 
 from mpi4py import MPI
 
+from dolfinx import fem
+
 from geometry.foundation import Plate
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import plate_mesh
@@ -17,6 +19,7 @@ from solver.bodies.supports import GroundSpring, Support
 from solver.build.frame import build_frame
 from solver.build.meshed_body import meshed_body
 from solver.build.support import FoundationBody, damping_of, with_top
+from solver.contact.carrier_surface import carrier_surface
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import Foundation, OscillatorSpec, PlateSpec
@@ -51,25 +54,42 @@ def _oscillator(
 
 @_built.register
 def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """A meshed plate on its bottom, or on rollers and a spring; not meshed where all is held."""
+    """A meshed plate on its bottom, on rollers and a spring, or held altogether.
+
+    That which is held altogether is a rigid face unless it is to be meshed.
+    """
     if spec.support == "fixed":
+        if spec.meshed:
+            return _held_plate(spec, scene, comm)
         return FoundationBody(scene.dimension, width=spec.width, thickness=spec.thickness)
     damping = damping_of(scene, spec, lambda own: _plate_body(spec, scene, None, own)[0])
     return with_top(*_plate_body(spec, scene, damping, comm), number)
+
+
+def _held_plate(spec: PlateSpec, scene: Scene, comm: MPI.Intracomm) -> FoundationBody:
+    """A meshed plate that is held altogether."""
+    made = _plate_mesh(spec, scene, comm)
+    space = fem.functionspace(made.mesh, ("Lagrange", 1, (scene.dimension,)))
+    surface = carrier_surface(space, made.facet_tags, int(FacetTag.TOP))
+    return FoundationBody(scene.dimension, surface=surface, held=space)
+
+
+def _plate_mesh(spec: PlateSpec, scene: Scene, comm: MPI.Intracomm) -> MeshedBody:
+    """The mesh of a plate."""
+    return plate_mesh(
+        Plate(width=spec.width, height=spec.height, thickness=spec.thickness),
+        dimension=scene.dimension,
+        cells=spec.cells,
+        cell=spec.cell,
+        comm=comm,
+    )
 
 
 def _plate_body(
     spec: PlateSpec, scene: Scene, damping: DampingSpec | None, comm: MPI.Intracomm
 ) -> tuple[ElasticBody, MeshedBody]:
     """The body of a plate, and its mesh."""
-    dimension = scene.dimension
-    made = plate_mesh(
-        Plate(width=spec.width, height=spec.height, thickness=spec.thickness),
-        dimension=dimension,
-        cells=spec.cells,
-        cell=spec.cell,
-        comm=comm,
-    )
+    dimension, made = scene.dimension, _plate_mesh(spec, scene, comm)
     bottom = made.facet_tags.find(FacetTag.BOTTOM)
     spring, directions = None, tuple(range(dimension))
     if spec.on_spring:

@@ -9,13 +9,14 @@ from typing import NamedTuple
 from mpi4py import MPI
 
 import numpy as np
+from dolfinx import fem
 
 from geometry.foundation import level_frame
 from geometry.gmsh_model import MeshedBody
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
-from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
+from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face
 from solver.contact.plane_target import Carrier, Plane
@@ -54,9 +55,10 @@ class FoundationBody:
         dimension: Of space.
         number: Of its body in the system; None for what does not move.
         body: The body; None for what does not move.
-        width: Of a fixed plate, m; None for the endless ground.
-        thickness: Of a fixed plate in space, m.
+        width: Of a plate that is held altogether and not meshed, m; None for all others.
+        thickness: The same of its thickness.
         surface: Facets of the top of a meshed one.
+        held: Linear displacements on the mesh of a plate that is held altogether, all of them zero.
         storeys: Parts of a meshed one that moves as a whole.
     """
 
@@ -66,15 +68,17 @@ class FoundationBody:
     width: float | None = None
     thickness: float | None = None
     surface: Facets | None = None
+    held: fem.FunctionSpace | None = None
     storeys: Storeys = NO_STOREYS
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
         frame = level_frame(self.dimension)
         if self.surface is not None:
-            assert isinstance(self.body, ElasticBody)
             surface = self.surface
-            points = NodePoints(self.body, surface.layer, surface.positions)
+            points: FacePoints = FixedPoints(surface.positions)
+            if isinstance(self.body, ElasticBody):
+                points = NodePoints(self.body, surface.layer, surface.positions)
             return Face(points, surface.nodes, frame, surface.cell, surface.degree)
         if self.width is not None:
             corners, facets, cell = self._fixed(self.width)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
 from dolfinx import fem
 
 from solver.bodies.dense_body import DenseBody
@@ -14,6 +13,7 @@ from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.fields.ground import platform_corners
+from solver.fields.nodal_contact import nodal_contact
 from solver.fields.paraview import write_script
 from solver.fields.pvd import FieldsBefore, PvdIndex
 from solver.fields.rigid_writer import RigidFieldWriter
@@ -31,7 +31,7 @@ class SteppedRun(Protocol):
 
 
 class Snapshots:
-    """Displacement, velocity, stress and contact pressure of all bodies; collective."""
+    """Displacement, velocity, stress and contact of all bodies; collective."""
 
     def __init__(
         self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None
@@ -42,7 +42,7 @@ class Snapshots:
         writes = system.comm.rank == 0
         before = before or FieldsBefore()
         index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
-        self._bodies: list[MeshedFields | RigidFields] = []
+        self._bodies: list[MeshedFields | RigidFields | HeldFields] = []
         for number, body in enumerate(system.bodies):
             file = before.file(folder, body.name)
             if isinstance(body, ElasticBody):
@@ -53,6 +53,10 @@ class Snapshots:
                     file, corners, index=index, part=number, name=body.name, writes=writes
                 )
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
+        held = run.assembly.support.held
+        if held is not None:
+            file, part = before.file(folder, "plate"), len(self._bodies)
+            self._bodies.append(HeldFields(held, file, index, part))
         if writes:
             elastic = any(isinstance(body, ElasticBody) for body in system.bodies)
             write_script(folder, scene, stress=elastic)
@@ -89,12 +93,18 @@ class MeshedFields:
         self._number, space = number, body.space
         self._displacement, self._velocity = fem.Function(space), fem.Function(space)
         degree = space.element.basix_element.degree
-        self._pressure = fem.Function(fem.functionspace(space.mesh, ("Lagrange", degree)))
+        scalars = fem.functionspace(space.mesh, ("Lagrange", degree))
+        self._pressure, self._state = fem.Function(scalars), fem.Function(scalars)
+        self._friction = fem.Function(space)
         self._writer = FieldWriter(
             file,
-            displacement=self._displacement,
-            velocity=self._velocity,
-            contact_pressure=self._pressure,
+            nodal={
+                "displacement": self._displacement,
+                "velocity": self._velocity,
+                "contact_pressure": self._pressure,
+                "friction": self._friction,
+                "contact_state": self._state,
+            },
             material=body.material,
             thickness=body.thickness,
             index=index,
@@ -108,23 +118,44 @@ class MeshedFields:
         for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
             function.x.array[: body.size] = values[self._own]
             function.x.scatter_forward()
-        self._fill_pressure(state)
+        self._fill_contact(state)
         self._writer.write(time)
 
-    def _fill_pressure(self, state: State) -> None:
-        """The point forces spread over the nodes, over the area that belongs to each of them."""
+    def _fill_contact(self, state: State) -> None:
+        """Pressure, friction and state of the nodes."""
         body = self._body
-        self._pressure.x.array[:] = 0.0
+        for function in (self._pressure, self._friction, self._state):
+            function.x.array[:] = 0.0
         for link, memory in zip(self._run.assembly.stepper.links, state.contacts, strict=True):
             contact = link.interface.points
             if link.body != self._number or not isinstance(contact, NitschePoints):
                 continue
-            points = contact.points
-            area = points.values_T @ (points.weight * memory.may_touch) * body.thickness
-            force = points.values_T @ memory.force[:, 0]
-            pressure = np.divide(force, area, out=np.zeros_like(force), where=area > 0)
-            points.layer.add(self._pressure.x.array[: body.owned], np.maximum(pressure, 0.0))
-        self._pressure.x.scatter_forward()
+            found = nodal_contact(contact.points, memory, body.thickness)
+            layer = contact.points.layer
+            layer.add(self._pressure.x.array[: body.owned], found.pressure)
+            layer.add(self._state.x.array[: body.owned], found.state)
+            layer.add(
+                self._friction.x.array[: body.size].reshape(-1, body.dimension), found.friction
+            )
+
+    def close(self) -> None:
+        """Finish the files."""
+        self._writer.close()
+
+
+class HeldFields:
+    """A plate that is meshed and held altogether: it stands where it stood, without stress."""
+
+    def __init__(self, space: fem.FunctionSpace, file: Path, index: PvdIndex, part: int):
+        """Open the files of the plate; its displacements are those of the space, all zero."""
+        nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
+        self._writer = FieldWriter(
+            file, nodal=nodal, material=None, index=index, part=part, name="plate"
+        )
+
+    def write(self, time: float) -> None:
+        """Write the plate."""
+        self._writer.write(time)
 
     def close(self) -> None:
         """Finish the files."""

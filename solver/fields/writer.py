@@ -1,4 +1,4 @@
-"""Fields of a run for ParaView: displacement, velocity, von Mises stress and contact pressure.
+"""Fields of a run for ParaView: those at the nodes of a body as they are given, and its stress.
 
 The mesh in the files is the undeformed block in its own frame; mesh + displacement is the place in
 the ground frame, so "warp by vector" with factor 1 shows the block as it stands.
@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import ufl
 from dolfinx import fem, io
 
@@ -22,11 +24,10 @@ END = b"</VTKFile>\n"
 """What a piece ends with."""
 
 
-def von_mises_stress(displacement: fem.Function, material: Material) -> Any:
-    """The von Mises stress sqrt(3/2 s : s), s the deviator of the Cauchy stress, in UFL, Pa.
+def cauchy_stress(displacement: fem.Function, material: Material) -> Any:
+    """The Cauchy stress F S F^T / det F, with S of St. Venant-Kirchhoff, in UFL, (3, 3), Pa.
 
-    The Cauchy stress is F S F^T / det F, with S of St. Venant-Kirchhoff. In plane strain it has the
-    out-of-plane part lambda tr(E) / det F; in plane stress none; in space it is there as it is.
+    In plane strain it has the out-of-plane part lambda tr(E) / det F; in plane stress none.
     """
     gradient = ufl.grad(displacement)
     dimension = displacement.function_space.mesh.geometry.dim
@@ -36,29 +37,55 @@ def von_mises_stress(displacement: fem.Function, material: Material) -> Any:
     deformation = identity + gradient
     volume = ufl.det(deformation)
     cauchy = deformation * second * deformation.T / volume
+    if dimension == 3:
+        return cauchy
     across = material.lame * ufl.tr(strain) / volume if material.plane == "strain" else 0
-    mean = (ufl.tr(cauchy) + across) / 3
-    squares = ufl.inner(cauchy - mean * identity, cauchy - mean * identity)
-    if dimension == 2:
-        squares += (across - mean) ** 2
-    return ufl.sqrt(1.5 * squares)
+    rows = [[cauchy[0, 0], cauchy[0, 1], 0], [cauchy[1, 0], cauchy[1, 1], 0], [0, 0, across]]
+    return ufl.as_tensor(rows)
+
+
+def von_mises_stress(cauchy: Any) -> Any:
+    """The von Mises stress sqrt(3/2 s : s), s the deviator of the Cauchy stress, in UFL, Pa."""
+    deviator = cauchy - ufl.tr(cauchy) / 3 * ufl.Identity(3)
+    return ufl.sqrt(1.5 * ufl.inner(deviator, deviator))
+
+
+class CellMean:
+    """The mean of an expression over each cell of a mesh, as a function that files can hold."""
+
+    def __init__(
+        self, name: str, expression: Any, mesh: Any, *, times: float, rule: Mapping[str, int]
+    ):
+        """Compile the integral; `times` is what the expression is to be divided by."""
+        shape = expression.ufl_shape
+        space = fem.functionspace(mesh, ("DG", 0, shape) if shape else ("DG", 0))
+        self.function = fem.Function(space, name=name)
+        test, dx = ufl.TestFunction(space), ufl.dx(metadata=dict(rule))
+        self._integral = fem.form(ufl.inner(expression, test) * dx)
+        each = ufl.TestFunction(fem.functionspace(mesh, ("DG", 0)))
+        volume = times * fem.assemble_vector(fem.form(each * ufl.dx(domain=mesh))).array
+        self._owned = space.dofmap.index_map.size_local * space.dofmap.index_map_bs
+        self._volume = np.repeat(volume, space.dofmap.index_map_bs)[: self._owned]
+
+    def fill(self) -> None:
+        """Let the function be the mean of the expression as it is; collective."""
+        integral = fem.assemble_vector(self._integral).array
+        self.function.x.array[: self._owned] = integral[: self._owned] / self._volume
 
 
 class FieldWriter:
     """Writes the pieces of one body and lists them in the index; every rank calls every method.
 
-    The functions are those of the solver, written as they are at the time of the call. The stress
-    is the mean over each cell; the other fields have the degree of the displacement.
+    The functions are written as they are at the time of the call. The stress is the mean over each
+    cell; the other fields have the degree of the displacement.
     """
 
     def __init__(
         self,
         file: Path,
         *,
-        displacement: fem.Function,
-        velocity: fem.Function,
-        contact_pressure: fem.Function,
-        material: Material,
+        nodal: Mapping[str, fem.Function],
+        material: Material | None,
         thickness: float = 1.0,
         index: PvdIndex | None = None,
         part: int = 0,
@@ -66,29 +93,26 @@ class FieldWriter:
     ):
         """Open the files, named after `file`: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
 
-        When the writer is closed this file lists them, too: the body alone. The displacement (m) is
-        place in the ground frame minus mesh position, the velocity (m/s) relative to the ground,
-        the contact pressure (Pa, >= 0) a scalar function of the same degree. The thickness (m) is
-        what stresses of the material are times. The index lists the pieces of all bodies as they
-        are written, by number and name of the body; None: `file` does.
+        When the writer is closed this file lists them, too: the body alone. Functions at the nodes
+        are of one degree, by the names of their fields; the `displacement` (m) is place in the
+        ground frame minus mesh position. The thickness (m) is what stresses of the material are
+        times; no material: no stress. The index lists the pieces of all bodies as they are written,
+        by number and name of the body; None: `file` does.
         """
-        mesh = displacement.function_space.mesh
-        cellwise = fem.functionspace(mesh, ("DG", 0))
-        self._stress = fem.Function(cellwise)
-        named = {
-            "displacement": displacement,
-            "velocity": velocity,
-            "contact_pressure": contact_pressure,
-            "von_mises": self._stress,
-        }
-        for field, function in named.items():
+        displacement = nodal["displacement"]
+        mesh = self._mesh = displacement.function_space.mesh
+        for field, function in nodal.items():
             function.name = field
-        self._functions = list(named.values())
-        rule = {"quadrature_degree": 2 * displacement.function_space.element.basix_element.degree}
-        test = ufl.TestFunction(cellwise)
-        stress = von_mises_stress(displacement, material)
-        self._integral = fem.form(stress * test * ufl.dx(metadata=rule))
-        self._volume = thickness * fem.assemble_vector(fem.form(test * ufl.dx)).array
+        self._means: list[CellMean] = []
+        if material is not None:
+            degree = displacement.function_space.element.basix_element.degree
+            stress, rule = cauchy_stress(displacement, material), {"quadrature_degree": 2 * degree}
+            named = {"von_mises": von_mises_stress(stress), "stress": stress}
+            self._means = [
+                CellMean(name, each, mesh, times=thickness, rule=rule)
+                for name, each in named.items()
+            ]
+        self._functions = [*nodal.values(), *(mean.function for mean in self._means)]
         self._writer = io.VTKFile(mesh.comm, file, "w")
         self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
         self._folder, self._stem, self._count = file.parent, file.stem, 0
@@ -96,9 +120,8 @@ class FieldWriter:
 
     def write(self, time: float) -> None:
         """Write the fields at a time (s)."""
-        owned = self._stress.function_space.dofmap.index_map.size_local
-        integral = fem.assemble_vector(self._integral).array
-        self._stress.x.array[:owned] = integral[:owned] / self._volume[:owned]
+        for mean in self._means:
+            mean.fill()
         for function in self._functions:
             function.x.scatter_forward()
         self._writer.write_function(self._functions, time)
@@ -113,7 +136,7 @@ class FieldWriter:
 
         Local, and after all that ranks do together.
         """
-        rank = self._stress.function_space.mesh.comm.rank
+        rank = self._mesh.comm.rank
         piece = self._folder / f"{self._stem}_p{rank}_{self._count:06d}.vtu"
         with piece.open("rb") as stream:
             stream.seek(max(-len(END), -piece.stat().st_size), os.SEEK_END)

@@ -84,6 +84,16 @@ def test_check_tells_of_a_platform(granite: Path, capsys: Captured) -> None:
     assert "expected mode" not in text
 
 
+def test_check_tells_whether_a_held_plate_is_meshed(granite: Path, capsys: Captured) -> None:
+    plate = "kind='elastic', width=2.0, height=0.1, young=2e11, poisson=0.3, mass_ratio=2.0"
+    text = checked(capsys, f"foundation={{{plate}}}")
+    assert "plate, 2 x 0.1 x 0.75 m, held everywhere: a rigid face with ends" in text
+    assert "quadrilaterals of degree 1, 125" not in text
+    text = checked(capsys, f"foundation={{{plate}, degree=2, meshed=true}}")
+    assert "meshed plate, 2 x 0.1 x 0.75 m, held everywhere density 1676.67 kg/m3" in text
+    assert "mesh 96 quadrilaterals of degree 1, 125 nodes, all of them held" in text
+
+
 def test_check_reports_the_period_of_meshed_foundations(
     granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:

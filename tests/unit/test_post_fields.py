@@ -43,7 +43,8 @@ u, v, p = fem.Function(V), fem.Function(V), fem.Function(Q)
 lame, shear = 2.0e9, 3.0e9
 material = Material(young=shear * (3 * lame + 2 * shear) / (lame + shear),
                     poisson=lame / (2 * (lame + shear)), density=1.0, plane=plane)
-fields = FieldWriter(file, displacement=u, velocity=v, contact_pressure=p, material=material)
+nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
+fields = FieldWriter(file, nodal=nodal, material=material)
 with closing(fields) as writer:
     writer.write(0.0)
     u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
@@ -53,15 +54,27 @@ with closing(fields) as writer:
 """
 
 
-def von_mises(plane: str) -> float:
-    """The stress of DEFORMATION: diagonal in the turned frame."""
+def principal(plane: str) -> list[float]:
+    """The stresses of DEFORMATION: along and beside the stretch, and across the plane."""
     strain = STRETCH + STRETCH**2 / 2
     lame = LAME if plane == "strain" else 2 * LAME * SHEAR / (LAME + 2 * SHEAR)
     along = (lame + 2 * SHEAR) * strain * (1 + STRETCH)
     beside = lame * strain / (1 + STRETCH)
-    across = beside if plane == "strain" else 0.0
+    return [along, beside, beside if plane == "strain" else 0.0]
+
+
+def von_mises(plane: str) -> float:
+    """Of the principal stresses."""
+    along, beside, across = principal(plane)
     squares = (along - beside) ** 2 + (beside - across) ** 2 + (across - along) ** 2
     return float(np.sqrt(squares / 2))
+
+
+def cauchy(plane: str) -> NDArray[np.float64]:
+    """Diagonal in the turned frame, and across the plane."""
+    turned = np.eye(3)
+    turned[:2, :2] = ROTATION
+    return np.asarray(turned @ np.diag(principal(plane)) @ turned.T)
 
 
 def python(code: str, *arguments: object, ranks: int) -> None:
@@ -98,6 +111,8 @@ def assert_fields(grid: pyvista.UnstructuredGrid, plane: str) -> None:
     np.testing.assert_allclose(data["velocity"], np.hstack([turning, zeros]), atol=1e-14)
     np.testing.assert_allclose(data["contact_pressure"], 7.0 - place[:, 1], atol=1e-13)
     np.testing.assert_allclose(grid.cell_data["von_mises"], von_mises(plane), rtol=1e-9)
+    stress = np.tile(cauchy(plane).ravel(), (grid.n_cells, 1))
+    np.testing.assert_allclose(grid.cell_data["stress"], stress, atol=1e-9 * np.abs(stress).max())
 
 
 # An elastic block (part 0) and a rigid one (part 1), at two instants; the second is never closed.
@@ -127,8 +142,9 @@ plane = ["strain", "solid"][dimension - 2]
 material = Material(young=8e9, poisson=0.2, density=1.0, plane=plane)
 index = PvdIndex(folder / "fields.pvd", writes=comm.rank == 0)
 corners = np.array(Block(width=0.4, height=0.1, thickness=0.4, density=1.0).corners(dimension))
-elastic = FieldWriter(folder / "fields_stone.pvd", displacement=u, velocity=v, contact_pressure=p,
-                      material=material, index=index, part=first)
+nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
+elastic = FieldWriter(folder / "fields_stone.pvd", nodal=nodal, material=material, index=index,
+                      part=first)
 rigid = RigidFieldWriter(folder / "fields_lid.pvd", corners, index=index, part=1 - first,
                          writes=comm.rank == 0)
 for time in (0.0, 0.1):
@@ -226,6 +242,8 @@ def test_stress_in_space(tmp_path: Path) -> None:
     along = (lame + 2 * shear) * strain * 1.1
     beside = lame * strain / 1.1
     np.testing.assert_allclose(grid.cell_data["von_mises"], along - beside, rtol=1e-9)
+    stress = np.tile(np.diag([along, beside, beside]).ravel(), (grid.n_cells, 1))
+    np.testing.assert_allclose(grid.cell_data["stress"], stress, atol=1e-9 * along)
 
 
 @pytest.mark.parametrize(

@@ -170,6 +170,10 @@ class TestPlatforms:
             ),
             (PLATE | {"support": "rollers"}, "period is required (exactly one of"),
             (PLATE | {"mass": 1.0}, "mass: got both mass and density, allowed exactly one of mass"),
+            (
+                PLATE | {"meshed": True},
+                'meshed applies to a plate with support = "fixed" only: others',
+            ),
             (PLATE | {"support": "roler"}, 'support: got "roler", allowed "fixed" or "bottom" or '),
             (PLATE | {"thickness": 1.0}, "thickness: got 1.0, allowed that of the blocks, 0.75, "),
             (PLATE | {"cell": "hexahedron"}, 'cell: got "hexahedron", allowed "quadrilateral" or '),

@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from solver.errors import RockslipError
+
 DEMO = Path(__file__).parents[2] / "demos" / "free_rocking" / "free_rocking.py"
 
 Captured = pytest.CaptureFixture[str]
@@ -172,8 +174,8 @@ def test_a_second_run_takes_the_place_of_the_first(demo: ModuleType, tmp_path: P
 
 
 def test_it_never_runs_into_the_folder_of_its_scene(demo: ModuleType) -> None:
-    with pytest.raises(demo.RockslipError, match="holds the scene itself"):
-        demo.claim(demo.HERE, demo.MPI.COMM_WORLD)
+    with pytest.raises(RockslipError, match="holds the scene itself"):
+        demo.rock(demo.load_scene(demo.SCENE), demo.HERE)
 
 
 def test_a_demo_that_cannot_write_says_so(

@@ -1,4 +1,4 @@
-"""A meshed plate: kind = "elastic"."""
+"""A plate: kind = "elastic"."""
 
 from __future__ import annotations
 
@@ -74,6 +74,8 @@ class PlateSpec(Foundation):
     of `[damping]`."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
     """What holds the plate, as described above."""
+    meshed: bool = False
+    """Whether a plate that is held everywhere is meshed; other plates always are."""
     period: Positive | None = None
     """T of the empty plate taken as rigid, s; rollers only. Default: -; rollers: this or
     `stiffness`."""
@@ -89,6 +91,8 @@ class PlateSpec(Foundation):
         exactly_one(self, "mass", "mass_ratio", "density")
         if self.support == "fixed" and self.damping is not None:
             raise not_applicable("damping", "a plate that is not held everywhere")
+        if self.support != "fixed" and self.meshed:
+            raise not_applicable("meshed", 'a plate with support = "fixed" only: others always are')
         if self.on_spring:
             exactly_one(self, "period", "stiffness")
             return
@@ -182,10 +186,16 @@ class PlateSpec(Foundation):
     def describe(self, dimension: Dimension, carried: float) -> Lines:
         """What `rockslip check` says of it."""
         size = f"{self.width:g} x {self.height:g} x {self.thickness:g} m"
+        if self.support == "fixed" and not self.meshed:
+            return [("foundation", f"plate, {size}, {SUPPORTS['fixed']}: a rigid face with ends")]
+        mesh = box_mesh_size(self, dimension)
+        if self.support == "fixed":
+            mesh = box_mesh_size(replace(self, degree=1), dimension)
+            mesh = f"{mesh.rpartition(', ')[0]}, all of them held"
         return [
             ("foundation", f"meshed plate, {size}, {SUPPORTS[self.support]}"),
             ("  density", f"{self.shape(carried).density:.6g} kg/m3"),
-            ("  mesh", box_mesh_size(self, dimension)),
+            ("  mesh", mesh),
             *sway_damping(self.sway_damping_ratio),
         ]
 

@@ -1,0 +1,75 @@
+"""What the demos share: where they write, how they run a scene, and how they end."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from mpi4py import MPI
+
+from rockslip import Scene, simulate
+from solver.cli import INTERRUPTED
+from solver.errors import RockslipError
+from solver.parallel import on_first_rank
+from solver.run.folders import claim_folder
+from solver.run.progress import Progress
+
+Made = TypeVar("Made")
+
+CHANGES = "other values of the scene, such as time.end=0.5; the checks are meant for its own"
+
+
+def output_of(demo: str) -> Path:
+    """Where a demo writes unless it is told: a folder in the current one, which is the user's."""
+    return Path("output") / demo
+
+
+def parser_of(description: str, output: Path, *, changes: bool = True) -> argparse.ArgumentParser:
+    """A command line with `--output DIR`, and `--set KEY=VALUE ...` for demos of a scene."""
+    parser = argparse.ArgumentParser(description=description)
+    text = f"folder of the results; default {output}, in the current folder"
+    parser.add_argument("-o", "--output", type=Path, default=output, metavar="DIR", help=text)
+    if changes:
+        parser.add_argument("--set", nargs="+", default=[], metavar="KEY=VALUE", help=CHANGES)
+    return parser
+
+
+def run_scene(
+    scene: Scene, folder: Path, source: Path, comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> Path:
+    """Run a scene into a folder, which is made anew as with `rockslip run --force`; returns it.
+
+    `source` is the scene's file, whose own folder is refused. A run that is interrupted ends the
+    demo.
+    """
+    on_first_rank(comm, lambda: claim_folder(folder, source, force=True))
+    progress = Progress(scene.time.end, rank=comm.rank)
+    result = simulate(scene, folder=folder, progress=progress, comm=comm)
+    if result.status == "interrupted":
+        raise SystemExit(INTERRUPTED)
+    return folder
+
+
+def conclude(
+    program: str,
+    work: Callable[[], Made],
+    show: Callable[[Made], int],
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> int:
+    """Work on all ranks, show and judge on the first; returns the exit code, on every rank.
+
+    What goes wrong is said in one line.
+    """
+    code = 0
+    try:
+        made = work()
+        if comm.rank == 0:
+            code = show(made)
+    except RockslipError as error:
+        if comm.rank == 0:
+            print(f"{program}: {error}", file=sys.stderr)
+        code = error.exit_code
+    return int(comm.bcast(code))
