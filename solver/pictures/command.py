@@ -99,13 +99,14 @@ def plot_runs(options: argparse.Namespace) -> int:
         return 0
     runs = read_runs(options.runs)
     try:
-        from solver.pictures.pictures import picture_run, picture_runs
+        from solver.pictures.pictures import picture_run, picture_runs, tables_of_run
     except ImportError as error:
         raise not_installed(error) from error
     folder = options.output or options.runs[0]
     open_folder(folder)
     if len(runs) == 1:
         files = picture_run(runs[0], folder, options.formats)
+        files += tables_of_run(runs[0], folder)
     else:
         files = picture_runs(runs, folder, options.formats)
     say("".join(f"{file}\n" for file in files))

@@ -50,9 +50,13 @@ def picture_run(
     files = []
     for name, draw in figures.items():
         files += save_as(draw, folder / name, formats)
-    if spectra:
-        files.append(write_floors(spectra, folder))
     return files
+
+
+def tables_of_run(run: Run, folder: Path | None = None) -> list[Path]:
+    """Write what pictures of a run show and its history does not have, as tables."""
+    spectra = floor_spectra(run.history)
+    return [write_floors(spectra, folder or run.folder)] if spectra else []
 
 
 def picture_runs(

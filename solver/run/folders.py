@@ -12,7 +12,10 @@ from solver.errors import SceneError, Statement
 from solver.launcher import hidden_by_in_env
 
 #: Pictures that are drawn of runs.
-PICTURES = ("angle", "phase", "platform", "forces", "energy", "motion", "deformed", "overlay")
+PICTURES = (
+    *("angle", "phase", "platform", "floors", "forces", "energy", "motion", "deformed"),
+    "overlay",
+)
 
 #: Name of the page about a run or a study.
 REPORT = "report.html"
@@ -22,6 +25,7 @@ LEFT_BEHIND = (
     "history.csv",
     "summary.json",
     "summary.json.part",
+    "floor_spectra.csv",
     "checkpoint.npz",
     "checkpoint.npz.part",
     "run.log",

@@ -33,7 +33,7 @@ def assert_pictures(folder: Path, names: list[str]) -> None:
 
 
 def test_pictures_of_a_stack_on_a_platform(tmp_path: Path) -> None:
-    names = ["angle", "phase", "platform", "forces", "energy", "deformed"]
+    names = ["angle", "phase", "platform", "forces", "energy", "floors", "deformed"]
     assert_pictures(stack(tmp_path / "stack"), [f"{name}.png" for name in names])
 
 

@@ -41,6 +41,20 @@ model = "rigid"
 """
 OSCILLATOR = '[foundation]\nkind = "oscillator"\nmass_ratio = 0.5\nperiod = 0.4\n'
 
+FRAME = """
+[foundation]
+kind = "frame"
+deck = { width = 2.0, height = 0.3 }
+column = { width = 0.1, young = 2e11 }
+storey = [{ height = 1.0 }, { height = 1.0 }]
+feet = { vertical = 1e9 }
+young = 3e10
+poisson = 0.2
+density = 2500.0
+damping_ratio = 0.05
+cells = { bay = 4, column = 1, deck = 1, storey = 2 }
+"""
+
 SCENES = {
     "rigid, plane": RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
     "rigid, plane, stack on platform": RIGID + UPPER + OSCILLATOR + SHAKEN + STEPS,
@@ -49,6 +63,7 @@ SCENES = {
     "meshed, adaptive": TILTED + "[damping]\nstiffness = 3e-5\n[time]\nend = 0.16\n",
     "meshed, damped steps": COARSE + SHAKEN + STEPS + "damped_steps = 8\n",
     "meshed, theta": TILTED + "[contact]\ntheta = 1\nfriction = 0.2\n" + SHAKEN + STEPS,
+    "meshed, on a frame": COARSE + FRAME + SHAKEN + STEPS.replace("0.3", "0.2"),
     "mixed, on platform": COARSE + UPPER + OSCILLATOR + SHAKEN + STEPS,
 }  # fmt: skip
 

@@ -33,6 +33,7 @@ CAPTIONS = {
     "angle": "Angle of the blocks against time, below the acceleration of the ground if it moves",
     "phase": "Angular velocity against angle",
     "platform": "Drift of the platform, slips, and acceleration of platform and ground",
+    "floors": "Response spectra of ground and floors",
     "forces": "Normal force and friction over the weight, and slips",
     "energy": "Where the energy is, and where it went",
     "motion": "The motion of the ground: acceleration, Husid plot, response spectrum",
@@ -137,6 +138,11 @@ def _platform(summary: Mapping[str, Any]) -> list[str]:
     }
     found = summary.get("platform", {})
     rows = [(text, _number(found[key], 1e3)) for key, text in names.items() if key in found]
+    forces = {
+        "peak_base_shear_N": "peak base shear (kN)",
+        "peak_overturning_moment_Nm": "peak overturning moment (kN m)",
+    }
+    rows += [(text, _number(found[key], 1e-3)) for key, text in forces.items() if key in found]
     return [named(rows)] if rows else []
 
 
