@@ -50,8 +50,8 @@ SCENE, OUTPUT = HERE / "scene.toml", output_of("ensemble")
 #
 #     rockslip study suite scene.toml --count 100 --levels 0.3:0.7:5 --engines rigid,ode
 #
-# The elastic block takes longer, minutes for each motion: `--engines rigid,ode,elastic`. A study
-# that was interrupted goes on where it was.
+# The elastic block takes longer, up to a minute for each motion: `--engines rigid,ode,elastic`. A
+# study that was interrupted goes on where it was.
 
 # +
 COMMAND = ["suite", str(SCENE), "--levels", "0.3:0.7:5", "--engines", "rigid,ode"]
