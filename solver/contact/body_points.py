@@ -165,8 +165,9 @@ class NitschePoints:
         self.count, self.dimension = points.count, points.dimension
         self.reference, self.size = points.reference, points.size
         self._layer = points.layer
-        point, nodes = points.rows.index[:, :1], points.layer.numbers(points.rows.index[:, 1:])
-        self._rows = points.rows._replace(index=np.concatenate([point, nodes], axis=1))
+        numbers = points.rows.numbers.copy()
+        numbers[:, 1:] = points.layer.numbers(numbers[:, 1:])
+        self._rows = points.rows._replace(numbers=numbers)
         self._index, self._table, _ = self._rows
 
     def observe(self, u: Array | None) -> NitscheState:
@@ -194,7 +195,9 @@ class NitschePoints:
         else:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
             states = old.values, new.values
-            add_contact_forces(self._index, self._table, *states, force, *pull, nodal)
+            scale, pulled, frame, before, after = pull
+            pulls = scale, pulled, frame, before, after
+            add_contact_forces(self._index, self._table, *states, force, *pulls, nodal)
         self._layer.put(owned, nodal)
 
 

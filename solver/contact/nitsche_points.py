@@ -17,7 +17,6 @@ from solver.contact.facets import Evaluations, evaluate_facets, gather
 from solver.contact.kernels.nitsche import (
     NitscheState,
     SurfaceRows,
-    TractionPull,
     add_contact_forces,
     add_traction_gradient,
     evaluate,
@@ -116,8 +115,9 @@ class ContactPoints:
         at_rest = np.zeros((self.layer.size, self.dimension))
         state, nothing = self.evaluate(at_rest).values, np.zeros((self.count, 2))
         unloaded, frame = np.zeros_like(self.reference), np.eye(self.dimension)
-        pull = TractionPull(nothing, unloaded, frame, 0.5, 0.5)
-        add_contact_forces(*self.rows[:2], state, state, unloaded, *pull, at_rest)
+        numbers, table, _ = self.rows
+        pull = nothing, unloaded, frame, 0.5, 0.5
+        add_contact_forces(numbers, table, state, state, unloaded, *pull, at_rest)
 
     def evaluate(self, displacement: Array) -> NitscheState:
         """Positions and tractions for the displacements (nodes, d) of the layer."""
@@ -131,7 +131,8 @@ class ContactPoints:
         DT is the discrete gradient of the traction between two states.
         """
         nodal = np.zeros((self.layer.size, self.dimension))
-        add_traction_gradient(*self.rows[:2], old.values, new.values, vector, nodal)
+        numbers, table, _ = self.rows
+        add_traction_gradient(numbers, table, old.values, new.values, vector, nodal)
         return nodal
 
     def traction_rows(self) -> sp.csr_matrix:

@@ -117,8 +117,8 @@ class Observer:
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:
             check_filled(self._columns, row[None])
-        written: list[float] = row.take(self._written).tolist()
-        return written
+        written: Any = row.take(self._written).tolist()
+        return list(written)
 
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""

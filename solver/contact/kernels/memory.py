@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from solver.law.compiled import borrowed, compiled
 from solver.law.friction import SLIPPED, Bounds, FrictionLaws, pasts_after, points_that_slip
-from solver.types import Array, Mask
+from solver.types import Array
 
 
 @compiled
 def after_step(
-    friction_laws: tuple[Array, Array, Array, Array, Mask],
+    friction_laws: tuple[Any, ...],
     force: Array,
     y: Array,
     old_force: Array,

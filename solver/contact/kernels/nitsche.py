@@ -18,7 +18,7 @@ from solver.types import Array, Indices
 class SurfaceRows(NamedTuple):
     """What turns displacements into positions and tractions: e evaluations that make p points."""
 
-    index: Indices
+    numbers: Indices
     """The point that each evaluation belongs to, and the nodes that it reaches, (e, 1 + k)."""
     table: Array
     """Of each evaluation one after another, (e, 1 + k + k d + d d d): its weight in the averages of
@@ -42,8 +42,8 @@ class SurfaceRows(NamedTuple):
         """The parts, as the fields name them, put together."""
         e = len(nodes)
         parts = share[:, None], values, gradients.reshape(e, -1), stress_rows.reshape(e, -1)
-        index = np.column_stack([point, nodes]).astype(np.int64)
-        return cls(index, np.concatenate(parts, axis=1), np.ascontiguousarray(reference))
+        numbers = np.column_stack([point, nodes]).astype(np.int64)
+        return cls(numbers, np.concatenate(parts, axis=1), np.ascontiguousarray(reference))
 
 
 class NitscheState(NamedTuple):
@@ -64,7 +64,7 @@ def new_state(rows: SurfaceRows) -> NitscheState:
     Compiled code fills it, as all arrays here: each one that it returned would cost a microsecond.
     """
     p, d = rows.reference.shape
-    values = np.empty((2 * p + len(rows.index) * (d + 1), d))
+    values = np.empty((2 * p + len(rows.numbers) * (d + 1), d))
     return NitscheState(values, values[:p], values[p : 2 * p])
 
 
