@@ -194,10 +194,9 @@ class NitschePoints:
             add_point_forces(self._index, self._table, force, nodal)
         else:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
-            states = old.values, new.values
             scale, pulled, frame, before, after = pull
-            pulls = scale, pulled, frame, before, after
-            add_contact_forces(self._index, self._table, *states, force, *pulls, nodal)
+            rows, states = (self._index, self._table), (old.values, new.values)
+            add_contact_forces(*rows, *states, force, scale, pulled, frame, before, after, nodal)
         self._layer.put(owned, nodal)
 
 
