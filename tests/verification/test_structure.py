@@ -365,7 +365,7 @@ def test_what_is_no_structure_is_refused_in_one_line(changed: dict[str, Any], me
 
 @pytest.mark.slow
 def test_a_frame_drifts_as_the_oscillator_of_its_mass_stiffness_and_damping() -> None:
-    """Under a block that slides: within 2 % of the peak at all times."""
+    """Under a block that slides: peaks within 2 %, and 3 % of the peak at all times."""
     frame = FRAME | {"column": {"width": 0.16, "density": 1.0}, "damping_ratio": 0.05}
     block = {"width": 0.8, "height": 0.4, "mass": 2000.0}
     motion = {"kind": "one_sine", "amplitude_g": 0.3, "duration": 0.4}
@@ -383,4 +383,4 @@ def test_a_frame_drifts_as_the_oscillator_of_its_mass_stiffness_and_damping() ->
     assert np.abs(meshed.history["block.slip_m"]).max() > 5e-3
     peak = np.abs(exact).max()
     assert np.abs(drift).max() == pytest.approx(peak, rel=0.02)
-    np.testing.assert_allclose(drift, exact, atol=0.02 * peak)
+    np.testing.assert_allclose(drift, exact, atol=0.03 * peak)
