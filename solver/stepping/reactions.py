@@ -67,7 +67,7 @@ def with_impulses(system: System, forces: GroundForces, change: Array, dt: float
     """The forces with what holds supports while velocities change by impulses (m/s) in a step."""
     nodal, total = forces.nodal.copy(), forces.total.copy()
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and len(body.fixed):
+        if isinstance(body, ElasticBody) and body.clamped:  # on all ranks alike: collective
             impulse = np.zeros(body.size)
             impulse[body.fixed] = body.inertia(change[own])[body.fixed]
             nodal[own] += impulse / dt

@@ -54,26 +54,29 @@ def test_histories_agree(serial: Path, ranks: int) -> None:
     many = History.read(serial / f"ranks{ranks}" / "history.csv")
     assert len(one) == len(many) == 3001
     first = one["time_s"] <= 1.0
-    # Lengths in relation to the block's width. Rocking multiplies round-off by 15 to 40 in every
-    # impact: displacements then differ by 1e-13 m and, because the contact is stiff, forces by
-    # 1e-4 N after the second one. They are compared up to the third.
+    # Lengths in relation to the block's width. Rocking multiplies round-off by 15 to 50 in every
+    # impact, and it is the round-off of some step that decides what is multiplied. Contact is
+    # stiff: of five draws forces differed by 5e-8 N before the first impact, 6e-6 to 5e-5 N
+    # before the second, and 1e-4 to 1e-3 N before the third, up to which they are compared.
     angle, width, weight = 0.05236, 0.25, 503.0 * 9.81
     limits = {
         "angle_rad": 1e-8 * angle,
         "slip_m": 1e-8 * width,
         "centre_x_m": 1e-8 * width,
         "centre_y_m": 1e-8 * width,
-        "normal_force_N": 1e-7 * weight,
-        "friction_force_N": 1e-7 * weight,
     }
-    third = json.loads((serial / "serial" / "summary.json").read_text(encoding="utf-8"))
-    third = third["blocks"]["block"]["impacts"][2]["time_s"]
     for column, limit in limits.items():
         name = f"block.{column}"
-        span = first if column.endswith("m") or "angle" in column else one["time_s"] < third
-        assert many[name][span] == pytest.approx(one[name][span], abs=limit), name
-    total = one["energy.total_J"][first]
-    assert many["energy.total_J"][first] == pytest.approx(total, abs=1e-8 * np.ptp(total))
+        assert many[name][first] == pytest.approx(one[name][first], abs=limit), name
+    summary = json.loads((serial / "serial" / "summary.json").read_text(encoding="utf-8"))
+    impacts = [impact["time_s"] for impact in summary["blocks"]["block"]["impacts"][:3]]
+    for name in ("block.normal_force_N", "block.friction_force_N"):
+        for impact, limit in zip(impacts, (1e-9, 1e-7, 1e-6), strict=True):
+            span = one["time_s"] < impact
+            assert many[name][span] == pytest.approx(one[name][span], abs=limit * weight), name
+    early = one["time_s"] < impacts[2]
+    total = one["energy.total_J"][early]
+    assert many["energy.total_J"][early] == pytest.approx(total, abs=1e-8 * np.ptp(total))
     alone, together = (
         json.loads((serial / folder / "summary.json").read_text(encoding="utf-8"))
         for folder in ("serial", f"ranks{ranks}")

@@ -33,7 +33,7 @@ def test_the_page_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert main(["report", str(folder), "--no-film"]) == 0
     assert capsys.readouterr().out == f"{folder / 'report.html'}\n"
     page = page_of(folder / "report.html")
-    assert len(page.sources) == 6
+    assert len(page.sources) == 7  # floor spectra among them: the stack is on a platform
     for part in ("Summary", "Pictures", "Energy", "Scene", "How to repeat"):
         assert part in page.text
     assert "the <mesh> is coarse" in page.text

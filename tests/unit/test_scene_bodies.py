@@ -171,7 +171,7 @@ class TestPlatforms:
             (PLATE | {"support": "rollers"}, "period is required (exactly one of"),
             (PLATE | {"mass": 1.0}, "mass: got both mass and density, allowed exactly one of mass"),
             (
-                PLATE | {"meshed": True},
+                PLATE | {"support": "bottom", "meshed": True},
                 'meshed applies to a plate with support = "fixed" only: others',
             ),
             (PLATE | {"support": "roler"}, 'support: got "roler", allowed "fixed" or "bottom" or '),

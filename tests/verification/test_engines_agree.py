@@ -183,7 +183,9 @@ def pairs(engine: str, name: str) -> list[tuple[Column, str, str]]:
     found = []
     blocks = ["a", "b"] if name in ("stack", "rebounding") else ["a"]
     for column in TABLE:
-        if column.dimension == 3 or column.needs == "second" or column.name in OF_THE_METHOD:
+        if column.dimension == 3 or column.name in OF_THE_METHOD:
+            continue
+        if column.needs in ("second", "structure"):  # none of these scenes has either
             continue
         if column.needs == "vertical" or (column.needs == "platform" and name != "oscillator"):
             continue
