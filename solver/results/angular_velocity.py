@@ -5,10 +5,13 @@ angular velocity of one instant says little. What a rigid block would do between
 known but for two numbers, its angle and its angular velocity at the impact, and these follow from
 all rows of a while by least squares. The while is 0.4/p, or the swing if that is shorter. For rigid
 blocks on shaken ground this gives Housner's restitution to 1e-4; for an elastic block it is within
-0.004 of what the peaks of free rocking give.
+0.004 of what the peaks of free rocking give. At the impact the angle is zero: where it is not, the
+swing does not follow the impact, but an impact too small to be seen.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +20,10 @@ from solver.types import Array
 
 WINDOW = 0.4
 """Time that an angular velocity is read from, over the time scale of rocking 1/p."""
+
+SETTLING = 0.01
+"""Time after an impact, over 1/p, in which a platform's acceleration is that of its end: what the
+impact does to the platform is no acceleration that the block feels later."""
 
 FEWEST_ROWS = 4
 """Rows that it takes at least."""
@@ -34,8 +41,17 @@ def rocking_acceleration(angle: Array, shape: Block, along: Array, down: Array) 
     return np.asarray(-3 / (4 * shape.half_diagonal) * torque)
 
 
-def angular_velocity(time: Array, angle: Array, acceleration: Array, at: float) -> float | None:
-    """Angular velocity at one end of these rows, 1/s; None where they are too few.
+class RigidMoment(NamedTuple):
+    """Motion of a rigid block at an instant."""
+
+    angle: float
+    """Its angle, rad."""
+    velocity: float
+    """Its angular velocity, 1/s."""
+
+
+def rigid_moment(time: Array, angle: Array, acceleration: Array, at: float) -> RigidMoment | None:
+    """The rigid block's motion at one end of these rows; None where they are too few.
 
     By rocking angles (rad) and angular accelerations of a rigid block (1/s2) at times, and the time
     of an impact at the beginning or at the end of them, s.
@@ -45,8 +61,11 @@ def angular_velocity(time: Array, angle: Array, acceleration: Array, at: float) 
     step, since = np.diff(time), time - at
     gained = np.concatenate([[0.0], np.cumsum(step * (acceleration[1:] + acceleration[:-1]) / 2)])
     moved = step * gained[:-1] + step**2 * (2 * acceleration[:-1] + acceleration[1:]) / 6
-    free = angle - np.concatenate([[0.0], np.cumsum(moved)])
+    fallen = np.concatenate([[0.0], np.cumsum(moved)])
     weight = np.sqrt(np.gradient(time))  # rows crowd around impacts
-    slope = float(np.polynomial.polynomial.polyfit(since, free, 1, w=weight)[1])
+    start, slope = np.polynomial.polynomial.polyfit(since, angle - fallen, 1, w=weight)
     end = 0 if abs(since[0]) < abs(since[-1]) else -1
-    return slope + float(gained[end] - acceleration[end] * since[end])
+    way, rate = float(since[end]), float(acceleration[end])
+    velocity = float(slope + gained[end])  # at the row next to the impact; from there at a rate
+    there = float(start + slope * way + fallen[end])
+    return RigidMoment(there - velocity * way + rate * way**2 / 2, velocity - rate * way)

@@ -74,7 +74,14 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     motion = block_motion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
-    impacts = rocking.impacts(time, angle, shape, scene.gravity, _free_acceleration(scene, motion))
+    impacts = rocking.impacts(
+        time,
+        angle,
+        shape,
+        scene.gravity,
+        _free_acceleration(scene, motion),
+        gives_way=scene.carrier_moves,
+    )
     over, off = overturned_at(history, block), fell_at(scene, history, block)
     fell = motion.fell or off is not None
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
