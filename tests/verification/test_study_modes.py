@@ -67,7 +67,7 @@ def test_elastic_blocks_begin_nearly_so(
     own = variant(with_friction(tables, mu), model="elastic", time={"end": 0.08})
     found, shape = ramped_onset(own, a), own.blocks[0].shape
     assert found.mode(shape, a, 9.81) == mode
-    assert found.turn == pytest.approx(turn, rel=0.02 if mode == "rock" else 0.065, abs=0.002)
+    assert found.turn == pytest.approx(turn, rel=0.02 if mode == "rock" else 0.06, abs=0.002)
     assert found.slip == pytest.approx(slip, rel=0.01, abs=0.3 if mode == "slide-rock" else 1e-4)
     beside = ramped_onset(rigid_of(own), a)
     assert found.turn == pytest.approx(beside.turn, rel=0.01, abs=0.002)
