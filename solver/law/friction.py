@@ -144,7 +144,10 @@ class Bounds(NamedTuple):
 @compiled
 def is_frictionless(bounds: Bounds) -> bool:
     """Whether no point holds any tangential force."""
-    return not (np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0))
+    for i in range(len(bounds.mu)):
+        if bounds.mu[i] > 0.0 or bounds.cohesion[i] > 0.0:
+            return False
+    return True
 
 
 @compiled

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.law.compiled import compiled
+from solver.law.dense import product, solve_dense
 from solver.law.friction import Bounds, line
 from solver.types import Array, Indices
 
@@ -58,22 +59,22 @@ def lengths(d: int, W: Array, shared: bool) -> Array:
     compliance: Array = np.zeros((m, 2)) if d > 1 else np.ones((m, 2))
     for i in range(m):
         for k in range(d):  # one length for both tangential directions: a disc has no favourite
-            row, way = W[d * i + k], min(k, 1)
-            own = 0.0 if shared else row[d * i + k]
-            for j in range(k, len(row) if shared else 0, d):
-                own += abs(row[j])
+            row, way = d * i + k, min(k, 1)
+            own = 0.0 if shared else W[row, row]
+            for j in range(k, len(W) if shared else 0, d):
+                own += abs(W[row, j])
             compliance[i, way] = own if k < 2 else max(compliance[i, way], own)
-    return np.reciprocal(compliance)
+        compliance[i, 0], compliance[i, 1] = 1.0 / compliance[i, 0], 1.0 / compliance[i, 1]
+    return compliance
 
 
 @compiled
 def trial_of(local: Local, r: Array, f: Array) -> Array:
     """F - r y, which decides the state of each point."""
-    d, trial = local.d, local.q + local.W @ f
+    d, trial = local.d, product(local.W, f)
     for i in range(len(r)):
-        trial[d * i] = f[d * i] - r[i, 0] * trial[d * i]
-        for k in range(d * i + 1, d * i + d):
-            trial[k] = f[k] - r[i, 1] * trial[k]
+        for k in range(d * i, d * i + d):
+            trial[k] = f[k] - r[i, min(k - d * i, 1)] * (local.q[k] + trial[k])
     return trial
 
 
@@ -94,23 +95,14 @@ def project(local: Local, trial: Array, nearest: Array, states: Indices) -> None
             size = math.hypot(size, trial[k])
         if size <= limit and limit > 0.0:
             states[i] = STICK
-            nearest[n + 1 : n + d] = trial[n + 1 : n + d]
+            for k in range(n + 1, n + d):
+                nearest[k] = trial[k]
             continue
         states[i] = SLIP if intercept > 0.0 or bounds.cohesion[i] == 0.0 else SLIP_TOUCHING
         if d == 2 and trial[n + 1] < 0.0:
             states[i] = -states[i]
         for k in range(n + 1, n + d):
             nearest[k] = limit / size * trial[k] if limit > 0.0 else 0.0
-
-
-@compiled
-def solve_dense(matrix: Array, right: Array) -> bool:
-    """Solve a linear system, `right` becoming the solution; False where it is singular."""
-    try:
-        right[:] = np.linalg.solve(matrix, right)
-    except Exception:  # LinAlgError; numba knows no narrower word
-        return False
-    return True
 
 
 @compiled
@@ -227,19 +219,27 @@ def best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) ->
 
 
 @compiled
+def _alike(states: Indices, others: Indices) -> bool:
+    """Whether all points are in the same states."""
+    for i in range(len(states)):
+        if states[i] != others[i]:
+            return False
+    return True
+
+
+@compiled
 def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvings: int) -> bool:
     """Newton's method from f; whether it settled. If so f is the solution, else it stays as it is.
 
     `rounds` is the most linear solves, `halvings` how often the line search may halve a step; with
     0 steps are full.
     """
-    target, nearest, force = np.empty_like(f), np.empty_like(f), f
-    before, seen = np.empty_like(states), np.full_like(states, -9)
-    trial = trial_of(local, r, f)
+    nearest, force, trial = np.empty_like(f), f, trial_of(local, r, f)
     project(local, trial, nearest, states)
     error = error_of(local.d, f, trial, nearest)
     if error <= EXACT:
         return True
+    target, before, seen = np.empty_like(f), np.empty_like(states), np.full_like(states, -9)
     for k in range(rounds):
         if not linearised(local, r, trial, states, target):
             return False
@@ -249,7 +249,7 @@ def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvi
         trial = trial_of(local, r, force)
         project(local, trial, nearest, states)
         error = error_of(local.d, force, trial, nearest)
-        if local.d < 3 and step == 1.0 and error < np.inf and np.array_equal(states, before):
+        if local.d < 3 and step == 1.0 and error < np.inf and _alike(states, before):
             f[:] = force
             return True
         # Forces that only balance each other show last: it goes on while that makes it better.
@@ -257,7 +257,7 @@ def newton(local: Local, r: Array, f: Array, states: Indices, rounds: int, halvi
             f[:] = nearest
             return True
         if local.d < 3 and halvings == 0:
-            if np.array_equal(states, seen):  # a cycle
+            if _alike(states, seen):  # a cycle
                 return False
             if k & (k + 1) == 0:
                 seen[:] = states

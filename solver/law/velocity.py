@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.law.compiled import compiled
+from solver.law.dense import product
 from solver.law.friction import Bounds, at_bound
 from solver.law.local_problem import LocalProblem, solve
 from solver.law.many_points import MANY_ROWS
@@ -48,16 +49,12 @@ class ImpulseCorrection(NamedTuple):
 
 
 @compiled
-def _slipping(d: int, impulse: Array, bounds: Bounds) -> Indices:
-    """1 for the points whose impulse is at its bound, (m,)."""
-    found = np.zeros(len(bounds.mu), np.int64)
-    for i in range(len(found)):
-        tangential = 0.0
-        for k in range(d * i + 1, d * i + d):
-            tangential = math.hypot(tangential, impulse[k])
-        if at_bound(bounds, i, impulse[d * i], tangential):
-            found[i] = 1
-    return found
+def _tangential(d: int, impulse: Array, i: int) -> float:
+    """Size of the tangential impulse of point i, N s."""
+    size = 0.0
+    for k in range(d * i + 1, d * i + d):
+        size = math.hypot(size, impulse[k])
+    return size
 
 
 @compiled
@@ -86,6 +83,8 @@ class Rung(NamedTuple):
     """Impulses that act in any case, (d m,), N s."""
     ratio: Array
     """Tangential impulse for each unit of the normal one, besides, (d m,)."""
+    start: Array
+    """Guess of the impulses that are unknown, (d m,), N s."""
 
 
 @compiled
@@ -103,23 +102,24 @@ def rung_of(d: int, number: int, W: Array, free: Array, impulse: Array, bounds: 
         impulse: dt f of the step, (d m,), N s.
         bounds: Of the impulses.
     """
-    m, slipping, mobility = len(bounds.mu), _slipping(d, impulse, bounds), W.copy()
+    mobility, velocity, start = W.copy(), free.copy(), impulse.copy()
     given, ratio = np.zeros_like(impulse), np.zeros_like(impulse)
     mu, cohesion = bounds.mu.copy(), bounds.cohesion.copy()
-    for i in range(m):
-        if number < 2 and slipping[i] == 0:
+    for i in range(len(mu)):
+        n, size = d * i, _tangential(d, impulse, i)
+        if number < 2 and not at_bound(bounds, i, impulse[n], size):
             continue
-        tangential = slice(d * i + 1, d * i + d)
         mu[i] = cohesion[i] = 0.0
-        given[tangential] = impulse[tangential]
-        size = math.sqrt(np.sum(impulse[tangential] ** 2))
-        if number == 0 and size > 0.0:
-            given[tangential] *= bounds.cohesion[i] / size
-            ratio[tangential] = bounds.mu[i] / size * impulse[tangential]
-            for k in range(d * i + 1, d * i + d):
-                mobility[:, d * i] += W[:, k] * ratio[k]
+        for k in range(n + 1, n + d):
+            given[k], start[k] = impulse[k], 0.0
+            if number == 0 and size > 0.0:
+                given[k] *= bounds.cohesion[i] / size
+                ratio[k] = bounds.mu[i] / size * impulse[k]
+            for row in range(len(W)):
+                mobility[row, n] += W[row, k] * ratio[k]
+                velocity[row] += W[row, k] * given[k]
     left = Bounds(mu, cohesion, bounds.slope)
-    return Rung(mobility, free + W @ given, left, given, ratio)
+    return Rung(mobility, velocity, left, given, ratio, start)
 
 
 @compiled
@@ -138,10 +138,14 @@ def judged(
 
     Arguments as those of `correct_impulses`; `total` are the other impulses, (d m,), N s.
     """
-    q = total - impulse
-    work = q * (velocity + 0.5 * (W @ q))
-    normal, lost = -np.sum(work[::d]), -np.sum(work)
-    if lost + taken < -ENERGY_ROUND_OFF * abs(np.sum(impulse * velocity)):
+    q, normal, lost, power = total - impulse, 0.0, 0.0, 0.0
+    gained = product(W, q)
+    for k in range(len(q)):
+        work = q[k] * (velocity[k] + 0.5 * gained[k])
+        lost -= work
+        normal -= 0.0 if k % d else work
+        power += impulse[k] * velocity[k]
+    if lost + taken < -ENERGY_ROUND_OFF * abs(power):
         return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
     friction = friction_share(lost - normal, lost, taken)
     return ImpulseCorrection(True, q, lost - friction, friction)
@@ -178,9 +182,10 @@ def correct_impulses(
         counts: Of outcomes of local problems.
     """
     regular, taken = regularised(W), max(taken, 0.0)
-    free, states = velocity - regular @ impulse, np.empty(len(bounds.mu), np.int64)
+    free, states = velocity - product(regular, impulse), np.empty(len(bounds.mu), np.int64)
     for number in range(3):
-        rung, total = rung_of(d, number, regular, free, impulse, bounds), np.zeros_like(impulse)
+        rung = rung_of(d, number, regular, free, impulse, bounds)
+        total = rung.start
         if solve(d, rung.W, rung.free, rung.bounds, total, states, counts):
             completed(d, rung, total)
             found = judged(d, W, velocity, impulse, total, taken)

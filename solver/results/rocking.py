@@ -69,18 +69,16 @@ class Impact:
 def swings(time: Array, angle: Array, slenderness: float) -> list[Swing]:
     """The swings of a block, in their order, by its rocking angles theta and slenderness, rad."""
     large = SMALLEST_SWING * slenderness
+    begins = np.flatnonzero(np.abs(angle) > large)
+    ends = {side: np.flatnonzero(side * angle <= 0.1 * large) for side in (1.0, -1.0)}
     found: list[Swing] = []
-    first: int | None = None
-    for i, value in enumerate(map(float, angle)):
-        if first is not None:
-            side = 1.0 if angle[first] > 0 else -1.0
-            if value * side <= 0.1 * large:
-                found.append(_swing(time, angle, first, i - 1))
-                first = None
-        if first is None and abs(value) > large:
-            first = i
-    if first is not None:
-        found.append(_swing(time, angle, first, len(angle) - 1))
+    after = 0
+    while len(begins) and after <= begins[-1]:
+        first = int(begins[np.searchsorted(begins, after)])
+        over = ends[1.0 if angle[first] > 0 else -1.0]
+        place = np.searchsorted(over, first)
+        after = int(over[place]) if place < len(over) else len(angle)
+        found.append(_swing(time, angle, first, after - 1))
     return found
 
 

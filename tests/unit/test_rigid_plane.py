@@ -15,6 +15,7 @@ from rockslip import Scene, parse_scene, simulate
 from solver.history.history import scene_columns
 from solver.rigid.plane import advance as plane_advance
 from solver.rigid.plane import rows as plane_rows
+from solver.rigid.plane.model import PlaneGround
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.rows import ENERGY
 
@@ -146,12 +147,12 @@ def test_halving_stops_at_the_smallest_step(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setitem(step.__globals__, "finish_step", lambda *arguments: None)
     system = PlaneSystem.from_scene(scene())
     parts = (system._system, system._state, system._memory, system._work)
-    ground = np.zeros(2)
+    ground = PlaneGround(0.0, 0.0, 0.0, 0.0)
     accepted = 0.3
-    assert step(*parts, 1.0, 0.125, ground, ground) == 5
+    assert step(*parts, 1.0, 0.125, ground) == 5
     assert tried == [1.0, 0.5, 0.25, 0.75, 0.375, 0.1875, 0.5625, 0.28125, 0.28125]
     accepted = 0.0
-    assert step(*parts, 1.0, 0.125, ground, ground) == -1
+    assert step(*parts, 1.0, 0.125, ground) == -1
 
 
 def test_a_run_writes_what_a_run_writes(tmp_path: Path) -> None:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from geometry.arrangement import initial_position
 from geometry.block import Block
 from solver.rigid.plane.contact import (
-    compliance,
     distance,
     find_points,
     local_place,
@@ -20,6 +19,7 @@ from solver.rigid.plane.contact import (
     tangential_velocity,
     write_rows,
 )
+from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.model import (
     PlaneMemory,
     PlaneModel,
@@ -29,6 +29,7 @@ from solver.rigid.plane.model import (
     new_work,
 )
 from solver.rigid.plane.start import state_of, system_of
+from solver.rigid.plane.step import definite_compliance
 from solver.rigid.start import RigidBlock, RigidPlatform
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -171,12 +172,37 @@ def test_nearest_face(place: tuple[float, float], face: int) -> None:
     assert nearest_face(system, 0, *place) == face
 
 
+def test_rows_act_on_two_bodies_only() -> None:
+    """Changes, motions by forces and compliance are those of the whole rows."""
+    system, state, memory, work = parts()
+    random = np.random.default_rng(4)
+    state.q[:] += 1e-3 * random.normal(size=len(state.q))
+    listed(system, state, memory, work)
+    write_rows(system, state.q, 1e-3 * random.normal(size=len(state.q)), work)
+    count = 2 * work.counts[0]
+    rows, flexibility = work.rows[:count], random.uniform(size=len(state.q))
+    motion, force = random.normal(size=len(state.q)), random.normal(size=count)
+    found = [change(system, work, row, motion) for row in range(count)]
+    assert np.allclose(found, rows @ motion, rtol=0, atol=1e-14)
+    pushed = motion.copy()
+    push(system, work, force, flexibility, pushed)
+    assert np.allclose(pushed, motion + flexibility * (rows.T @ force), rtol=0, atol=1e-14)
+    W = compliance(system, work, flexibility)
+    assert np.allclose(W, rows @ np.diag(flexibility) @ rows.T, rtol=0, atol=1e-14)
+
+
 def test_compliance_of_two_sticking_corners_is_definite() -> None:
     """Four rows on three unknowns, made definite by a relative diagonal of 1e-9."""
-    rows = np.array([[0, 1, 0.2], [1, 0, -0.3], [0, 1, -0.2], [1, 0, -0.3]], dtype=np.float64)
-    W = compliance(rows, np.array([1.0, 1.0, 12.0]))
-    assert np.allclose(W, W.T, rtol=0, atol=1e-15)
+    system, state, memory, work = parts(platform=False)
+    assert listed(system, state, memory, work)[:2] == [(0, -1), (0, -1)]
+    work.counts[0] = 2
+    write_rows(system, state.q, np.zeros(len(state.q)), work)
+    work.flexibility[:3] = 1.0, 1.0, 12.0
+    W = definite_compliance(system, work)
+    assert np.array_equal(W, W.T)
     assert np.linalg.eigvalsh(W)[0] > 1e-10
-    exact: Any = rows @ np.diag([1.0, 1.0, 12.0]) @ rows.T
+    rows = work.rows[:4]
+    exact: Any = rows @ np.diag(work.flexibility) @ rows.T
+    assert np.linalg.matrix_rank(exact) == 3
     assert np.abs(W - exact).max() < 2e-9 * np.abs(exact).max()
     assert math.isclose(W[0, 2], exact[0, 2])

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from solver.law.dense import FEW, product, solve_dense
 from solver.law.friction import TOUCHING_SLOPE, Bounds, radius
 from solver.law.local_problem import named, new_counts, solve
-from solver.law.newton import Local, solve_dense
+from solver.law.newton import Local
 from solver.law.one_point import one_point
 
 Array = NDArray[np.float64]
@@ -113,7 +114,7 @@ def test_one_point_sticks_slips_or_is_open() -> None:
     W = np.array([[2.0, 0.3, -0.2], [0.3, 1.5, 0.1], [-0.2, 0.1, 1.0]])
     for mu, free in ((0.9, (0.1, 5.0, 0.0)), (0.9, (-1.0, 0.1, 0.1)), (0.4, (-1.0, 2.0, -1.0))):
         q = np.array(free)
-        f = one_point(Local(3, W, q, Bounds.uniform(mu, 1)))
+        f = np.array(one_point(Local(3, W, q, Bounds.uniform(mu, 1))))
         assert violation(W, q, f, mu) < 1e-12
         assert (f[0] == 0) == (free[0] > 0)
 
@@ -138,13 +139,24 @@ def test_cohesion_that_lifts_its_own_point_grows_with_the_force() -> None:
     assert f[1] * y[1] < 0
 
 
-def test_elimination() -> None:
+@pytest.mark.parametrize("size", [1, 2, 7, FEW, FEW + 1])
+def test_elimination(size: int) -> None:
     random = np.random.default_rng(1)
-    matrix, right = random.normal(size=(7, 7)), random.normal(size=7)
+    matrix, right = random.normal(size=(size, size)), random.normal(size=size)
     solution = right.copy()
     assert solve_dense(matrix.copy(), solution)
     np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
-    assert not solve_dense(np.zeros((2, 2)), np.ones(2))
+    np.testing.assert_allclose(product(matrix, solution), matrix @ solution, atol=1e-13)
+    assert not solve_dense(np.zeros((size, size)), np.ones(size))
+
+
+def test_elimination_needs_its_pivots() -> None:
+    """A zero on the diagonal is none; numbers that are none have no solution."""
+    turned, right = np.array([[0.0, 2.0], [1.0, 0.0]]), np.array([4.0, 3.0])
+    assert solve_dense(turned, right)
+    assert right.tolist() == [3.0, 2.0]
+    for wrong in (np.nan, np.inf):
+        assert not solve_dense(np.array([[1.0, 0.0], [0.0, wrong]]), np.ones(2))
 
 
 @pytest.mark.parametrize("case", ["1e4", "1e4_halved", "1e6"])

@@ -23,10 +23,16 @@ from solver.rigid.plane.contact import (
     local_place,
     tangential_velocity,
 )
+from solver.rigid.plane.coupling import change
 from solver.rigid.plane.impact import collide
-from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.rigid.plane.model import (
+    PlaneGround,
+    PlaneMemory,
+    PlaneModel,
+    PlaneState,
+    PlaneWork,
+)
 from solver.rigid.plane.step import finish_step, solve_step
-from solver.types import Array
 
 #: Impacts and ends of slip closer to the ends of a step than this part of it are left there.
 SMALLEST_PIECE = 1e-3
@@ -69,7 +75,7 @@ def end_of_slip(
 ) -> tuple[float, float]:
     """Tangential velocity of a near point at the start and the end of the solved step."""
     begin = tangential_velocity(system, state, work, i)
-    return begin, 2.0 * (work.rows[2 * i + 1] @ work.increment) / dt - begin
+    return begin, 2.0 * change(system, work, 2 * i + 1, work.increment) / dt - begin
 
 
 @compiled
@@ -96,8 +102,7 @@ def locate_impact(
     memory: PlaneMemory,
     work: PlaneWork,
     step: float,
-    before: Array,
-    slope: Array,
+    ground: PlaneGround,
 ) -> float:
     """Length of the step after which the first clear point touches; that step is then solved.
 
@@ -112,15 +117,14 @@ def locate_impact(
     bracket, length = np.zeros(5), step
     bracket[1] = work.gap[touching:near].min()
     for k in range(LOCATING):
-        if not solve_step(system, state, memory, work, length, before, before + length * slope):
+        if not solve_step(system, state, memory, work, length, ground):
             return 0.0
         gap = smallest_gap(system, state, work, touching, near)
         if abs(gap) <= 0.1 * TOUCHING * system.size:
             if inside(length, step) > 0.0 or not np.any(system.restitution > 0.0):
                 return inside(length, step)
             length = step if length > 0.5 * step else SMALLEST_PIECE * step
-            end = before + length * slope
-            return length if solve_step(system, state, memory, work, length, before, end) else 0.0
+            return length if solve_step(system, state, memory, work, length, ground) else 0.0
         if k == 0 and gap > 0.0:
             return 0.0
         length = next_length(bracket, length, gap)
@@ -134,8 +138,7 @@ def locate_reversal(
     memory: PlaneMemory,
     work: PlaneWork,
     step: float,
-    before: Array,
-    slope: Array,
+    ground: PlaneGround,
     point: int,
 ) -> float:
     """Length of the step at whose end near point `point` stops to slip; that step is then solved.
@@ -153,7 +156,7 @@ def locate_reversal(
         length = next_length(bracket, length, way)
         if length < SMALLEST_PIECE * step:
             return 0.0
-        if not solve_step(system, state, memory, work, length, before, before + length * slope):
+        if not solve_step(system, state, memory, work, length, ground):
             return 0.0
         end = end_of_slip(system, state, work, point, length)[1]
     return 0.0
@@ -166,8 +169,7 @@ def piece_of_step(
     memory: PlaneMemory,
     work: PlaneWork,
     piece: float,
-    before: Array,
-    slope: Array,
+    ground: PlaneGround,
     locating: bool,
 ) -> tuple[float, bool]:
     """Solve a step, cut short at an impact or at the end of a slip.
@@ -176,20 +178,28 @@ def piece_of_step(
         Its length, s; negative if it was not solved, 0 if the cut was not found. Whether it ends
         with an impact.
     """
-    pull = np.abs(system.gravity).sum() + np.abs(before).sum() + piece * np.abs(slope).sum()
+    pull = abs(system.gravity[0]) + abs(system.gravity[1]) + (abs(ground.x) + abs(ground.y))
+    pull += piece * (abs(ground.rise_x) + abs(ground.rise_y))
     find_points(system, state, memory, work, piece, pull)
-    if not solve_step(system, state, memory, work, piece, before, before + piece * slope):
+    if not solve_step(system, state, memory, work, piece, ground):
         return -1.0, False
     if not locating:
         return piece, False
     if hits(system, work):
-        length = locate_impact(system, state, memory, work, piece, before, slope)
+        length = locate_impact(system, state, memory, work, piece, ground)
         return length, length > 0.0
     point = reverses(system, state, work, piece, pull)
     if point >= 0:
-        length = locate_reversal(system, state, memory, work, piece, before, slope, point)
+        length = locate_reversal(system, state, memory, work, piece, ground, point)
         return length, False
     return piece, False
+
+
+@compiled
+def later(ground: PlaneGround, time: float) -> PlaneGround:
+    """The acceleration of the ground from a later time on, s."""
+    x, y = ground.x + time * ground.rise_x, ground.y + time * ground.rise_y
+    return PlaneGround(x, y, ground.rise_x, ground.rise_y)
 
 
 @compiled
@@ -200,21 +210,18 @@ def full_step(
     work: PlaneWork,
     dt: float,
     smallest: float,
-    before: Array,
-    after: Array,
+    ground: PlaneGround,
 ) -> int:
     """One step of the run, in pieces where it has to be; number of rejected ones, -1 if it failed.
 
-    The ground's acceleration is linear over the step. After a failure the state is that of the
-    last piece that succeeded.
+    After a failure the state is that of the last piece that succeeded.
     """
-    slope = (after - before) * (1.0 / dt)
-    work.impulse[:] = 0.0
+    work.impulse[:, :] = 0.0
     done, piece, cuts, rejected = 0.0, dt, 0, 0
     while done < dt * (1 - 1e-12):
         piece = min(piece, dt - done)
-        begin = before + done * slope
-        taken, lands = piece_of_step(system, state, memory, work, piece, begin, slope, cuts < CUTS)
+        begin = later(ground, done)
+        taken, lands = piece_of_step(system, state, memory, work, piece, begin, cuts < CUTS)
         if taken < 0.0:
             rejected += 1
             piece *= 0.5
@@ -224,7 +231,7 @@ def full_step(
             cuts = CUTS
         else:
             cuts += 1
-            finish_step(system, state, memory, work, taken, begin, begin + taken * slope)
+            finish_step(system, state, memory, work, taken, begin)
             if lands and np.any(system.restitution > 0.0):
                 collide(system, state, memory, work)
             done += taken

@@ -175,22 +175,22 @@ def write_rows(system: PlaneModel, q: Array, increment: Array, work: PlaneWork) 
 
     With an increment of zero they are the rows of the velocities.
     """
-    work.rows[: 2 * work.counts[0]] = 0.0
+    rows = work.rows
     for i in range(work.counts[0]):
+        for j in range(len(q)):
+            rows[2 * i, j] = rows[2 * i + 1, j] = 0.0
         k = work.points[i]
         b, c = 3 * system.corner_of[k], 3 * system.face_of[k]
         half = 0.5 * increment[b + 2]
         cosine, sine = math.cos(q[b + 2] + half), math.sin(q[b + 2] + half)
         X, Y = system.corner[k, 0], system.corner[k, 1]
         arm_x, arm_y = cosine * X + sine * Y, -sine * X + cosine * Y
-        turned = cardinal_sine(half)
-        normal = work.rows[2 * i]
-        tangential = work.rows[2 * i + 1]
+        turned, n, t = cardinal_sine(half), 2 * i, 2 * i + 1
         if c < 0:
-            normal[b + 1], normal[b + 2] = 1.0, -turned * arm_x
-            tangential[b], tangential[b + 2] = 1.0, turned * arm_y
+            rows[n, b + 1], rows[n, b + 2] = 1.0, -turned * arm_x
+            rows[t, b], rows[t, b + 2] = 1.0, turned * arm_y
             if len(q) % 3:
-                tangential[len(q) - 1] = -1.0
+                rows[t, len(q) - 1] = -1.0
             continue
         rest = 0.5 * increment[c + 2]
         chord = math.cos(rest)
@@ -208,13 +208,14 @@ def write_rows(system: PlaneModel, q: Array, increment: Array, work: PlaneWork) 
             n_x, n_y = sine, cosine
         else:
             n_x, n_y = -cosine, sine
-        fill_row(normal, b, c, n_x, n_y, chord, turned, carried, arm_x, arm_y, d_x, d_y)
-        fill_row(tangential, b, c, n_y, -n_x, chord, turned, carried, arm_x, arm_y, d_x, d_y)
+        fill_row(rows, n, b, c, n_x, n_y, chord, turned, carried, arm_x, arm_y, d_x, d_y)
+        fill_row(rows, t, b, c, n_y, -n_x, chord, turned, carried, arm_x, arm_y, d_x, d_y)
 
 
 @compiled
 def fill_row(
-    row: Array,
+    rows: Array,
+    row: int,
     b: int,
     c: int,
     a_x: float,
@@ -228,22 +229,10 @@ def fill_row(
     d_y: float,
 ) -> None:
     """One row along (a_x, a_y) between two blocks; J (x, y) = (y, -x)."""
-    row[b], row[b + 1] = chord * a_x, chord * a_y
-    row[b + 2] = chord * turned * (a_x * arm_y - a_y * arm_x)
-    row[c], row[c + 1] = -chord * a_x, -chord * a_y
-    row[c + 2] = -carried * (a_x * d_y - a_y * d_x)
-
-
-@compiled
-def compliance(rows: Array, flexibility: Array) -> Array:
-    """G diag(flexibility) G^T with the relative diagonal of 1e-9 that makes it definite.
-
-    Two sticking corners have four rows on three unknowns.
-    """
-    W = (rows * flexibility) @ rows.T
-    for i in range(len(W)):
-        W[i, i] *= 1.0 + 1e-9
-    return W
+    rows[row, b], rows[row, b + 1] = chord * a_x, chord * a_y
+    rows[row, b + 2] = chord * turned * (a_x * arm_y - a_y * arm_x)
+    rows[row, c], rows[row, c + 1] = -chord * a_x, -chord * a_y
+    rows[row, c + 2] = -carried * (a_x * d_y - a_y * d_x)
 
 
 @compiled

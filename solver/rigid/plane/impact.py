@@ -7,6 +7,7 @@ import numpy as np
 from solver.law.compiled import compiled
 from solver.law.impact import Rebounds, impact, rebounds
 from solver.rigid.plane.contact import clear_points, find_points, write_rows
+from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.friction import begin_friction
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
 from solver.rigid.plane.velocity import add_impulses
@@ -22,17 +23,18 @@ def collide(system: PlaneModel, state: PlaneState, memory: PlaneMemory, work: Pl
     begin_friction(system, state, memory, work)
     work.increment[:] = 0.0
     write_rows(system, state.q, work.increment, work)
-    rows = work.rows[: 2 * count]
-    velocity = rows @ state.v
+    velocity = np.empty(2 * count)
+    for row in range(2 * count):
+        velocity[row] = change(system, work, row, state.v)
     asked = _rebounds(system, state, work, velocity[::2].copy())
     if not np.any(asked.speed > 0.0):
         return
-    W = (rows * system.flexibility) @ rows.T
+    W = compliance(system, work, system.flexibility)
     found = impact(2, W, velocity, asked, work.friction[:count], work.counts[2:])
-    state.v[:] += (found.impulse @ rows) * system.flexibility
+    push(system, work, found.impulse, system.flexibility, state.v)
     state.exchanged[1] += found.friction
     state.exchanged[3] += found.contact
-    add_impulses(system, work, found.impulse)
+    add_impulses(system, work, 1.0, found.impulse)
 
 
 @compiled

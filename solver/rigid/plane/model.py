@@ -61,6 +61,17 @@ class PlaneModel(NamedTuple):
     """Largest half diagonal, m: what lengths are small against."""
 
 
+class PlaneGround(NamedTuple):
+    """Acceleration of the ground, linear in time from the start of a step on."""
+
+    x: float
+    """At the start, m/s2."""
+    y: float
+    rise_x: float
+    """How it grows, m/s3."""
+    rise_y: float
+
+
 class PlaneState(NamedTuple):
     """What moves, changed in place."""
 
@@ -123,8 +134,18 @@ class PlaneWork(NamedTuple):
     """Point forces, flat, N, (2 p,)."""
     place: Array
     """y of the points at the end of the step, flat, m, (2 p,)."""
+    fixed: Array
+    """y of the points without contact forces, flat, m, (2 p,)."""
+    moved: Array
+    """Changes of gap and tangential place in the step, flat, m, (2 p,)."""
     increment: Array
     """Increment of q, (n,)."""
+    tried: Array
+    """The increment of the iteration that is under way, (n,)."""
+    free: Array
+    """Increment of q without contact forces, (n,)."""
+    flexibility: Array
+    """What forces add to it: w_c/M_eff of each unknown, m/N or rad/(N m), (n,)."""
     inertia: Array
     """p at the end of the step, N, (1,)."""
     impulse: Array
@@ -160,7 +181,12 @@ def new_work(points: int, unknowns: int, blocks: int) -> PlaneWork:
         rows=np.zeros((2 * points, unknowns)),
         force=np.zeros(2 * points),
         place=np.zeros(2 * points),
+        fixed=np.zeros(2 * points),
+        moved=np.zeros(2 * points),
         increment=np.zeros(unknowns),
+        tried=np.zeros(unknowns),
+        free=np.zeros(unknowns),
+        flexibility=np.zeros(unknowns),
         inertia=np.zeros(1),
         impulse=np.zeros((blocks, 2)),
     )

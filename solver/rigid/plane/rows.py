@@ -10,7 +10,13 @@ from solver.history.columns import RowLayout, positions
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.advance import full_step
 from solver.rigid.plane.contact import TOP, distance, local_place, nearest_face
-from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.rigid.plane.model import (
+    PlaneGround,
+    PlaneMemory,
+    PlaneModel,
+    PlaneState,
+    PlaneWork,
+)
 from solver.rigid.rows import write_energies
 from solver.types import Array
 
@@ -21,10 +27,11 @@ RUN, PLATFORM = positions("run", 2), positions("platform", 2)
 @compiled
 def stored_energy(system: PlaneModel, state: PlaneState) -> tuple[float, float, float]:
     """Kinetic, gravity and spring energy, J."""
-    kinetic = float(0.5 * ((system.mass * state.v) @ state.v))
-    gravity = -system.gravity[0] * (system.mass_x @ state.q)
-    gravity -= system.gravity[1] * (system.mass_y @ state.q)
-    spring = 0.0
+    kinetic = gravity = spring = 0.0
+    for k in range(len(state.q)):
+        kinetic += 0.5 * system.mass[k] * state.v[k] * state.v[k]
+        gravity -= system.gravity[0] * system.mass_x[k] * state.q[k]
+        gravity -= system.gravity[1] * system.mass_y[k] * state.q[k]
     if len(state.q) % 3:
         spring = 0.5 * system.spring[0] * state.q[-1] * state.q[-1]
     return kinetic, gravity, spring
@@ -111,6 +118,14 @@ def write_row(
 
 
 @compiled
+def ground_of(ground: Array, shift: Array, i: int, dt: float) -> PlaneGround:
+    """How the ground moves in step i, by its accelerations at the ends of all steps."""
+    x, y = ground[i, 0] + shift[i, 0], ground[i, 1] + shift[i, 1]
+    rise_x = (ground[i + 1, 0] + shift[i, 0] - x) * (1.0 / dt)
+    return PlaneGround(x, y, rise_x, (ground[i + 1, 1] + shift[i, 1] - y) * (1.0 / dt))
+
+
+@compiled
 def advance(
     system: PlaneModel,
     state: PlaneState,
@@ -132,17 +147,13 @@ def advance(
     Returns:
         Number of steps that succeeded (all, or up to the one that failed) and of rejected ones.
     """
-    system, state, memory, work = (
-        borrowed(system),
-        borrowed(state),
-        borrowed(memory),
-        borrowed(work),
-    )
+    system, state, memory, work = borrowed((system, state, memory, work))
+    ground, shift, rows = borrowed((ground, shift, rows))
     rejected = 0
     for i in range(len(rows)):
         iterations, speed = work.counts[1], state.v[-1]
-        begin, end = ground[i] + shift[i], ground[i + 1] + shift[i]
-        outcome = full_step(system, state, memory, work, dt, smallest, begin, end)
+        moving = ground_of(ground, shift, i, dt)
+        outcome = full_step(system, state, memory, work, dt, smallest, moving)
         if outcome < 0:
             return i, rejected
         rejected += outcome

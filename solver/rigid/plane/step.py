@@ -11,49 +11,59 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from solver.law.compiled import compiled
+from solver.law.dense import product
 from solver.law.friction import remember, remember_open
 from solver.law.local_problem import solve
 from solver.law.newton import OPEN
-from solver.rigid.plane.contact import compliance, local_place, write_rows
+from solver.rigid.plane.contact import local_place, write_rows
+from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
-from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
+from solver.rigid.plane.model import (
+    PlaneGround,
+    PlaneMemory,
+    PlaneModel,
+    PlaneState,
+    PlaneWork,
+)
 from solver.rigid.plane.velocity import add_impulses, correct_velocity
 from solver.types import Array
 
 #: Rows are right when their error moves no point by more than this part of the size of the blocks.
 CONVERGED = 1e-16
+#: Diagonal added to the compliance of the points, relative to its own.
+REGULAR = 1e-9
 ITERATIONS = 40
 
 
 @compiled
-def external_force(system: PlaneModel, ground: Array) -> Array:
-    """Gravity and the accelerated ground on all that has mass, N."""
-    pull_x, pull_y = system.gravity[0] - ground[0], system.gravity[1] - ground[1]
-    return system.mass_x * pull_x + system.mass_y * pull_y
+def mean_of(ground: PlaneGround, dt: float) -> tuple[float, float]:
+    """The mean acceleration of the ground over a step along x and y, m/s2."""
+    x = 0.5 * (ground.x + (ground.x + dt * ground.rise_x))
+    return x, 0.5 * (ground.y + (ground.y + dt * ground.rise_y))
 
 
 @compiled
 def free_motion(
-    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, before: Array, after: Array
-) -> tuple[Array, Array]:
-    """Increment of q without contact forces, and the flexibility w_c/M_eff of each unknown."""
-    load = external_force(system, 0.5 * (before + after))
-    flexibility = 0.5 * dt * dt * system.flexibility
-    free = dt * state.v + flexibility * load
+    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, ground: PlaneGround
+) -> None:
+    """Write the increment of q without contact forces, and the flexibility of each unknown."""
+    free, flexibility, (x, y) = work.free, work.flexibility, mean_of(ground, dt)
+    pull_x, pull_y, load = system.gravity[0] - x, system.gravity[1] - y, 0.0
+    for k in range(len(free)):
+        load = system.mass_x[k] * pull_x + system.mass_y[k] * pull_y
+        flexibility[k] = 0.5 * dt * dt * system.flexibility[k]
+        free[k] = dt * state.v[k] + flexibility[k] * load
     if len(free) % 3:
         alpha_m, alpha_f, beta = system.scheme[0], system.scheme[1], system.scheme[2]
         k, c, weight = system.spring[0], system.spring[1], 0.5 * (1 - alpha_m) / beta
         u, v, p = state.q[-1], state.v[-1], state.p[0]
         inertial = (1 - alpha_m) / (beta * dt * dt) * system.mass[-1]
         stiffness = inertial + (1 - alpha_f) * k + weight * c / dt
-        right = weight * load[-1] - k * u + inertial * dt * v
+        right = weight * load - k * u + inertial * dt * v
         right += ((1 - alpha_m) * (0.5 / beta - 1) - alpha_m) * p
         free[-1] = right / stiffness
         flexibility[-1] = weight / stiffness
-    return free, flexibility
 
 
 @compiled
@@ -71,65 +81,87 @@ def solve_step(
     memory: PlaneMemory,
     work: PlaneWork,
     dt: float,
-    before: Array,
-    after: Array,
+    ground: PlaneGround,
 ) -> bool:
     """Solve a step for the near points in `work`; returns whether it was solved.
 
-    Their forces and places, the increment and the inertia force are written there. `before` and
-    `after` are accelerations of the ground at both its ends, m/s2, (2,).
+    Their forces and places, the increment and the inertia force are written there.
     """
-    count = work.counts[0]
-    free, flexibility = free_motion(system, state, work, dt, before, after)
-    work.increment[:] = free
+    free_motion(system, state, work, dt, ground)
+    work.increment[:] = work.free
     work.slips[:] = 0
     solved = True
-    if count > 0:
-        solved = contact_iteration(system, state, memory, work, dt, free, flexibility)
-    if len(free) % 3:
+    if work.counts[0] > 0:
+        solved = contact_iteration(system, state, memory, work, dt)
+    if len(work.free) % 3:
         platform_inertia(system, state, work)
     return solved
 
 
 @compiled
 def contact_iteration(
-    system: PlaneModel,
-    state: PlaneState,
-    memory: PlaneMemory,
-    work: PlaneWork,
-    dt: float,
-    free: Array,
-    flexibility: Array,
+    system: PlaneModel, state: PlaneState, memory: PlaneMemory, work: PlaneWork, dt: float
 ) -> bool:
     """Iterate rows, friction and forces until none of them changes."""
     count = work.counts[0]
     begin_friction(system, state, memory, work)
-    start, states = np.zeros(2 * count), work.state[:count]
-    for i in range(count):
-        # What has sunk in by more than round-off is held where it is: pushed out, it would gain.
-        gap = work.gap[i]
-        start[2 * i] = gap if gap > -1e-12 * system.size else 0.0
-        start[2 * i + 1] = work.offset[i]
-    force, rows = work.force[: 2 * count], work.rows[: 2 * count]
+    force, states, fixed = work.force[: 2 * count], work.state[:count], work.fixed[: 2 * count]
     for _ in range(ITERATIONS):
         work.counts[1] += 1
         write_rows(system, state.q, work.increment, work)
-        W = compliance(rows, flexibility)
-        fixed = start + rows @ free
+        W = definite_compliance(system, work)
+        places_without_forces(system, work)
         if not solve(2, W, fixed, bounds_of(work), force, states, work.counts[2:]):
             return False
-        work.place[: 2 * count] = fixed + W @ force
-        increment = free + flexibility * (force @ rows)
-        change = np.abs(increment - work.increment).max()
-        turned = 0.0
-        for b in range(len(system.half)):
-            turned = max(turned, abs(increment[3 * b + 2]))
-        work.increment[:] = increment
-        if change * turned > CONVERGED * system.size:
+        pushed = product(W, force)
+        for row in range(2 * count):
+            work.place[row] = fixed[row] + pushed[row]
+        if next_increment(system, work) > CONVERGED * system.size:
             continue
         if not follow_friction(system, memory, work, W, dt):
             return True
     return False
+
+
+@compiled
+def definite_compliance(system: PlaneModel, work: PlaneWork) -> Array:
+    """W of the near points in the step, with the relative diagonal that makes it definite.
+
+    Two sticking corners have four rows on three unknowns.
+    """
+    W = compliance(system, work, work.flexibility)
+    for row in range(len(W)):
+        W[row, row] *= 1.0 + REGULAR
+    return W
+
+
+@compiled
+def places_without_forces(system: PlaneModel, work: PlaneWork) -> None:
+    """Write the free values of the local problem.
+
+    What has sunk in by more than round-off is held where it is: pushed out, it would gain energy.
+    """
+    for i in range(work.counts[0]):
+        gap = work.gap[i] if work.gap[i] > -1e-12 * system.size else 0.0
+        work.fixed[2 * i] = gap + change(system, work, 2 * i, work.free)
+        work.fixed[2 * i + 1] = work.offset[i] + change(system, work, 2 * i + 1, work.free)
+
+
+@compiled
+def next_increment(system: PlaneModel, work: PlaneWork) -> float:
+    """Write the increment by the forces that were found; returns by how much it may be wrong, m.
+
+    What its change does to the rows is smaller by the largest angle of the step.
+    """
+    last, new, changed, turned = work.increment, work.tried, 0.0, 0.0
+    new[:] = work.free
+    push(system, work, work.force, work.flexibility, new)
+    for k in range(len(new)):
+        changed = max(changed, abs(new[k] - last[k]))
+    for b in range(len(system.half)):
+        turned = max(turned, abs(new[3 * b + 2]))
+    last[:] = new
+    return changed * turned
 
 
 @compiled
@@ -139,34 +171,35 @@ def finish_step(
     memory: PlaneMemory,
     work: PlaneWork,
     dt: float,
-    before: Array,
-    after: Array,
+    ground: PlaneGround,
 ) -> None:
     """Take the solved step: ledger, new state, memory; then contact at velocity level."""
-    book_step(system, state, work, dt, before, after)
-    moved = work.rows[: 2 * work.counts[0]] @ work.increment
-    rubbed = book_contact(state, work, moved)
-    follow_slip(system, state, work, moved)
-    state.v[:] = 2.0 * work.increment / dt - state.v
-    state.q[:] += work.increment
-    state.p[:] = work.inertia
-    remember_points(system, memory, work, moved, dt)
-    add_impulses(system, work, dt * work.force)
+    book_step(system, state, work, dt, ground)
+    for row in range(2 * work.counts[0]):
+        work.moved[row] = change(system, work, row, work.increment)
+    rubbed = book_contact(state, work)
+    follow_slip(system, state, work)
+    for k in range(len(state.q)):
+        state.v[k] = 2.0 * work.increment[k] / dt - state.v[k]
+        state.q[k] += work.increment[k]
+    state.p[0] = work.inertia[0]
+    remember_points(system, memory, work, dt)
+    add_impulses(system, work, dt, work.force)
     if system.velocity_solve:
         correct_velocity(system, state, work, dt, rubbed)
 
 
 @compiled
 def book_step(
-    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, before: Array, after: Array
+    system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, ground: PlaneGround
 ) -> None:
-    """PlaneWork of the ground, and what the dashpot and the averaging of the time stepping take.
+    """Work of the ground, and what the dashpot and the averaging of the time stepping take.
 
     The latter is (1/2 - alpha_f) du dr with r = p + k u of the platform.
     """
-    du = work.increment
-    mean = 0.5 * (before + after)
-    state.exchanged[0] -= mean[0] * (system.mass_x @ du) + mean[1] * (system.mass_y @ du)
+    du, (x, y) = work.increment, mean_of(ground, dt)
+    for k in range(len(du)):
+        state.exchanged[0] -= (system.mass_x[k] * x + system.mass_y[k] * y) * du[k]
     if len(du) % 3:
         k, c = system.spring[0], system.spring[1]
         change = work.inertia[0] - state.p[0] + k * du[-1]
@@ -175,9 +208,9 @@ def book_step(
 
 
 @compiled
-def book_contact(state: PlaneState, work: PlaneWork, moved: Array) -> float:
+def book_contact(state: PlaneState, work: PlaneWork) -> float:
     """Friction, returned: -f_t times the way of the anchor; contact: the rest of -f.dy."""
-    friction = total = 0.0
+    friction, total, moved = 0.0, 0.0, work.moved
     for i in range(work.counts[0]):
         n, t = 2 * i, 2 * i + 1
         if work.state[i] != OPEN:
@@ -189,7 +222,7 @@ def book_contact(state: PlaneState, work: PlaneWork, moved: Array) -> float:
 
 
 @compiled
-def follow_slip(system: PlaneModel, state: PlaneState, work: PlaneWork, moved: Array) -> None:
+def follow_slip(system: PlaneModel, state: PlaneState, work: PlaneWork) -> None:
     """Add to the slip of each block the mean way of the points that carry it, or its lowest one's.
 
     `state` is still that of the start of the step.
@@ -200,7 +233,7 @@ def follow_slip(system: PlaneModel, state: PlaneState, work: PlaneWork, moved: A
             k = work.points[i]
             if system.upper[k] == b and work.state[i] != OPEN:
                 # Backwards on the bottom of a block, along which a tangent points backwards, too.
-                way += moved[2 * i + 1]
+                way += work.moved[2 * i + 1]
                 closed += 1
         if closed > 0:
             state.slip[b] += way / closed
@@ -222,11 +255,9 @@ def way_in_flight(system: PlaneModel, q: Array, increment: Array, b: int) -> flo
 
 
 @compiled
-def remember_points(
-    system: PlaneModel, memory: PlaneMemory, work: PlaneWork, moved: Array, dt: float
-) -> None:
+def remember_points(system: PlaneModel, memory: PlaneMemory, work: PlaneWork, dt: float) -> None:
     """Keep gaps, anchors and states of the closed points for the next step, and all pasts."""
-    memory.closed[:] = 0
+    memory.closed[:], moved = 0, work.moved
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
             continue

@@ -13,6 +13,7 @@ from solver.law.friction import Bounds
 from solver.law.newton import OPEN
 from solver.law.velocity import correct_impulses
 from solver.rigid.plane.contact import write_rows
+from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.model import PlaneModel, PlaneState, PlaneWork
 from solver.types import Array
 
@@ -28,16 +29,17 @@ def correct_velocity(
         return
     work.increment[:] = 0.0
     write_rows(system, state.q, work.increment, work)
-    rows = work.rows[: 2 * count]
-    W = (rows * system.flexibility) @ rows.T
+    W, velocity = compliance(system, work, system.flexibility), work.moved[: 2 * count]
+    for row in range(2 * count):
+        velocity[row] = change(system, work, row, state.v)
     bounds = Bounds(work.friction[:count], dt * work.cohesion[:count], np.inf)
     impulse = dt * work.force[: 2 * count]
-    found = correct_impulses(2, W, rows @ state.v, impulse, bounds, taken, work.counts[2:])
+    found = correct_impulses(2, W, velocity, impulse, bounds, taken, work.counts[2:])
     if found.found:
-        state.v[:] += (found.q @ rows) * system.flexibility
+        push(system, work, found.q, system.flexibility, state.v)
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
-        add_impulses(system, work, found.q)
+        add_impulses(system, work, 1.0, found.q)
 
 
 @compiled
@@ -47,8 +49,8 @@ def keep_closed(work: PlaneWork) -> None:
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
             continue
-        for field in (work.points, work.face, work.state):
-            field[kept] = field[i]
+        work.points[kept], work.face[kept] = work.points[i], work.face[i]
+        work.state[kept] = work.state[i]
         work.friction[kept], work.cohesion[kept] = work.friction[i], work.cohesion[i]
         work.force[2 * kept], work.force[2 * kept + 1] = work.force[2 * i], work.force[2 * i + 1]
         kept += 1
@@ -56,13 +58,14 @@ def keep_closed(work: PlaneWork) -> None:
 
 
 @compiled
-def add_impulses(system: PlaneModel, work: PlaneWork, impulse: Array) -> None:
-    """Add the impulses of the points, in space, to those that the blocks got from below."""
+def add_impulses(system: PlaneModel, work: PlaneWork, dt: float, force: Array) -> None:
+    """Add the impulses dt f of the points, in space, to those that the blocks got from below."""
     for i in range(work.counts[0]):
         k = work.points[i]
         upper = system.upper[k]
-        row_n, row_t = work.rows[2 * i], work.rows[2 * i + 1]
         for d in range(2):
-            work.impulse[upper, d] += (
-                impulse[2 * i] * row_n[3 * upper + d] + impulse[2 * i + 1] * row_t[3 * upper + d]
+            column = 3 * upper + d
+            work.impulse[upper, d] += dt * (
+                force[2 * i] * work.rows[2 * i, column]
+                + force[2 * i + 1] * work.rows[2 * i + 1, column]
             )

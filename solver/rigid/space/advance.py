@@ -68,7 +68,7 @@ def _accept(
 
 
 @compiled
-def _run(
+def run(
     model: SpaceModel,
     state: SpaceState,
     dt: float,
@@ -79,7 +79,19 @@ def _run(
     layout: RowLayout,
     rows: Array,
 ) -> tuple[int, int]:
-    """As many steps as there are rows: see `run`."""
+    """As many steps as there are rows; times and the total at the start are left to the caller.
+
+    A step is divided where a point lands within it, and halved where it fails, down to a smallest.
+    Where a block has a restitution it is cut at the instant of an impact. The state, the last
+    angles `seen`, (n, 4), and the rows are changed in place. The ground's accelerations,
+    (steps + 1, 3), are linear in between; the shift is what their mean over each step has beyond
+    that of its ends, (steps, 3), m/s2.
+
+    Returns:
+        Number of steps that succeeded, number of rejected solutions.
+    """
+    model, state = borrowed((model, state))
+    ground, shift, seen, rows = borrowed((ground, shift, seen, rows))
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
     speed, bounces, cuts = state.velocity[-1].copy(), bool(np.any(model.restitution > 0.0)), 0
     rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0
@@ -119,30 +131,3 @@ def _run(
                 speed[:] = state.velocity[-1]
             h, phase = dt - done, LOOKING
     return k, rejected
-
-
-@compiled
-def run(
-    model: SpaceModel,
-    state: SpaceState,
-    dt: float,
-    smallest: float,
-    ground: Array,
-    shift: Array,
-    seen: Array,
-    layout: RowLayout,
-    rows: Array,
-) -> tuple[int, int]:
-    """As many steps as there are rows; times and the total at the start are left to the caller.
-
-    A step is divided where a point lands within it, and halved where it fails, down to a smallest.
-    Where a block has a restitution it is cut at the instant of an impact. The state, the last
-    angles `seen`, (n, 4), and the rows are changed in place. The ground's accelerations,
-    (steps + 1, 3), are linear in between; the shift is what their mean over each step has beyond
-    that of its ends, (steps, 3), m/s2.
-
-    Returns:
-        Number of steps that succeeded, number of rejected solutions.
-    """
-    parts = borrowed(model), borrowed(state)
-    return _run(parts[0], parts[1], dt, smallest, ground, shift, seen, borrowed(layout), rows)
