@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
+import importlib
 import json
+import os
+import pickle
 import random
 import shutil
 import signal
@@ -19,7 +23,7 @@ from scenes import BLOCK
 from rockslip import History, Scene, parse_scene, simulate
 from solver.cli import main
 from solver.errors import SceneError
-from solver.run.checkpoint import NAME, Schedule
+from solver.run.checkpoint import NAME, TYPES, Checkpoint, Schedule, write_checkpoint
 from solver.scene import scene_to_toml
 
 pytestmark = pytest.mark.serial
@@ -177,6 +181,15 @@ def test_an_interrupted_run_goes_on_from_its_last_step(tmp_path: Path) -> None:
     assert texts[0] == texts[1]
 
 
+def test_types_that_runs_save_exist() -> None:
+    """The list goes with the modules; numpy's are those of numpy 2."""
+    pytest.importorskip("dolfinx")
+    for module, names in TYPES.items():
+        if not module.startswith("numpy."):
+            found = importlib.import_module(module)
+            assert [name for name in names if not isinstance(getattr(found, name), type)] == []
+
+
 class TestRefused:
     """What a run cannot go on from, in one line."""
 
@@ -221,7 +234,7 @@ class TestRefused:
             header, own = json.loads(str(table["header"])), table["rank0"]
         for key, value, said in (
             ("rockslip", "0.0.1", "of another version of rockslip"),
-            ("format", 0, "in another format"),
+            ("format", 1, "in another format"),
             ("ranks", 1, ""),
         ):
             strange = json.dumps(header | {key: value})
@@ -229,6 +242,30 @@ class TestRefused:
             if said:
                 assert said in self.refusal(done, capsys)
         assert main(["run", "--resume", str(done), "-q"]) == 0
+
+    @pytest.mark.parametrize(
+        "value",
+        [
+            Path("x"),
+            os.system,
+            np.fromfile,
+            SceneError("a", "b", "c"),
+            write_checkpoint,
+            Checkpoint,
+        ],
+        ids=["path", "command", "function of numpy", "error", "function", "type"],
+    )
+    def test_what_no_run_saves(
+        self, done: Path, capsys: pytest.CaptureFixture[str], value: object
+    ) -> None:
+        """Neither what could do harm nor other types of the packages whose types runs save."""
+        with np.load(done / NAME) as table:
+            header = json.loads(str(table["header"]))
+        part = pickle.dumps(({"system": value}, None), protocol=5)
+        header["sums"] = [hashlib.sha256(part).hexdigest()]
+        own = np.frombuffer(part, np.uint8)
+        np.savez(done / NAME, header=np.array(json.dumps(header)), rank0=own)
+        assert f"{NAME}, which holds what no run has saved" in self.refusal(done, capsys)
 
     def test_nothing_to_go_on_from(
         self, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
