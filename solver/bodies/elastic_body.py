@@ -73,7 +73,6 @@ class ElasticBody:
         self.fixed = self._held(supports)
         self._assemble()
         self._spring = None if spring is None else spring.matrix(self.space)
-        self.has_spring = spring is not None
         self._dashpot = 0.0 if spring is None else spring.delay
         self._measure_inertia()
 
@@ -246,6 +245,11 @@ class ElasticBody:
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from: those at the end of this one."""
         return u
+
+    @property
+    def has_spring(self) -> bool:
+        """Whether a spring holds it to the ground."""
+        return self._spring is not None
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""

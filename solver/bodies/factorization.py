@@ -87,7 +87,7 @@ class Factorization:
         self._b, self._x = matrix.createVecs()
         # Views that are kept: asking PETSc for an array costs as much as a back substitution.
         self._right, self._solution = self._b.array, self._x.array
-        comm = matrix.comm.tompi4py()
+        comm = MPI.COMM_SELF if self._redundant else self._comm
         solver = linear_solver(matrix.size[0], dimension, comm.size, memory_of(comm))
         if solver == "CG + GAMG" and modes is not None:
             self._iterate(modes())

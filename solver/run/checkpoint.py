@@ -1,8 +1,8 @@
 """Checkpoints: how a run stands, in one file from which another command goes on.
 
 `checkpoint.npz` holds a header in JSON (versions, scene, ranks, rows of the history, sums) and for
-each rank the arrays and counters of the engine, pickled. Only numbers, arrays and the program's own
-types are read back from it.
+each rank the arrays and counters of the engine, pickled. Only numbers, arrays and the types that
+runs save are read back from it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import json
 import os
 import pickle
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,19 +23,44 @@ import numpy as np
 from solver import VERSION
 from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion
-from solver.parallel import Comm, Single
+from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene, scene_to_toml
 from solver.scene.output import CheckpointSpec
 
-FORMAT = 1
+FORMAT = 2
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
 
+TYPES = {
+    "numpy": ("dtype", "ndarray"),
+    "numpy._core.multiarray": ("_reconstruct", "scalar"),
+    "numpy._core.numeric": ("_frombuffer",),
+    "solver.bodies.kinematics": ("RigidMotion",),
+    "solver.contact.body_points": ("PointState",),
+    "solver.contact.kernels.chain": ("Feet",),
+    "solver.contact.kernels.nitsche": ("NitscheState",),
+    "solver.contact.memory": ("Memory",),
+    "solver.contact.projection": ("ContactKinematics", "EdgeInterpolation", "Projection"),
+    "solver.rigid.plane.model": ("PlaneMemory", "PlaneState", "PlaneWork"),
+    "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
+    "solver.run.redistribution": ("Owned",),
+    "solver.scheme.generalized_alpha": ("TangentWeights",),
+    "solver.scheme.step_control": ("Ladder",),
+    "solver.stepping.delassus": ("Delassus", "DelassusKey"),
+    "solver.stepping.elastic_response": ("ElasticConfiguration", "ElasticCoupling"),
+    "solver.stepping.impulses": ("MassOperator",),
+    "solver.stepping.local_error": ("Past",),
+    "solver.stepping.response": ("CandidateSet", "DenseConfiguration"),
+    "solver.stepping.state": ("State",),
+    "solver.stepping.turning": ("Turning",),
+}
+"""The types that runs save, by the modules that have them: a checkpoint may name no others."""
+
 
 @dataclass(frozen=True, slots=True)
 class Checkpoint:
-    """What a run goes on from, on this rank."""
+    """What a run goes on from."""
 
     time: float
     """s."""
@@ -42,8 +68,10 @@ class Checkpoint:
     """Rows of the history up to then."""
     part: int
     """Number of the part of the run that goes on."""
-    engine: Any
-    """What the engine saved."""
+    saved: Sequence[Any]
+    """What this rank saved; what each rank of then did, in order, where there were not as many."""
+    same_ranks: bool = True
+    """Whether there were as many ranks as now."""
 
 
 class Schedule:
@@ -82,7 +110,8 @@ def write_checkpoint(
     file: Path, scene: Scene, ground: GroundMotion, kept: Checkpoint, comm: Comm
 ) -> None:
     """Write a checkpoint; the file is the old one or the new one, never half; collective."""
-    own = pickle.dumps(kept.engine, protocol=5)
+    (saved,) = kept.saved
+    own = pickle.dumps(saved, protocol=5)
     parts = [own] if isinstance(comm, Single) else comm.gather(own, root=0)
     if comm.rank != 0 or parts is None:
         return
@@ -113,7 +142,7 @@ def write_checkpoint(
 
 
 def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm) -> Checkpoint:
-    """The checkpoint in the folder of a run, for this rank.
+    """The checkpoint in the folder of a run, for this rank; of any number of ranks.
 
     Raises:
         SceneError: There is none, it is damaged, or it belongs to something else.
@@ -139,22 +168,29 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
         if header.get(key) != value:
             got = f"{file}, {words.get(key, 'of another scene or motion')}"
             raise SceneError(where, got, "that of this run")
-    if header["ranks"] != comm.size:
-        got = f"{file}, written by {header['ranks']} ranks, on {comm.size}"
-        raise SceneError(where, got, "the same number of ranks")
-    engine = _Reader(io.BytesIO(parts[comm.rank])).load()
-    return Checkpoint(float(header["time"]), int(header["rows"]), int(header["part"]) + 1, engine)
+    same = len(parts) == comm.size
+    saved = _loaded(parts[comm.rank : comm.rank + 1] if same else parts)
+    if any_rank(comm, saved is None):
+        got = f"{file}, which holds what no run has saved"
+        raise SceneError(where, got, "a checkpoint as it was written")
+    counts = int(header["rows"]), int(header["part"]) + 1
+    return Checkpoint(float(header["time"]), *counts, saved or [], same)
+
+
+def _loaded(parts: Sequence[bytes]) -> list[Any] | None:
+    """What ranks have saved; None where a type is no part of a checkpoint."""
+    try:
+        return [_Reader(io.BytesIO(part)).load() for part in parts]
+    except (pickle.UnpicklingError, AttributeError, ImportError):
+        return None
 
 
 class _Reader(pickle.Unpickler):
-    """Reads the program's own types, arrays and plain values, and nothing else."""
-
-    PLAIN = ("frozenset", "set", "slice", "complex", "range", "bytearray")
+    """Reads the types that runs save, arrays and plain values, and nothing else."""
 
     def find_class(self, module: str, name: str) -> Any:
         """The type of a value."""
-        plain = module == "builtins" and name in self.PLAIN
-        if plain or module.split(".")[0] in ("numpy", "solver", "geometry", "collections"):
+        if name in TYPES.get(module.replace("numpy.core.", "numpy._core."), ()):  # numpy 1 and 2
             return super().find_class(module, name)
         raise pickle.UnpicklingError(f"{module}.{name} is no part of a checkpoint")
 

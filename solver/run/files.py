@@ -199,15 +199,15 @@ class RunFiles:
             self._together(lambda: fields.write(now))
         self.output_seconds += time.perf_counter() - began
 
-    def keep(self, ground: GroundMotion, now: float, engine: Any) -> None:
-        """Write a checkpoint of what an engine saved at a time, s; collective."""
+    def keep(self, ground: GroundMotion, now: float, saved: Any) -> None:
+        """Write a checkpoint of what was saved at a time, s; collective."""
         folder = self._folder
         if folder is None or self._history is None:
             return
         began = time.perf_counter()
         self._together(self._flush)
         part = 1 if self._resumed is None else self._resumed.part
-        kept = Checkpoint(now, len(self._history), part, engine)
+        kept = Checkpoint(now, len(self._history), part, [saved])
         self._together(
             lambda: write_checkpoint(folder / NAME, self._scene, ground, kept, self._comm)
         )

@@ -18,6 +18,7 @@ from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
 from solver.run.files import Fields
 from solver.run.observer import Observer
+from solver.run.redistribution import owned_by_rank, redistributed, refuse_other_places
 from solver.run.simulate import RunContext
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
@@ -92,10 +93,16 @@ class MeshedRun:
             "observer": self._observer.saved(),
             "counts": (self._steps, self._damped, self._iterations),
             "row": self._row,
+            "owned": owned_by_rank(self._stepper.system),
         }
+
+    def redistributed(self, saved: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """What this rank would have saved, from what another number of ranks did; collective."""
+        return redistributed(self._stepper.system, saved)
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved; collective."""
+        refuse_other_places(self._stepper.system, saved["owned"])
         self.state = saved["state"]
         self._stepper.resume(saved["stepper"])
         self._ladder = saved["ladder"]

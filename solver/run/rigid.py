@@ -7,7 +7,7 @@ PETSc or Gmsh.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,6 +91,10 @@ class RigidRun:
             "system": self._system.saved(),
             "counts": (self._steps, self._rejected, self._iterations),
         }
+
+    def redistributed(self, saved: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """What any rank saved: all of them hold the same."""
+        return saved[0]
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved."""

@@ -12,7 +12,12 @@ from solver.errors import SceneError, missing_key, not_applicable
 from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
 from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
-from solver.scene.damping import DampingSpec, bending_frequency, default_stiffness
+from solver.scene.damping import (
+    DEFAULT_RATIO,
+    DampingSpec,
+    bending_frequency,
+    stiffness_damping,
+)
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import (
     Cell,
@@ -175,7 +180,7 @@ class BlockSpec(Checked):
 
     def default_damping(self, dimension: Dimension) -> DampingSpec:
         """The damping of an elastic block where nothing is said; ValueError for a rigid one."""
-        return DampingSpec(stiffness=default_stiffness(self.bending_frequency(dimension)))
+        return stiffness_damping(DEFAULT_RATIO, self.bending_frequency(dimension))
 
     @property
     def mesh_label(self) -> str:

@@ -30,11 +30,6 @@ def bending_frequency(width: float, height: float, wave_speed: float) -> float:
     return CANTILEVER / math.sqrt(12) * (width / height) * (wave_speed / height)
 
 
-def default_stiffness(frequency: float) -> float:
-    """beta_R = 2 xi/omega (s) of the default ratio at a frequency, rad/s."""
-    return 2 * DEFAULT_RATIO / frequency if frequency else math.inf
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DampingSpec(Checked):
     """Rayleigh damping: `[damping]`, or `damping` of a body."""
@@ -64,5 +59,8 @@ def refuse_both_dampings(ratio: float | None, damping: DampingSpec | None) -> No
 
 
 def stiffness_damping(ratio: float, frequency: float) -> DampingSpec:
-    """Stiffness-proportional damping that gives a ratio xi at a natural frequency, rad/s."""
-    return DampingSpec(stiffness=2 * ratio / frequency)
+    """Stiffness-proportional damping that gives a ratio xi at a natural frequency, rad/s.
+
+    beta_R = 2 xi/omega; infinite at a frequency of zero.
+    """
+    return DampingSpec(stiffness=2 * ratio / frequency if frequency else math.inf)

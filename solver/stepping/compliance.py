@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
-from solver.bodies.memory import BYTES_AN_ENTRY, compliance_bytes, require
+from solver.bodies.memory import ASKED_PART, BYTES_AN_ENTRY, compliance_bytes, require
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
 from solver.types import Array, Indices
@@ -165,7 +165,7 @@ class Compliance:
         d, before = self.body.dimension, len(self._matrix)
         known = np.concatenate([self._known, missing])
         require(
-            compliance_bytes(len(known), d) - compliance_bytes(len(self._known), d),
+            ASKED_PART * (compliance_bytes(len(known), d) - compliance_bytes(len(self._known), d)),
             f"{self.body.name}: the compliance of {len(known)} contact points",
             "use larger cells on the faces that touch",
             self.body.comm,

@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from solver.errors import RockslipError, SceneError
+from solver.errors import RockslipError, SceneError, Statement
 from solver.stepping.convergence import Convergence, IterationRecord, IterationTolerances
 from solver.stepping.petsc_options import PREFIX, PetscOptions, parse_options, refuse_unused
 from solver.types import Array
@@ -75,7 +75,19 @@ class NonlinearProblem(Protocol):
 
 
 class Tangent:
-    """The shell matrix that SNES is given; with `preonly` nothing is ever multiplied by it."""
+    """The shell matrix that SNES is given; with `preonly` nothing is ever multiplied by it.
+
+    Nor can anything be: the residual depends on the point forces, which corrections change, too,
+    and those of rigid bodies have no derivative by the displacement.
+    """
+
+    multiplied = False
+    """Whether an option let PETSc ask for a product all the same."""
+
+    def mult(self, matrix: PETSc.Mat, vector: PETSc.Vec, product: PETSc.Vec) -> None:
+        """Called by PETSc; not-a-number, since no exception may pass through it."""
+        self.multiplied = True
+        product.array[:] = np.nan
 
 
 class Correction:
@@ -105,6 +117,11 @@ class Correction:
         except RockslipError as refusal:
             self.refusal = refusal
             negative.array[:] = np.nan
+
+
+def _not_for_petsc(words: str, error: PETSc.Error) -> SceneError:
+    """What PETSc says of options."""
+    return SceneError("options after --", words, f"values for PETSc: {str(error).splitlines()[-1]}")
 
 
 @contextmanager
@@ -147,7 +164,9 @@ class NonlinearSolver:
         self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
-        self._shell = PETSc.Mat().createPython(((size, None), (size, None)), Tangent(), comm=comm)
+        self._tangent, self._words = Tangent(), " ".join(options)
+        sizes = (size, None), (size, None)
+        self._shell = PETSc.Mat().createPython(sizes, self._tangent, comm=comm)
         self._shell.setUp()
         self._correction = Correction(failure)
         self.snes = self._set_up(comm, options)
@@ -190,10 +209,7 @@ class NonlinearSolver:
                 snes.setFromOptions()
                 refuse_unused(options)
         except PETSc.Error as error:
-            said = str(error).splitlines()[-1]
-            raise SceneError(
-                "options after --", " ".join(words), f"values for PETSc: {said}"
-            ) from None
+            raise _not_for_petsc(" ".join(words), error) from None
         return options
 
     def _function(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
@@ -235,7 +251,7 @@ class NonlinearSolver:
         The tolerance is the Euclidean norm of the residual that counts as zero, N.
 
         Raises:
-            RockslipError: A correction needs what this machine has not.
+            RockslipError: A correction needs what this machine has not, or an option a Jacobian.
         """
         self._problem = problem
         self._correction.begin(problem)
@@ -244,8 +260,16 @@ class NonlinearSolver:
         self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
         self._x.array[:] = unknowns
         late = in_data_base(self._late) if self._late else NOTHING
-        with late, np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
-            self.snes.solve(None, self._x)
+        try:
+            with late, np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
+                self.snes.solve(None, self._x)
+        except PETSc.Error as error:
+            if not self._words:
+                raise
+            raise _not_for_petsc(self._words, error) from None
+        if self._tangent.multiplied:
+            what = "multiply by the Jacobian, and none is assembled; leave them out"
+            raise Statement(f"options after --: {self._words}", what)
         if self._correction.refusal is not None:
             raise self._correction.refusal
         code = self.snes.getConvergedReason()

@@ -124,7 +124,7 @@ class _Worker:
         self.connection, theirs = context.Pipe()
         self.number = -1
         self._process = context.Process(target=_work, args=(function, theirs), daemon=True)
-        with _one_thread():
+        with _settings():
             self._process.start()
         theirs.close()  # so that the end of the process is the end of the pipe
 
@@ -202,10 +202,15 @@ def _cause(code: int | None) -> str:
 
 
 @contextmanager
-def _one_thread() -> Iterator[None]:
-    """Let processes that are started meanwhile use one thread each."""
-    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+def _settings() -> Iterator[None]:
+    """Let processes that are started meanwhile use one thread each, and PETSc no signal handler.
+
+    It would end a process whose pipe is closed with a page about a caught signal.
+    """
+    petsc = f"{os.environ.get('PETSC_OPTIONS', '')} -no_signal_handler"
+    settings = dict.fromkeys(THREAD_VARIABLES, "1") | {"PETSC_OPTIONS": petsc.strip()}
+    before = {name: os.environ.get(name) for name in settings}
+    os.environ.update(settings)
     try:
         yield
     finally:

@@ -3,35 +3,22 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import on_ranks
 from scenes import GRANITE
 
 from rockslip import History
-
-ROOT = Path(__file__).parents[2]
 
 SCENE = GRANITE + "[time]\nend = 3.0\nstep = 1.0e-3\n[output]\nevery = 0.1\n"
 
 
 def rockslip_on(ranks: int, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """`rockslip run` under mpirun, in a folder that holds scene.toml."""
-    launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    return subprocess.run(
-        [*launch, sys.executable, "-m", "solver", "run", "scene.toml", "-q", *arguments],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
+    return on_ranks(ranks, folder, "run", "scene.toml", "-q", *arguments)
 
 
 @pytest.fixture(scope="module")

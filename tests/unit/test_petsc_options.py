@@ -36,7 +36,10 @@ def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
         ("-rockslip_snes_linesearch_type l2", "", None),
         ("-log_view", "PETSc Performance Summary", 1),
         ("-log_view -snes_view", "type: newtonls", 3),
-        ("-options_left", "", None),
+        ("-options_left", "-options_left # (source", None),
+        ("-malloc_debug", "", None),
+        ("-info", "PetscInitialize", None),
+        ("-snes_converged_reason -rockslip_snes_linesearch_type cp", "solve converged due to", 3),
     ],
 )
 def test_these_work(tmp_path: Path, words: str, said: str, count: int | None) -> None:
@@ -87,6 +90,23 @@ def test_those_that_need_a_matrix_are_refused(words: str) -> None:
         parse_options(words.split())
     assert len(str(caught.value)) <= 200
     assert words.split()[0].replace("rockslip_", "") in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("-ksp_view_final_residual", "multiply by the Jacobian, and none is assembled"),
+        ("-ksp_diagonal_scale", "values for PETSc"),
+    ],
+)
+def test_those_that_ask_for_products_all_the_same_end_the_run(
+    tmp_path: Path, words: str, said: str
+) -> None:
+    """In one line, from the first step."""
+    done = run(tmp_path, *words.split())
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1
+    assert said in done.stderr and words in done.stderr
 
 
 def test_own_options_keep_their_values() -> None:

@@ -43,6 +43,10 @@ def act(task):
         return lambda: 0
     if task == "threads":
         return os.environ["OPENBLAS_NUM_THREADS"]
+    if task == "catches":
+        from petsc4py import PETSc
+        words = dict(line.split(":") for line in open("/proc/self/status"))
+        return bool(int(words["SigCgt"], 16) >> (signal.SIGPIPE - 1) & 1)
     return os.getpid(), task
 
 def sleep(seconds):
@@ -79,6 +83,16 @@ def test_each_task_has_its_outcome(tasks: Path) -> None:
     assert str(found["refuse"]) == "motion.file: got none, allowed one"
     assert str(found["odd"]) == "Odd: 1 and 2"
     assert isinstance(found["lambda"], Exception)
+
+
+def test_petsc_catches_no_broken_pipe(tasks: Path) -> None:
+    """Its handler would say a page about the broken pipe of a process that is ended."""
+    pytest.importorskip("petsc4py")
+    import pool_tasks
+
+    before = os.environ.get("PETSC_OPTIONS")
+    assert list(side_by_side(pool_tasks.act, ["catches"])) == [(0, False)]
+    assert os.environ.get("PETSC_OPTIONS") == before
 
 
 def test_a_task_that_cannot_be_read_fails_alone(tasks: Path) -> None:
