@@ -1,8 +1,8 @@
 """All fields of a run in one file, `fields.vtkhdf`: VTK's layout of HDF5, a body a block of it.
 
 Meshes stand in it once, fields once for each time. A time counts when all of it is on the disk:
-its values are written first, the list of times last, so that a run that is killed leaves a file
-that can be opened, with the times before.
+its values are written first, the list of times last. A run that is killed leaves a file with the
+times before, unless it was killed within the milliseconds in which HDF5 writes one.
 """
 
 from __future__ import annotations
@@ -10,11 +10,13 @@ from __future__ import annotations
 import errno
 import os
 import re
+import resource
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -34,6 +36,9 @@ TAKEN = ("Assembly", "Steps")
 
 #: Numbers in a piece of the file that is read or written at once, if there are as many.
 AT_ONCE = 4096
+
+#: Room that a body needs besides its values, bytes: what pieces are rounded up to.
+ROOM = 1 << 20
 
 
 def refuse_without_h5py(scene: Scene) -> None:
@@ -73,7 +78,7 @@ class HdfFile:
         import h5py
 
         goes_on = until is not None and self.path.is_file()
-        with _system_errors(self.path):
+        with _system_errors(self.path, "is damaged; without it the run goes on" if goes_on else ""):
             # Without a lock: who looks at a run that goes on need not wait for its end.
             self._file = h5py.File(self.path, "r+" if goes_on else "w", locking=False)
             if goes_on:
@@ -95,6 +100,20 @@ class HdfFile:
         group.attrs["Version"] = np.array(VERSION)
         group.attrs.create("Type", np.bytes_(kind))
         return group
+
+    def check_room(self, size: int) -> None:
+        """Raise the system's error where so many bytes more have no room.
+
+        HDF5 does not survive that: it ends the process when it closes the file.
+        """
+        limit = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+        if limit != resource.RLIM_INFINITY and self.path.stat().st_size + size > limit:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(self.path))
+        try:
+            with TemporaryFile(dir=self.path.parent) as tried:
+                os.posix_fallocate(tried.fileno(), 0, size)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(self.path)) from error
 
     def body(self, name: str, cells: Cells) -> HdfBody:
         """The next body; it is written with its first fields."""
@@ -143,6 +162,10 @@ class HdfBody:
 
     def write(self, nodal: Mapping[str, Array], means: Mapping[str, Array]) -> None:
         """Write the fields at the nodes, (n,) or (n, k), and in the cells, at the next time."""
+        size = sum(values.nbytes for values in (*nodal.values(), *means.values()))
+        if self._group is None:
+            size += 2 * (self._cells.points.nbytes + self._cells.nodes.nbytes)
+        self._file.check_room(size + ROOM)
         with _system_errors(self._file.path):
             if self._group is None:
                 self._open(list(nodal), list(means))
@@ -170,6 +193,7 @@ class HdfBody:
         for name in ("PointData", "CellData", "Steps"):
             group.create_group(name, track_order=True)
         group["Steps"].attrs["NSteps"] = 0
+        _put(group["Steps"], "Values", 0, np.empty(0))
         self._group = group
 
     def extend(self, before: int) -> None:
@@ -213,13 +237,13 @@ def _put(group: Any, name: str, start: int, values: Array | Indices) -> None:
 
 
 @contextmanager
-def _system_errors(file: Path) -> Iterator[None]:
-    """Let errors of HDF5, which are of many types, be those of the system."""
+def _system_errors(file: Path, said: str = "") -> Iterator[None]:
+    """Let errors of HDF5, which are of many types, be those of the system, or what is said."""
     try:
         yield
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         found = re.search(r"errno = (\d+)", str(error))
         if found is None:
-            raise OSError(errno.EIO, "cannot be read or written by HDF5", str(file)) from error
+            raise OSError(errno.EIO, said or "HDF5 cannot write it", str(file)) from error
         number = int(found[1])
         raise OSError(number, os.strerror(number), str(file)) from error
