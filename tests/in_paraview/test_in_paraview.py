@@ -38,11 +38,13 @@ WIDTH, HEIGHT = 0.25, 1.0
 def screen() -> Iterator[dict[str, str]]:
     """The variables of a process that draws: ParaView does so on an X server, of this module.
 
-    Its number is nobody else's: who ends a server of the same number takes the socket away.
+    Its number is nobody else's: who ends a server of the same number takes the socket away. And it
+    never starts anew: it would do so between the two connections that ParaView begins with.
     """
     reads, writes = os.pipe()
     display = f":{100 + os.getpid() % 60000}"
-    command = ["Xvfb", display, "-displayfd", str(writes), "-screen", "0", "1280x1024x24"]
+    command = ["Xvfb", display, "-noreset", "-displayfd", str(writes)]
+    command += ["-screen", "0", "1280x1024x24"]
     with subprocess.Popen(command, pass_fds=[writes], stderr=subprocess.DEVNULL) as server:
         os.close(writes)
         assert os.read(reads, 16), "no X server"  # once it is ready
@@ -65,7 +67,7 @@ def pvpython(screen: dict[str, str], *words: object) -> None:
     """Run a script by ParaView's Python."""
     command = ["pvpython", *map(str, words)]
     done = subprocess.run(command, env=screen, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.returncode == 0, (done.stdout + done.stderr)[:1000]
     assert "Traceback" not in done.stderr and " ERR|" not in done.stderr, done.stderr
 
 
@@ -102,8 +104,7 @@ def test_a_run_in_paraview(
     assert said["differ"] > 0.003
 
 
-@pytest.mark.parametrize("fields", FORMATS)
-def test_a_film(fields: str, tmp_path: Path, screen: dict[str, str]) -> None:
-    folder = run_of("rigid", fields, 1, tmp_path)
+def test_a_film(tmp_path: Path, screen: dict[str, str]) -> None:
+    folder = run_of("rigid", "vtkhdf", 1, tmp_path)
     pvpython(screen, folder / "open_in_paraview.py", tmp_path / "film.avi")
     assert (tmp_path / "film.avi").stat().st_size > 100_000
