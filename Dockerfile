@@ -14,7 +14,7 @@ RUN echo 'Acquire::Check-Valid-Until "false";' > /etc/apt/apt.conf.d/90valid-unt
  && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
         python3-dolfinx-real python3-gmsh python3-petsc4py-real python3-mpi4py \
         python3-numpy python3-scipy python3-numba python3-pyvista python3-matplotlib \
-        python3-tqdm python3-tomli-w \
+        python3-tqdm python3-tomli-w python3-h5py \
         libopenblas0-pthread openmpi-bin libopenmpi-dev g++ libc6-dev pkg-config \
         python3-dev python3-pip python3-setuptools python3-wheel \
         python3-pytest python3-pytest-xdist python3-hypothesis python3-mypy \

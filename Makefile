@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test quick lint site image energy-grid suite docs-tables
+.PHONY: help demo test quick paraview lint site image energy-grid suite docs-tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -7,6 +7,7 @@ help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
 	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
+	@echo "make paraview   runs opened in a real ParaView, in an image of its own (tests/in_paraview)"
 	@echo "make lint    ruff and mypy"
 	@echo "make site    the documents as a site: site/index.html"
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
@@ -22,6 +23,12 @@ test:
 
 quick:
 	./in-env python3 -m pytest tests -n 2 --dist loadfile -m "not slow and not mpi"
+
+# ParaView has a VTK of its own: the runs are made in the environment, and looked at elsewhere.
+paraview:
+	rm -rf output/paraview
+	./in-env python3 tests/in_paraview/runs.py output/paraview
+	ROCKSLIP_TOOL=paraview ./in-env python3 -m pytest --noconftest -p no:cacheprovider tests/in_paraview
 
 lint: $(RUFF)
 	$(RUFF) check .

@@ -148,6 +148,7 @@ def build_parser() -> Parser:
 def run_scene(options: argparse.Namespace) -> int:
     """`rockslip run`: rank 0 reads scene and motion, every rank takes part."""
     from solver.excitation.motion import read_ground
+    from solver.fields.hdf_file import refuse_without_h5py
     from solver.parallel import abort_on_exceptions, on_first_rank, world
     from solver.scene import load_scene
     from solver.stepping.petsc_options import parse_options
@@ -164,6 +165,7 @@ def run_scene(options: argparse.Namespace) -> int:
     # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
     # so is a scene that needs what is not installed.
     scene = on_first_rank(comm, lambda: load_scene(path, options.overrides))
+    refuse_without_h5py(scene)
     ground = read_ground(scene, comm)
     try:
         comm = world(meshed=not scene.is_rigid)

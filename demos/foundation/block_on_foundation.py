@@ -46,7 +46,7 @@ from rockslip import load_scene, read_run
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.pictures.surfaces import FieldFiles, polygons
 from solver.reference.housner import housner
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 
 HERE = Path(__file__).resolve().parent
 SCENE, OUTPUT = HERE / "scene.toml", output_of("foundation")
@@ -118,7 +118,7 @@ def picture(runs: list[Run], folder: Path) -> Path:
 def _drawn(runs: list[Run]) -> Figure:
     figure = new_figure(5.6)
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
-    files = FieldFiles(runs[0].folder / FIELDS, 2)
+    files = FieldFiles(runs[0].folder / "fields.pvd", 2)
     history = runs[0].history
     leaning = history["time_s"][np.argmin(history["block.angle_rad"])]
     panels = above.subplots(1, 2, sharey=True)

@@ -49,7 +49,7 @@ from solver.build.foundation import natural_period
 from solver.pictures.deformed import draw_deformed
 from solver.pictures.instants import Instant
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 from solver.scene.foundation import FrameSpec
 
 HERE = Path(__file__).resolve().parent
@@ -147,7 +147,7 @@ def _drawn(runs: list[Run]) -> Figure:
         Instant(largest, "largest drift"),
     ]
     floor = -sum((frame_of(runs[0].scene).storey, frame_of(runs[0].scene).deck.height))
-    draw_deformed(above, runs[0].folder / FIELDS, instants, dimension=3, floor=floor)
+    draw_deformed(above, runs[0].folder / "fields.pvd", instants, dimension=3, floor=floor)
     panels = below.subplots(2, 2, sharex=True, sharey="row")
     for axes, (name, label) in zip(panels.flat, NAMES.items(), strict=True):
         for run, look in zip(

@@ -12,12 +12,11 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
+from solver.fields.destination import Destination, RigidWriter, open_destination
 from solver.fields.ground import platform_corners
 from solver.fields.nodal_contact import nodal_contact
 from solver.fields.paraview import write_script
-from solver.fields.pvd import FieldsBefore, PvdIndex
-from solver.fields.rigid_writer import RigidFieldWriter
-from solver.fields.writer import FieldWriter
+from solver.fields.pvd import FieldsBefore
 from solver.scene import Scene
 from solver.stepping.state import State
 from solver.types import Array
@@ -36,27 +35,24 @@ class Snapshots:
     def __init__(
         self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None
     ):
-        """Open `fields.pvd` and write the script that shows it in ParaView."""
+        """Begin the files and write the script that shows them in ParaView."""
         self._run = run
         system = run.assembly.stepper.system
         writes = system.comm.rank == 0
         before = before or FieldsBefore()
-        index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
+        files = self._files = open_destination(scene, folder, before, writes=writes)
         self._bodies: list[MeshedFields | RigidFields | HeldFields] = []
         for number, body in enumerate(system.bodies):
-            file = before.file(folder, body.name)
             if isinstance(body, ElasticBody):
-                self._bodies.append(MeshedFields(run, number, body, file, index))
+                self._bodies.append(MeshedFields(run, number, body, files))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                writer = RigidFieldWriter(
-                    file, corners, index=index, part=number, name=body.name, writes=writes
-                )
+                writer = files.rigid(body.name, corners)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         held = run.assembly.support.held
         if held is not None:
-            file, part = before.file(folder, "plate"), len(self._bodies)
-            self._bodies.append(HeldFields(held, file, index, part))
+            self._bodies.append(HeldFields(held, files))
+        files.begin()
         if writes:
             elastic = any(isinstance(body, ElasticBody) for body in system.bodies)
             write_script(folder, scene, stress=elastic)
@@ -74,20 +70,20 @@ class Snapshots:
                 trouble = trouble or error
         if trouble is not None:
             raise trouble
+        self._files.end_time(time)
 
     def close(self) -> None:
         """Finish the files."""
         for body in self._bodies:
             body.close()
+        self._files.close()
 
 
 class MeshedFields:
     """The fields of a meshed body."""
 
-    def __init__(
-        self, run: SteppedRun, number: int, body: ElasticBody, file: Path, index: PvdIndex
-    ):
-        """Open the files of a body."""
+    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: Destination):
+        """Make the functions that the files hold."""
         self._run, self._body = run, body
         self._own = run.assembly.stepper.system.slices[number]
         self._number, space = number, body.space
@@ -96,21 +92,14 @@ class MeshedFields:
         scalars = fem.functionspace(space.mesh, ("Lagrange", degree))
         self._pressure, self._state = fem.Function(scalars), fem.Function(scalars)
         self._friction = fem.Function(space)
-        self._writer = FieldWriter(
-            file,
-            nodal={
-                "displacement": self._displacement,
-                "velocity": self._velocity,
-                "contact_pressure": self._pressure,
-                "friction": self._friction,
-                "contact_state": self._state,
-            },
-            material=body.material,
-            thickness=body.thickness,
-            index=index,
-            part=number,
-            name=body.name,
-        )
+        nodal = {
+            "displacement": self._displacement,
+            "velocity": self._velocity,
+            "contact_pressure": self._pressure,
+            "friction": self._friction,
+            "contact_state": self._state,
+        }
+        self._writer = files.meshed(body.name, nodal, body.material, body.thickness)
 
     def write(self, time: float) -> None:
         """Write the fields as they are."""
@@ -146,12 +135,10 @@ class MeshedFields:
 class HeldFields:
     """A plate that is meshed and held altogether: it stands where it stood, without stress."""
 
-    def __init__(self, space: fem.FunctionSpace, file: Path, index: PvdIndex, part: int):
-        """Open the files of the plate; its displacements are those of the space, all zero."""
+    def __init__(self, space: fem.FunctionSpace, files: Destination):
+        """Take the space of the plate's displacements, all zero."""
         nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
-        self._writer = FieldWriter(
-            file, nodal=nodal, material=None, index=index, part=part, name="plate"
-        )
+        self._writer = files.meshed("plate", nodal, None)
 
     def write(self, time: float) -> None:
         """Write the plate."""
@@ -171,7 +158,7 @@ class RigidFields:
         number: int,
         body: DenseBody,
         corners: Array,
-        writer: RigidFieldWriter,
+        writer: RigidWriter,
     ):
         """Take the body, its corners and the writer."""
         self._run, self._body, self._corners, self._writer = run, body, corners, writer

@@ -6,6 +6,7 @@ from pathlib import Path
 from string import Template
 
 from solver.fields.ground import floor_level, half_floor
+from solver.fields.hdf_file import NAME
 from solver.scene import Scene
 
 SCRIPT = Template('''\
@@ -20,14 +21,16 @@ import sys
 from pathlib import Path
 
 from paraview.simple import (
-    AnnotateTimeFilter,
+    AnnotateTime,
     ColorBy,
+    GetActiveCamera,
+    GetActiveView,
     GetActiveViewOrCreate,
     GetAnimationScene,
     GetColorTransferFunction,
     GetScalarBar,
     Line,
-    PVDReader,
+    OpenDataFile,
     Plane,
     Render,
     ResetCamera,
@@ -39,14 +42,22 @@ from paraview.simple import (
 # ParaView does not always tell a script where it lies: then look into the current folder
 here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
 HALF_FLOOR, LEVEL = $half_floor, $level  # m
+DARK = [0.15, 0.15, 0.15]
 
-fields = PVDReader(FileName=str(here / "fields.pvd"))
+fields = OpenDataFile(str(here / "$file"))
+alone = GetActiveView() is None  # without a window, whose views have their sizes
 view = GetActiveViewOrCreate("RenderView")
+if alone:
+    view.ViewSize = [1280, 720]
+view.UseColorPaletteForBackground = 0
+view.Background = [1.0, 1.0, 1.0]
+view.OrientationAxesLabelColor = DARK
 $camera
 
 bodies = WarpByVector(Input=fields, Vectors=["POINTS", "displacement"], ScaleFactor=1.0)
 shown = Show(bodies, view)
 shown.Representation = "Surface With Edges"
+shown.EdgeColor = [0.35, 0.35, 0.35]
 $colours
 
 $floor
@@ -54,12 +65,15 @@ ground = Show(floor, view)
 ground.LineWidth = 3.0
 ground.AmbientColor = ground.DiffuseColor = $grey
 
-Show(AnnotateTimeFilter(Input=fields, Format="t = {time:.3f} s"), view)
+clock = Show(AnnotateTime(Format="t = {time:.3f} s"), view)
+clock.Color = DARK
+clock.FontSize = 20
 
 GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
-# The bodies fill the view, not the floor
+# The bodies decide what is seen, not the floor, with room for them to lie down
 ground.Visibility = 0
 ResetCamera(view)
+GetActiveCamera().Zoom(0.7)
 ground.Visibility = 1
 Render(view)
 
@@ -75,10 +89,11 @@ colours = GetColorTransferFunction("von_mises")
 colours.AutomaticRescaleRangeMode = "Grow and update every timestep"
 bar = GetScalarBar(colours, view)
 bar.Title, bar.ComponentTitle = "von Mises stress (Pa)", ""
+bar.TitleColor = bar.LabelColor = DARK
+bar.TitleFontSize = bar.LabelFontSize = 16
 shown.SetScalarBarVisibility(view, True)"""
 
-#: ColorBy(shown, None) stops in ParaView 5.11 where nothing was coloured before.
-PLAIN = 'shown.ColorArrayName = [None, ""]'
+BY_BODY = 'ColorBy(shown, ("FIELD", "vtkBlockColors"))'
 
 #: From the front, a little from the right and from above.
 CAMERA_3D = """\
@@ -98,13 +113,22 @@ floor = Plane(
 def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
     """Write `open_in_paraview.py` for the run of a scene; `stress`: whether a body is elastic."""
     text = paraview_script(
-        half_floor(scene), dimension=scene.dimension, level=floor_level(scene), stress=stress
+        half_floor(scene),
+        file=NAME if scene.output.fields == "vtkhdf" else "fields.pvd",
+        dimension=scene.dimension,
+        level=floor_level(scene),
+        stress=stress,
     )
     (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")
 
 
 def paraview_script(
-    half_floor: float, *, dimension: int = 2, level: float = 0.0, stress: bool = True
+    half_floor: float,
+    *,
+    file: str = "fields.pvd",
+    dimension: int = 2,
+    level: float = 0.0,
+    stress: bool = True,
 ) -> str:
     """Text of `open_in_paraview.py`, with a floor at a level whose half length is given, m.
 
@@ -112,10 +136,11 @@ def paraview_script(
     """
     spatial = dimension == 3
     return SCRIPT.substitute(
+        file=file,
         half_floor=repr(float(half_floor)),
         level=repr(float(level)),
-        coloured="coloured by von Mises stress" if stress else "in one colour, without stress",
-        colours=BY_STRESS if stress else PLAIN,
+        coloured="coloured by von Mises stress" if stress else "each in a colour of its own",
+        colours=BY_STRESS if stress else BY_BODY,
         camera=CAMERA_3D if spatial else 'view.InteractionMode = "2D"',
         floor=PLANE if spatial else LINE,
         grey=[0.85, 0.85, 0.85] if spatial else [0.2, 0.2, 0.2],

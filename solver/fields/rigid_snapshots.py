@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from solver.fields.destination import open_destination
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
-from solver.fields.pvd import FieldsBefore, PvdIndex
-from solver.fields.rigid_writer import RigidFieldWriter
+from solver.fields.pvd import FieldsBefore
 from solver.scene import Scene
 from solver.types import Array
 
@@ -31,21 +31,16 @@ class RigidSnapshots:
         writes: bool = True,
         before: FieldsBefore | None = None,
     ):
-        """Open `fields.pvd` and write the script that shows it in ParaView; on one rank only."""
+        """Begin the files and write the script that shows them in ParaView; on one rank only."""
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
         self._heights = [block.height for block in scene.blocks]
-        before = before or FieldsBefore()
-        index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
+        self._files = open_destination(scene, folder, before or FieldsBefore(), writes=writes)
         parts = [(b.name, c) for b, c in zip(scene.blocks, self._corners, strict=True)]
         if scene.has_platform:
             parts.append(("platform", platform_corners(scene)))
-        self._writers = [
-            RigidFieldWriter(
-                before.file(folder, name), corners, index=index, part=part, name=name, writes=writes
-            )
-            for part, (name, corners) in enumerate(parts)
-        ]
+        self._writers = [self._files.rigid(name, corners) for name, corners in parts]
+        self._files.begin()
         if writes:
             write_script(folder, scene, stress=False)
 
@@ -61,6 +56,7 @@ class RigidSnapshots:
             shift[:, : self._dimension - 1] = self._bodies.drift
             speed[:, : self._dimension - 1] = self._bodies.drift_velocity
             writer.write(time, shift, speed)
+        self._files.end_time(time)
 
     def _moved(self, block: int) -> tuple[Array, Array]:
         """From the centre of a block to its corners, m, and the velocities of these, m/s."""
@@ -76,3 +72,4 @@ class RigidSnapshots:
 
     def close(self) -> None:
         """Close the files; they are complete after every snapshot."""
+        self._files.close()

@@ -73,6 +73,44 @@ class CellMean:
         self.function.x.array[: self._owned] = integral[: self._owned] / self._volume
 
 
+class BodyFunctions:
+    """The fields of a meshed body as functions: those at the nodes as given, and its stress."""
+
+    def __init__(
+        self, nodal: Mapping[str, fem.Function], material: Material | None, thickness: float
+    ):
+        """Take the functions at the nodes, all of one degree, by the names of their fields.
+
+        Their `displacement` (m) is place in the ground frame minus mesh position. The thickness (m)
+        is what stresses of the material are times; no material: no stress.
+        """
+        displacement = nodal["displacement"]
+        self.space = displacement.function_space
+        self.mesh = self.space.mesh
+        self.nodal = list(nodal.values())
+        for field, function in nodal.items():
+            function.name = field
+        self.means: list[CellMean] = []
+        if material is not None:
+            degree = self.space.element.basix_element.degree
+            stress, rule = cauchy_stress(displacement, material), {"quadrature_degree": 2 * degree}
+            named = {"von_mises": von_mises_stress(stress), "stress": stress}
+            self.means = [
+                CellMean(name, each, self.mesh, times=thickness, rule=rule)
+                for name, each in named.items()
+            ]
+
+    @property
+    def all(self) -> list[fem.Function]:
+        """Every function, in the order in which files list them."""
+        return [*self.nodal, *(mean.function for mean in self.means)]
+
+    def fill(self) -> None:
+        """Let the stress be that of the displacement as it is; collective."""
+        for mean in self.means:
+            mean.fill()
+
+
 class FieldWriter:
     """Writes the pieces of one body and lists them in the index; every rank calls every method.
 
@@ -93,38 +131,24 @@ class FieldWriter:
     ):
         """Open the files, named after `file`: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
 
-        When the writer is closed this file lists them, too: the body alone. Functions at the nodes
-        are of one degree, by the names of their fields; the `displacement` (m) is place in the
-        ground frame minus mesh position. The thickness (m) is what stresses of the material are
-        times; no material: no stress. The index lists the pieces of all bodies as they are written,
-        by number and name of the body; None: `file` does.
+        When the writer is closed this file lists them, too: the body alone. `BodyFunctions` has
+        what the functions, the material and the thickness mean. The index lists the pieces of all
+        bodies as they are written, by number and name of the body; None: `file` does.
         """
-        displacement = nodal["displacement"]
-        mesh = self._mesh = displacement.function_space.mesh
-        for field, function in nodal.items():
-            function.name = field
-        self._means: list[CellMean] = []
-        if material is not None:
-            degree = displacement.function_space.element.basix_element.degree
-            stress, rule = cauchy_stress(displacement, material), {"quadrature_degree": 2 * degree}
-            named = {"von_mises": von_mises_stress(stress), "stress": stress}
-            self._means = [
-                CellMean(name, each, mesh, times=thickness, rule=rule)
-                for name, each in named.items()
-            ]
-        self._functions = [*nodal.values(), *(mean.function for mean in self._means)]
-        self._writer = io.VTKFile(mesh.comm, file, "w")
-        self._index = PvdIndex(file, writes=mesh.comm.rank == 0) if index is None else index
+        self._functions = BodyFunctions(nodal, material, thickness)
+        comm = self._functions.mesh.comm
+        self._rank = comm.rank
+        self._writer = io.VTKFile(comm, file, "w")
+        self._index = PvdIndex(file, writes=comm.rank == 0) if index is None else index
         self._folder, self._stem, self._count = file.parent, file.stem, 0
         self._part, self._name, self._way = part, name, self._index.way_to(file.parent)
 
     def write(self, time: float) -> None:
         """Write the fields at a time (s)."""
-        for mean in self._means:
-            mean.fill()
-        for function in self._functions:
+        self._functions.fill()
+        for function in self._functions.all:
             function.x.scatter_forward()
-        self._writer.write_function(self._functions, time)
+        self._writer.write_function(self._functions.all, time)
         self._check_piece()
         # dolfinx lists its pieces when it closes the file; a killed run would have no list.
         piece = f"{self._way}{self._stem}{self._count:06d}.pvtu"
@@ -136,8 +160,7 @@ class FieldWriter:
 
         Local, and after all that ranks do together.
         """
-        rank = self._mesh.comm.rank
-        piece = self._folder / f"{self._stem}_p{rank}_{self._count:06d}.vtu"
+        piece = self._folder / f"{self._stem}_p{self._rank}_{self._count:06d}.vtu"
         with piece.open("rb") as stream:
             stream.seek(max(-len(END), -piece.stat().st_size), os.SEEK_END)
             if END.strip() not in stream.read():

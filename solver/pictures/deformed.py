@@ -19,7 +19,7 @@ from solver.fields.ground import floor_level
 from solver.pictures.instants import Instant, instants
 from solver.pictures.style import WIDTH, new_figure
 from solver.pictures.surfaces import FieldFiles, polygons
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 from solver.types import Array
 
 #: From where bodies in space are seen: to the right of the front and above the horizontal, rad.
@@ -105,11 +105,11 @@ def seen_from_front(place: Array) -> Array:
     return np.asarray(place @ np.stack([right, np.cross(eye, right), eye], axis=1))
 
 
-def deformed_figure(run: Run) -> Figure:
+def deformed_figure(run: Run, fields: Path) -> Figure:
     """The bodies of a run at the instants worth a look; the panels fill the page."""
     chosen, dimension = instants(run), run.scene.dimension
     floor = floor_level(run.scene)
-    snapshots = read_snapshots(run.folder / FIELDS, [i.time_s for i in chosen], dimension, floor)
+    snapshots = read_snapshots(fields, [i.time_s for i in chosen], dimension, floor)
     low, high = _window(snapshots, floor, dimension)
     wide, high_by = high - low
     columns = _columns(float(wide / high_by), len(snapshots))
@@ -126,8 +126,8 @@ def draw_deformed(
 ) -> None:
     """Draw the bodies at some instants, true to scale, coloured by von Mises stress.
 
-    Of the .pvd file the snapshots nearest to the instants are drawn, above the floor, whose height
-    is given in m.
+    Of the .pvd or .vtkhdf file the snapshots nearest to the instants are drawn, above the floor,
+    whose height is given in m.
     """
     times = [instant.time_s for instant in chosen]
     snapshots = read_snapshots(fields, times, dimension, floor)

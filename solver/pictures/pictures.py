@@ -19,7 +19,7 @@ from solver.pictures.ground import draw_motion, sampled_motions
 from solver.pictures.style import save_as
 from solver.reference.answer import reference_history, reference_name
 from solver.results.floor_spectra import floor_spectra
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 
 
 def picture_run(
@@ -45,8 +45,9 @@ def picture_run(
     motions = sampled_motions(run)
     if motions:
         figures["motion"] = lambda: draw_motion(motions)
-    if (run.folder / FIELDS).is_file():
-        figures["deformed"] = lambda: deformed_figure(run)
+    fields = run.fields
+    if fields is not None:
+        figures["deformed"] = lambda: deformed_figure(run, fields)
     files = []
     for name, draw in figures.items():
         files += save_as(draw, folder / name, formats)

@@ -5,25 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from solver.pictures.field_grids import HdfGrids, PvdGrids
 from solver.types import Array, Indices, Mask
 
 
 class FieldFiles:
-    """The bodies in a .pvd file, by its times."""
+    """The bodies in a .pvd or .vtkhdf file, by its times."""
 
     def __init__(self, file: Path, dimension: int):
-        """Read the index."""
-        import pyvista
-
-        self._reader, self._dimension = pyvista.get_reader(str(file)), dimension
-        self.times: Array = np.array(self._reader.time_values)
-        entries = list(ET.parse(file).iter("DataSet"))
-        first = entries[0].get("timestep")
-        self.names = [e.get("name", "") for e in entries if e.get("timestep") == first]
+        """Read times and names."""
+        self._grids = HdfGrids(file) if file.suffix == ".vtkhdf" else PvdGrids(file)
+        self._dimension = dimension
+        self.times, self.names = self._grids.times, self._grids.names
         """What the bodies are called, in their order; empty where the file does not say."""
 
     def read(self, index: int) -> list[Any]:
@@ -31,8 +27,7 @@ class FieldFiles:
 
         Points are where the bodies stand, m; cells have their von Mises stress (`von_mises`, Pa).
         """
-        self._reader.set_active_time_value(self.times[index])
-        grids = [grid for grid in self._reader.read() if grid is not None and grid.n_cells]
+        grids = [g for g in self._grids.read(index) if g is not None and g.n_cells]
         return [_skin(grid) if self._dimension == 3 else _sheet(grid) for grid in grids]
 
     def nearest(self, times: Sequence[float]) -> list[int]:

@@ -16,8 +16,8 @@ from solver.scene import Scene, load_scene
 UNFINISHED = "unfinished"
 """Status of a run that left no summary."""
 
-#: Name of the file that lists the fields.
-FIELDS = "fields.pvd"
+#: Names of the files that a run's fields are opened by; it has one of them, or none.
+FIELDS = ("fields.pvd", "fields.vtkhdf")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +28,12 @@ class Run:
     scene: Scene
     history: History
     summary: dict[str, Any]
+
+    @property
+    def fields(self) -> Path | None:
+        """The file of the fields, if there are any."""
+        files = (self.folder / name for name in FIELDS)
+        return next((file for file in files if file.is_file()), None)
 
     @property
     def label(self) -> str:

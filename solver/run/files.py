@@ -161,7 +161,7 @@ class RunFiles:
         """Say what is being run; open and write the fields of t = 0 where they are asked for."""
         self.log(description)
         folder = self._folder
-        if folder is not None and self._scene.output.fields == "vtk":
+        if folder is not None and self._scene.output.fields != "none":
             began = time.perf_counter()
 
             resumed = self._resumed

@@ -33,6 +33,7 @@ LEFT_BEHIND = (
     "film.gif",
     REPORT,
     "open_in_paraview.py",
+    "fields.vtkhdf",
     "fields*.pvd",
     "fields*.pvtu",
     "fields*.vtu",

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.fields.hdf_file import refuse_without_h5py
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import History, scene_columns
 from solver.info import versions
@@ -212,6 +213,8 @@ def simulate(
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
     """
     began = time.perf_counter()
+    if folder is not None:
+        refuse_without_h5py(scene)
     if comm is None:
         comm = world(meshed=not scene.is_rigid)
     if ground is None:

@@ -141,6 +141,24 @@ def test_the_command_rockslip_is_the_program_of_this_repository(machine: Machine
     assert machine.calls("python3 -m") == ["python3 -m rockslip run a b.toml"]
 
 
+def test_a_place_with_paraview(machine: Machine) -> None:
+    """A pvpython at hand, or an image of its own, never the environment."""
+    machine.install("python3")
+    machine.install_engine("docker")
+    wrong = machine.in_env("true", ROCKSLIP_TOOL="gimp")
+    assert (wrong.returncode, wrong.stderr) == (
+        2,
+        "in-env: ROCKSLIP_TOOL: got gimp, allowed paraview, or nothing\n",
+    )
+    assert machine.in_env("pvpython", "a.py", ROCKSLIP_TOOL="paraview").returncode == 3
+    (built,) = machine.calls("docker build")
+    assert "--target paraview" in built and "tests/in_paraview/Dockerfile" in built
+    assert "rockslip-paraview:trixie-" in machine.calls("docker run")[0]
+    machine.install("pvpython")
+    assert machine.in_env("pvpython", "a.py", ROCKSLIP_TOOL="paraview").returncode == 0
+    assert machine.calls("pvpython") == ["pvpython a.py"]
+
+
 def test_another_suite_is_not_this_python(machine: Machine) -> None:
     machine.install("python3")
     assert machine.in_env("true", SUITE="sid").returncode == 4

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,7 +12,7 @@ from solver.fields.ground import platform_corners
 from solver.pictures.film.contact import BlockFrames, block_poses
 from solver.pictures.style import largest
 from solver.pictures.surfaces import FieldFiles
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 from solver.scene import BlockSpec
 from solver.types import Array
 
@@ -101,9 +102,9 @@ class Fields:
     Between two snapshots a block moves as the history says, and deforms evenly.
     """
 
-    def __init__(self, run: Run, times: Array):
+    def __init__(self, run: Run, file: Path, times: Array):
         """Open the files of a run for frames at these times, s."""
-        self._files, self._times = FieldFiles(run.folder / FIELDS, run.scene.dimension), times
+        self._files, self._times = FieldFiles(file, run.scene.dimension), times
         self._read: dict[int, list[Any]] = {}
         self.names = self._files.names
         blocks = {block.name: block for block in run.scene.blocks}
@@ -167,6 +168,6 @@ def _mixed(first: Any, second: Any, part: float, places: Array) -> Any:
 
 def bodies_of(run: Run, blocks: list[BlockFrames], drift: Array, times: Array) -> Bodies:
     """The bodies of a run; what is meshed and has left no fields is drawn as rigid boxes."""
-    if run.model == "finite elements" and (run.folder / FIELDS).is_file():
-        return Fields(run, times)
+    if run.model == "finite elements" and run.fields is not None:
+        return Fields(run, run.fields, times)
     return Boxes(run, blocks, drift)

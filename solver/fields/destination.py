@@ -1,0 +1,182 @@
+"""Where the fields of a run go: files of each time, or one file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from solver.fields.hdf_file import NAME, Cells, HdfBody, HdfFile
+from solver.fields.pvd import FieldsBefore, PvdIndex
+from solver.fields.rigid_writer import CELL_TYPES, RigidFieldWriter
+from solver.scene import Scene
+from solver.scene.material import Material
+from solver.types import Array
+
+if TYPE_CHECKING:
+    from dolfinx import fem
+
+
+class RigidWriter(Protocol):
+    """What takes the fields of a rigid body."""
+
+    def write(self, time: float, displacement: Array, velocity: Array) -> None:
+        """Write the motion of its corners relative to the ground at a time, s, (n, d)."""
+
+
+class MeshedWriter(Protocol):
+    """What takes the fields of a meshed body, which it was given as functions; collective."""
+
+    def write(self, time: float) -> None:
+        """Write the fields at a time, s."""
+
+    def close(self) -> None:
+        """Finish what belongs to the body alone."""
+
+
+class Destination(Protocol):
+    """The files of a run's fields."""
+
+    def rigid(self, name: str, corners: Array) -> RigidWriter:
+        """A writer for the next body, which is rigid, with its corners in its own frame, m."""
+
+    def meshed(
+        self,
+        name: str,
+        nodal: Mapping[str, fem.Function],
+        material: Material | None,
+        thickness: float = 1.0,
+    ) -> MeshedWriter:
+        """A writer for the next body, which is meshed; collective."""
+
+    def begin(self) -> None:
+        """All bodies are known; an OSError is raised where it happens, after what ranks share."""
+
+    def end_time(self, time: float) -> None:
+        """All bodies have written their fields at a time, s."""
+
+    def close(self) -> None:
+        """Close the files."""
+
+
+def open_destination(
+    scene: Scene, folder: Path, before: FieldsBefore, *, writes: bool
+) -> Destination:
+    """The files that the scene wants, in the folder of the run; `writes` on one rank only."""
+    if scene.output.fields == "vtkhdf":
+        return OneFile(folder, before, writes=writes)
+    return Pieces(folder, before, writes=writes)
+
+
+class Pieces:
+    """A file for each body and time, which `fields.pvd` lists."""
+
+    def __init__(self, folder: Path, before: FieldsBefore, *, writes: bool):
+        """Begin `fields.pvd`."""
+        self._folder, self._before, self._writes, self._count = folder, before, writes, 0
+        self._index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
+
+    def _next(self) -> int:
+        """The number of the next body."""
+        self._count += 1
+        return self._count - 1
+
+    def rigid(self, name: str, corners: Array) -> RigidFieldWriter:
+        """A writer for the next body, which is rigid."""
+        file, part = self._before.file(self._folder, name), self._next()
+        return RigidFieldWriter(
+            file, corners, index=self._index, part=part, name=name, writes=self._writes
+        )
+
+    def meshed(
+        self,
+        name: str,
+        nodal: Mapping[str, fem.Function],
+        material: Material | None,
+        thickness: float = 1.0,
+    ) -> MeshedWriter:
+        """A writer for the next body, which is meshed; collective."""
+        from solver.fields.writer import FieldWriter
+
+        return FieldWriter(
+            self._before.file(self._folder, name),
+            nodal=nodal,
+            material=material,
+            thickness=thickness,
+            index=self._index,
+            part=self._next(),
+            name=name,
+        )
+
+    def begin(self) -> None:
+        """The index is there already."""
+
+    def end_time(self, time: float) -> None:
+        """The index lists each piece as it is written."""
+
+    def close(self) -> None:
+        """The index is complete after every piece."""
+
+
+class OneFile:
+    """One file for all bodies and times."""
+
+    def __init__(self, folder: Path, before: FieldsBefore, *, writes: bool):
+        """Know the file, which `begin` opens."""
+        self._file, self._until = HdfFile(folder / NAME) if writes else None, before.until
+
+    def rigid(self, name: str, corners: Array) -> RigidWriter:
+        """A writer for the next body, which is rigid."""
+        count = len(corners)
+        cells = Cells(
+            points=_in_space(corners), nodes=np.arange(count)[None], kind=CELL_TYPES[count]
+        )
+        return _RigidBody(None if self._file is None else self._file.body(name, cells))
+
+    def meshed(
+        self,
+        name: str,
+        nodal: Mapping[str, fem.Function],
+        material: Material | None,
+        thickness: float = 1.0,
+    ) -> MeshedWriter:
+        """A writer for the next body, which is meshed; collective."""
+        from solver.fields.hdf_writer import HdfFieldWriter
+        from solver.fields.writer import BodyFunctions
+
+        return HdfFieldWriter(self._file, name, BodyFunctions(nodal, material, thickness))
+
+    def begin(self) -> None:
+        """Begin the file, or go on in it."""
+        if self._file is not None:
+            self._file.open(self._until)
+
+    def end_time(self, time: float) -> None:
+        """Let what was written count."""
+        if self._file is not None:
+            self._file.end_time(time)
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+
+
+class _RigidBody:
+    """A rigid body in the one file; on ranks without the file it writes nothing."""
+
+    def __init__(self, body: HdfBody | None):
+        self._body = body
+
+    def write(self, time: float, displacement: Array, velocity: Array) -> None:
+        """Write the motion of the corners; contact forces have no place on a rigid body."""
+        if self._body is not None:
+            fields = {"displacement": _in_space(displacement), "velocity": _in_space(velocity)}
+            self._body.write(fields | {"contact_pressure": np.zeros(len(displacement))}, {})
+
+
+def _in_space(vectors: Array) -> Array:
+    """Vectors (n, d) with the third component that VTK wants, (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
