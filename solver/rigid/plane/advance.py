@@ -209,7 +209,7 @@ def full_step(
     last piece that succeeded.
     """
     slope = (after - before) * (1.0 / dt)
-    work.impulse[:] = 0.0
+    work.impulse[:], work.pushed[:] = 0.0, 0.0
     done, piece, cuts, rejected = 0.0, dt, 0, 0
     while done < dt * (1 - 1e-12):
         piece = min(piece, dt - done)
