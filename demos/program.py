@@ -10,14 +10,25 @@ from typing import TypeVar
 
 from mpi4py import MPI
 
-from rockslip import Scene, simulate
+from demos.verdict import Results, verdict
+from rockslip import Scene, read_run, simulate
 from solver.cli import INTERRUPTED
 from solver.errors import RockslipError
 from solver.parallel import on_first_rank
+from solver.results.runs import Run
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
 
 Made = TypeVar("Made")
+
+Text = Callable[[list[Run]], str]
+"""A table of some runs."""
+
+Picture = Callable[[list[Run], Path], Path]
+"""Draws runs into a folder, and returns the file."""
+
+Checks = Callable[[list[Run]], Results]
+"""Whether some runs hold, one check after the other."""
 
 CHANGES = "other values of the scene, such as time.end=0.5; the checks are meant for its own"
 
@@ -73,3 +84,38 @@ def conclude(
             print(f"{program}: {error}", file=sys.stderr)
         code = error.exit_code
     return int(comm.bcast(code))
+
+
+def judged(
+    program: str, folders: list[Path], picture: Picture, checks: Checks, table: Text | None = None
+) -> int:
+    """Print the table, if there is one, draw and check the runs in some folders; the exit code.
+
+    The picture goes into the folder that holds those of the runs.
+    """
+    runs = [read_run(folder) for folder in folders]
+    told = [] if table is None else [table(runs)]
+    print("\n" + "\n\n".join([*told, str(picture(runs, folders[0].parent))]) + "\n")
+    return verdict(program, checks(runs))
+
+
+def demo(
+    program: str,
+    description: str,
+    output: Path,
+    work: Callable[..., Made],
+    show: Callable[[Made], int],
+    arguments: list[str] | None,
+) -> int:
+    """A demo of a scene, from its command line to its exit code, the same on every rank.
+
+    Args:
+        program: Its name in what it says of itself.
+        description: Of `--help`.
+        output: Where it writes unless it is told.
+        work: Runs the scenes into a folder, with other values of the scene (`--set`); collective.
+        show: Shows and judges what that has made, on the first rank.
+        arguments: Options; None: those of the command line.
+    """
+    options = parser_of(description, output).parse_args(arguments)
+    return conclude(program, lambda: work(options.output, *options.set), show)

@@ -1,4 +1,4 @@
-"""The verdict of a program on its own results."""
+"""The verdict of a program on its own results, and what every run has to keep."""
 
 from __future__ import annotations
 
@@ -6,6 +6,36 @@ import sys
 from collections.abc import Sequence
 
 from mpi4py import MPI
+
+from solver.results.runs import Run
+
+Results = list[tuple[bool, str]]
+"""Whether each check holds, and what it says."""
+
+
+def kept(run: Run, name: str | None = None) -> Results:
+    """Three checks of every run: that it reached its end, gained no energy, and lost track of none.
+
+    Args:
+        run: Which run.
+        name: What the lines call it; None: its own name.
+    """
+    energy, status = run.summary["energy"], run.summary["status"]
+    gain, ledger = energy["largest_gain_fraction"], energy["ledger_error_fraction"]
+    name = run.label if name is None else name
+    return [
+        (status == "completed", f"{name}: status {status}"),
+        (gain < 1e-6, f"{name}: largest energy gain {gain:.1e} of the scale, below 1e-6"),
+        (ledger < 1e-8, f"{name}: ledger error {ledger:.1e} of the scale, below 1e-8"),
+    ]
+
+
+def all_kept(runs: Sequence[Run]) -> Results:
+    """The same of many runs: one line, or those of the checks that fail."""
+    lines = [line for run in runs for line in kept(run)]
+    failed = [line for line in lines if not line[0]]
+    whole = f"{len(runs)} runs completed, gained no energy (1e-6) and kept their ledgers (1e-8)"
+    return failed or [(True, whole)]
 
 
 def verdict(program: str, results: Sequence[tuple[bool, str]]) -> int:

@@ -40,7 +40,7 @@ COLUMNS = {
     "columns of a block in the plane": lambda column: in_block(column, 2),
     "columns of a block in space": lambda column: in_block(column, 3),
     "columns of the platform": lambda column: column.part == "platform",
-    "columns of a structure": lambda column: column.needs == "structure",
+    "columns of a structure": lambda column: column.part in ("foundation", "storey", "column"),
     "columns of the energies": lambda column: column.part == "energy",
 }
 """Which columns stand in which table of docs/output.md."""

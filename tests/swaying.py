@@ -99,3 +99,12 @@ class SwayingBlock:
                 new = after @ stopped + forced @ [given[0], 0.0]
             state, slips[number + 1] = new, new[0]
         return times, slips
+
+
+def decrement(drift: Array, after: int) -> float:
+    """Mean logarithmic decrement of a decaying vibration, from its turning points after a row."""
+    free = drift[after:]
+    inner = np.abs(free[1:-1])
+    at = 1 + np.flatnonzero((inner > np.abs(free[:-2])) & (inner >= np.abs(free[2:])))
+    peaks = np.log(np.abs(free[at]))
+    return float(-2 * np.polyfit(np.arange(len(peaks)), peaks, 1)[0])

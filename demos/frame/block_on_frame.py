@@ -42,9 +42,9 @@ from mpi4py import MPI
 import numpy as np
 from matplotlib.figure import Figure
 
-from demos.program import conclude, output_of, parser_of, run_scene
-from demos.verdict import verdict
-from rockslip import Scene, load_scene, parse_scene, read_run
+from demos.program import demo, judged, output_of, run_scene
+from demos.verdict import kept
+from rockslip import Scene, load_scene, parse_scene
 from solver.build.foundation import natural_period
 from solver.pictures.deformed import draw_deformed
 from solver.pictures.instants import Instant
@@ -176,15 +176,7 @@ def _drawn(runs: list[Run]) -> Figure:
 # +
 def checks(runs: list[Run]) -> list[tuple[bool, str]]:
     """Whether the runs hold, check by check."""
-    results = []
-    for run in runs:
-        energy, status = run.summary["energy"], run.summary["status"]
-        gain, ledger = energy["largest_gain_fraction"], energy["ledger_error_fraction"]
-        results += [
-            (status == "completed", f"{run.label}: status {status}"),
-            (gain < 1e-6, f"{run.label}: largest energy gain {gain:.1e} of the scale, below 1e-6"),
-            (ledger < 1e-8, f"{run.label}: ledger error {ledger:.1e} of the scale, below 1e-8"),
-        ]
+    results = [line for run in runs for line in kept(run)]
     mesh, plain = runs
     period, beam = plain.scene.platform().period, beam_period(frame_of(mesh.scene))
     said = f"period of the mesh {period:.4f} s, of beams {beam:.4f} s, within 2 %"
@@ -203,15 +195,12 @@ def checks(runs: list[Run]) -> list[tuple[bool, str]]:
 
 def show(folders: list[Path]) -> int:
     """Draw and check what stands in the folders; returns the exit code."""
-    runs = [read_run(folder) for folder in folders]
-    print(f"\n{picture(runs, folders[0].parent)}\n")
-    return verdict("block_on_frame", checks(runs))
+    return judged("block_on_frame", folders, picture, checks)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code, the same on every rank."""
-    options = parser_of("A block on a frame in space.", OUTPUT).parse_args(arguments)
-    return conclude("block_on_frame", lambda: shake(options.output, *options.set), show)
+    return demo("block_on_frame", "A block on a frame in space.", OUTPUT, shake, show, arguments)
 
 
 if __name__ == "__main__":

@@ -41,9 +41,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.signal import cont2discrete
 
-from demos.program import conclude, output_of, parser_of, run_scene
-from demos.verdict import verdict
-from rockslip import Scene, load_scene, read_run
+from demos.program import demo, judged, output_of, run_scene
+from demos.verdict import kept
+from rockslip import Scene, load_scene
 from solver.parallel import on_first_rank
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.results.runs import Run
@@ -185,15 +185,7 @@ def _drawn(runs: list[Run]) -> Figure:
 # +
 def checks(runs: list[Run]) -> list[tuple[bool, str]]:
     """Whether the runs hold, check by check."""
-    results = []
-    for run in runs:
-        energy, status = run.summary["energy"], run.summary["status"]
-        gain, ledger = energy["largest_gain_fraction"], energy["ledger_error_fraction"]
-        results += [
-            (status == "completed", f"{run.label}: status {status}"),
-            (gain < 1e-6, f"{run.label}: largest energy gain {gain:.1e} of the scale, below 1e-6"),
-            (ledger < 1e-8, f"{run.label}: ledger error {ledger:.1e} of the scale, below 1e-8"),
-        ]
+    results = [line for run in runs for line in kept(run)]
     held, elastic, rigid = runs
     drift = held.history["platform.drift_m"]
     away = float(np.abs(drift - held_drift(held.scene, held.history["time_s"])).max())
@@ -211,15 +203,13 @@ def checks(runs: list[Run]) -> list[tuple[bool, str]]:
 
 def show(folders: list[Path]) -> int:
     """Draw and check what stands in the folders; returns the exit code."""
-    runs = [read_run(folder) for folder in folders]
-    print(f"\n{picture(runs, folders[0].parent)}\n")
-    return verdict("stack_under_record", checks(runs))
+    return judged("stack_under_record", folders, picture, checks)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The demo; returns its exit code, the same on every rank."""
-    options = parser_of("A stack on a platform under a record.", OUTPUT).parse_args(arguments)
-    return conclude("stack_under_record", lambda: shake(options.output, *options.set), show)
+    described = "A stack on a platform under a record."
+    return demo("stack_under_record", described, OUTPUT, shake, show, arguments)
 
 
 if __name__ == "__main__":

@@ -219,11 +219,11 @@ TABLE = (
     Column(
         "foundation.base_shear_N",
         "N",
-        "Force of the structure on the ground along x: less the sum of all masses times their"
-        " absolute accelerations.",
-        needs="structure",
+        "Force of the platform or structure on the ground along x, the mean of the step: less the"
+        " sum of all masses times their absolute accelerations.",
+        needs="platform",
     ),
-    Column("foundation.base_shear_second_N", "N", "That along y.", 3, needs="structure"),
+    Column("foundation.base_shear_second_N", "N", "That along y.", 3, needs="platform"),
     Column(
         "foundation.overturning_moment_Nm",
         "N m",

@@ -138,6 +138,8 @@ def columns_of_platform(
         "platform.drift_m": drift,
         "platform.velocity_m_s": found.drift_velocity,
         "platform.acceleration_m_s2": found.drift_acceleration,
+        "foundation.base_shear_N": platform.stiffness * drift
+        + platform.damping * found.drift_velocity,
         "energy.spring_J": spring,
         "energy.gravity_J": gravity,
         "energy.total_J": known["energy.kinetic_J"] + gravity + spring,

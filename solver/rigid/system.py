@@ -26,8 +26,9 @@ TRIAL = 0.1
 FOLLOWING = (
     *("normal_force_N", "friction_force_N", "friction_force_second_N"),
     *("platform.acceleration_m_s2", "platform.acceleration_second_m_s2"),
+    *("foundation.base_shear_N", "foundation.base_shear_second_N"),
 )
-"""Columns of blocks and platform that tell of the instant after a moment."""
+"""Columns of blocks, platform and ground that tell of the instant after a moment."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -20,7 +20,7 @@ from solver.history.columns import (
 )
 from solver.parallel import global_sum
 from solver.run.block_observer import BlockObserver
-from solver.run.structure_observer import StructureObserver
+from solver.run.structure_observer import StructureObserver, write_base_shear
 from solver.stepping.state import Exchange, State
 from solver.types import Array
 
@@ -52,7 +52,7 @@ class Observer:
         if "platform.drift_m" in names:
             self._platform = PlatformObserver(assembly)
         self._structure = None
-        if "foundation.base_shear_N" in names:
+        if "foundation.overturning_moment_Nm" in names:
             self._structure = StructureObserver(assembly)
         d, moves = self._stepper.system.dimension, self._platform is not None
         self._columns = columns(
@@ -113,6 +113,9 @@ class Observer:
             self._platform.write(state, step, row[layout.platform : layout.energy])
         if self._structure is not None:
             self._structure.write(state, exchange, row[layout.foundation :])
+        elif self._platform is not None:
+            forces = exchange.ground or self._stepper.ground_forces(state)
+            write_base_shear(forces, self._stepper.system.comm, row[layout.foundation :])
         begins = self._start is None
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:

@@ -1,9 +1,11 @@
-"""What a history tells of a meshed structure: base shear, moments, storeys and columns."""
+"""What a history tells of a structure: base shear; of a meshed one moments, storeys, columns."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+
+from mpi4py import MPI
 
 import numpy as np
 
@@ -16,6 +18,14 @@ from solver.types import Array, Indices
 
 WAYS = ("", "_second")
 """Names of the horizontal directions within those of columns."""
+
+
+def write_base_shear(forces: GroundForces, comm: MPI.Intracomm, row: Array) -> None:
+    """Force on the ground along each horizontal direction; `row` begins with these columns."""
+    total = global_sum(comm, forces.total)
+    at = positions("foundation", len(total))
+    for k, way in enumerate(WAYS[: len(total) - 1]):
+        row[getattr(at, f"base_shear{way}_N")] = -total[k]
 
 
 class StructureObserver:
@@ -56,11 +66,10 @@ class StructureObserver:
     def _write_base(self, forces: GroundForces, state: State, row: Array) -> None:
         """Base shear and overturning moment."""
         d, at = self._body.dimension, self._at[0]
-        total = global_sum(self._body.comm, forces.total)
+        write_base_shear(forces, self._body.comm, row)
         everywhere = np.arange(len(self._body.nodes))
         _, moment = self._sums(forces, state, everywhere, np.zeros(d - 1))
         for k, way in enumerate(WAYS[: d - 1]):
-            row[getattr(at, f"base_shear{way}_N")] = -total[k]
             row[getattr(at, f"overturning_moment{way}_Nm")] = moment[k]
 
     def _sums(

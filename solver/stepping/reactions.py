@@ -1,4 +1,4 @@
-"""What the ground does to meshed bodies that supports hold or springs tie to it.
+"""What the ground does to bodies that supports hold or springs tie to it.
 
 A step weighs elastic forces by p (M6), so their mean in it is gamma_n p_{n+1} + (1 - gamma_n) p_n:
 with it momentum is balanced to the last digit. At supports p is what (M6) and (M10) make of the
@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.oscillator import Oscillator
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
 from solver.stepping.step import Step
-from solver.stepping.system import System
+from solver.stepping.system import Body, System
 from solver.types import Array
 
 
@@ -56,11 +57,24 @@ def ground_forces(
     moving = gamma * p + (1 - gamma) * step.p
     moving[system.fixed] = 2 * scheme.beta * held.inertia
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and body.clamped:
+        if _stands_on_ground(body):
             drag = body.drag(ends.mean[own])
-            taken = moving[own] if drag is None else moving[own] - drag
-            total += taken.reshape(-1, system.dimension).sum(axis=0)
+            total += _resultant(body, moving[own] if drag is None else moving[own] - drag)
     return new, GroundForces(nodal, total)
+
+
+def _stands_on_ground(body: Body) -> bool:
+    """Whether supports or springs between a body and the ground exchange forces."""
+    return isinstance(body, Oscillator) or (isinstance(body, ElasticBody) and body.clamped)
+
+
+def _resultant(body: Body, force: Array) -> Array:
+    """Sum of the forces on the owned unknowns of a body along each direction, (d,), N."""
+    if isinstance(body, ElasticBody):
+        return np.asarray(force.reshape(-1, body.dimension).sum(axis=0))
+    sums = np.zeros(body.dimension)
+    sums[: len(force)] = force  # a platform moves along x, in space along y, too
+    return sums
 
 
 def with_impulses(system: System, forces: GroundForces, change: Array, dt: float) -> GroundForces:
@@ -71,7 +85,7 @@ def with_impulses(system: System, forces: GroundForces, change: Array, dt: float
             impulse = np.zeros(body.size)
             impulse[body.fixed] = body.inertia(change[own])[body.fixed]
             nodal[own] += impulse / dt
-            total += impulse.reshape(-1, system.dimension).sum(axis=0) / dt
+            total += _resultant(body, impulse) / dt
     return GroundForces(nodal, total)
 
 
@@ -81,6 +95,6 @@ def standing_forces(system: System, state: State, gravity: Array) -> GroundForce
     weight = gravity @ system.directional_mass
     nodal[system.fixed] = -state.held[system.fixed] - weight[system.fixed]
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and body.clamped:
-            total += nodal[own].reshape(-1, system.dimension).sum(axis=0)
+        if _stands_on_ground(body):
+            total += _resultant(body, nodal[own] if isinstance(body, ElasticBody) else state.p[own])
     return GroundForces(nodal, total)

@@ -66,10 +66,10 @@ class State:
 
 
 class GroundForces(NamedTuple):
-    """What the ground does to meshed bodies that it holds, N."""
+    """What the ground does to meshed bodies that it holds and to a platform on a spring, N."""
 
     nodal: Array
-    """On each of the owned unknowns of all bodies."""
+    """On each of the owned unknowns of all meshed bodies; 0 for others."""
     total: Array
     """Sum over this rank along each direction, (d,), with damping that is relative to the ground:
     exactly what balances the momentum of all bodies, which residuals are left in."""

@@ -147,7 +147,7 @@ class Stepper:
         return self._interfaces.energy(state.faces, state.contacts)
 
     def ground_forces(self, state: State) -> GroundForces:
-        """What the ground does to meshed bodies that it holds at the start of a run."""
+        """What the ground does to bodies that it holds at the start of a run."""
         return standing_forces(self.system, state, self.gravity)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:

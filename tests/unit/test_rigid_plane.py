@@ -111,7 +111,8 @@ def test_columns_are_those_of_the_history() -> None:
     names = PlaneSystem.from_scene(given).columns
     assert [name for name in names if name in scene_columns(given)] == list(scene_columns(given))
     blocks, run = 2 * len(plane_rows.BLOCK), len(plane_rows.RUN)
-    assert len(names) == run + blocks + len(plane_rows.PLATFORM) + len(ENERGY)
+    assert len(names) == run + blocks + len(plane_rows.PLATFORM) + len(ENERGY) + 1
+    assert names[-1] == "foundation.base_shear_N"
 
 
 def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(

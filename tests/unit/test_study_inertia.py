@@ -240,14 +240,17 @@ def environment() -> dict[str, str]:
 
 
 def test_killed_and_gone_on_with(folder: Path, tmp_path: Path) -> None:
-    """SIGKILL once some runs are kept, then --resume: the same files to the byte."""
+    """SIGKILL once half of the runs are kept, then --resume: the same files to the byte."""
     again = tmp_path / "out"
+    everything = len(list(folder.glob("cases/*.json")))
     process = subprocess.Popen(command(again), env=environment(), start_new_session=True)
     deadline = time.monotonic() + 120
-    while not list(again.glob("cases/*.json")) and time.monotonic() < deadline:
-        time.sleep(0.005)
+    while len(list(again.glob("cases/*.json"))) < everything // 2 and time.monotonic() < deadline:
+        time.sleep(0.002)
     os.killpg(process.pid, signal.SIGKILL)
-    process.wait(timeout=60)
+    assert process.wait(timeout=60) == -signal.SIGKILL
+    assert everything // 2 <= len(list(again.glob("cases/*.json"))) < everything
+    assert not (again / "inertia.csv").exists()
     assert main(["study", "inertia", str(SCENE), "-o", str(again), *WORDS, "--resume"]) == 0
     assert contents(again) == contents(folder)
 

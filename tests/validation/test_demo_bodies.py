@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 from processes import outside_mpirun
 
+from rockslip import read_run
+
 Captured = pytest.CaptureFixture[str]
 
 pytestmark = [pytest.mark.serial, pytest.mark.slow]
@@ -65,7 +67,7 @@ def test_its_checks_can_fail(left: tuple[str, Path]) -> None:
     """What the last run says is moved a little: at least one check sees it."""
     name, folder = left
     demo = module_of(name)
-    runs = [demo.read_run(each) for each in runs_of(folder)]
+    runs = [read_run(each) for each in runs_of(folder)]
     assert all(good for good, _ in demo.checks(runs))
     if name == "foundation":
         runs[0].summary["blocks"]["block"]["impacts"][0]["time_s"] += 1e-5

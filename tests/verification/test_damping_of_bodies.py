@@ -1,4 +1,4 @@
-"""Rayleigh damping of single bodies."""
+"""Rayleigh damping of single bodies, and that of a plate by the ratio of its first sway mode."""
 
 from __future__ import annotations
 
@@ -6,9 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from swaying import decrement
 
 from rockslip import Result, parse_scene, simulate
+from solver.bodies.elastic_body import ElasticBody
+from solver.build.assembly import build
+from solver.build.foundation import natural_period
 from solver.errors import SceneError
+from solver.run.describe import describe
 
 BLOCK = {"width": 0.25, "height": 1.0, "density": 2.7e3, "young": 5e8, "poisson": 0.2}
 FRAME = {
@@ -67,3 +72,40 @@ def test_a_plate_that_is_held_everywhere_has_none() -> None:
     plate = {"kind": "elastic", "width": 1.0, "height": 0.2, "density": 2.7e3, "young": 5e10}
     with pytest.raises(SceneError, match=r"^foundation\.damping applies to a plate that is not"):
         run(foundation=plate | {"poisson": 0.2, "damping": GIVEN})
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.05])
+def test_a_plate_on_its_bottom_decays_by_its_damping_ratio(ratio: float) -> None:
+    """The logarithmic decrement of its top after a pull, 2 pi xi / sqrt(1 - xi²) within 1 %."""
+    plate = {"kind": "elastic", "support": "bottom", "width": 1.0, "height": 2.0, "young": 1e8}
+    plate |= {"poisson": 0.2, "density": 2500.0, "cells": [2, 6], "damping_ratio": ratio}
+    pebble = {"width": 0.1, "height": 0.05, "mass": 1e-3, "model": "rigid"}
+    step = 1e-3
+    case = parse_scene(
+        {
+            "block": [pebble],
+            "plane": "stress",
+            "gravity": 0.1,
+            "foundation": plate,
+            "contact": {"friction": 1.0},
+            "time": {"end": 1.0, "step": step, "rho_inf": 1.0, "damped_steps": 0},
+        }
+    )
+    assembly = build(case)
+    stepper, number = assembly.stepper, assembly.support.number
+    assert number is not None
+    assert natural_period(case) > 80 * step
+    body, own = stepper.system.bodies[number], stepper.system.slices[number]
+    assert isinstance(body, ElasticBody)
+    top = np.flatnonzero(np.isclose(body.nodes[:, 1], body.nodes[:, 1].max()))
+    pull = np.zeros(stepper.system.size)
+    pull[own][2 * top] = 10.0
+    rest = np.zeros(stepper.system.size)
+    state = stepper.static_start(rest, load=pull)
+    drift = []
+    for _ in range(700):
+        state, _ = stepper.advance(state, step)
+        drift.append(state.u[own][2 * top].mean())
+    exact = 2 * np.pi * ratio / np.sqrt(1 - ratio**2)
+    assert decrement(np.array(drift), 60) == pytest.approx(exact, rel=0.01)
+    assert f"{100 * ratio:g} % of critical at first sway" in describe(case)

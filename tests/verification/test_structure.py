@@ -9,6 +9,7 @@ from mpi4py import MPI
 
 import numpy as np
 import pytest
+from swaying import decrement
 
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.bodies.elastic_body import ElasticBody
@@ -65,15 +66,6 @@ def run(scene: Scene) -> Result:
     assert result.status == "completed"
     assert energy["ledger_error_fraction"] < 1e-8
     return result
-
-
-def decrement(drift: Any, after: int) -> float:
-    """Mean logarithmic decrement of a decaying vibration, from its turning points after a row."""
-    free = drift[after:]
-    inner = np.abs(free[1:-1])
-    at = 1 + np.flatnonzero((inner > np.abs(free[:-2])) & (inner >= np.abs(free[2:])))
-    peaks = np.log(np.abs(free[at]))
-    return float(-2 * np.polyfit(np.arange(len(peaks)), peaks, 1)[0])
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.05])

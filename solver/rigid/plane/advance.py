@@ -217,6 +217,7 @@ def full_step(
     After a failure the state is that of the last piece that succeeded.
     """
     work.impulse[:, :] = 0.0
+    work.pushed[0] = 0.0
     done, piece, cuts, rejected = 0.0, dt, 0, 0
     while done < dt * (1 - 1e-12):
         piece = min(piece, dt - done)

@@ -150,6 +150,8 @@ class PlaneWork(NamedTuple):
     """p at the end of the step, N, (1,)."""
     impulse: Array
     """Impulse of contact on each block so far in the full step, N s, (b, 2)."""
+    pushed: Array
+    """Impulse of the platform on the ground so far in the full step, N s, (1,)."""
 
 
 def new_memory(points: int) -> PlaneMemory:
@@ -189,4 +191,5 @@ def new_work(points: int, unknowns: int, blocks: int) -> PlaneWork:
         flexibility=np.zeros(unknowns),
         inertia=np.zeros(1),
         impulse=np.zeros((blocks, 2)),
+        pushed=np.zeros(1),
     )

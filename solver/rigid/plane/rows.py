@@ -21,7 +21,8 @@ from solver.rigid.rows import write_energies
 from solver.types import Array
 
 RUN, PLATFORM = positions("run", 2), positions("platform", 2)
-"""Places of the columns of the run and of the platform within their parts of a row."""
+FOUNDATION = positions("foundation", 2)
+"""Places of the columns of the run, of the platform and of its base within their parts of a row."""
 
 
 @compiled
@@ -107,13 +108,14 @@ def write_row(
     layout: RowLayout,
     row: Array,
 ) -> None:
-    """The columns of the blocks, of the platform and of the energies."""
+    """The columns of the blocks, of the platform, of the energies and of the platform's base."""
     for b in range(len(system.half)):
         write_block(system, state, work, b, dt, row[layout.block + layout.stride * b :])
     if len(state.q) % 3:
         moving = row[layout.platform :]
         moving[PLATFORM.drift_m], moving[PLATFORM.velocity_m_s] = state.q[-1], state.v[-1]
         moving[PLATFORM.acceleration_m_s2] = acceleration
+        row[layout.foundation + FOUNDATION.base_shear_N] = work.pushed[0] / dt
     write_energies(stored_energy(system, state), state.exchanged, row[layout.energy :])
 
 

@@ -193,9 +193,10 @@ def finish_step(
 def book_step(
     system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, ground: PlaneGround
 ) -> None:
-    """Work of the ground, and what the dashpot and the averaging of the time stepping take.
+    """Work of the ground, impulse on it, and what dashpot and averaging of the time stepping take.
 
-    The latter is (1/2 - alpha_f) du dr with r = p + k u of the platform.
+    The last is (1/2 - alpha_f) du dr with r = p + k u of the platform. The mean force of its spring
+    is that which the velocity of a step knows, -(2 beta p_{n+1} + (1 - 2 beta) p_n).
     """
     du, (x, y) = work.increment, mean_of(ground, dt)
     for k in range(len(du)):
@@ -205,6 +206,9 @@ def book_step(
         change = work.inertia[0] - state.p[0] + k * du[-1]
         state.exchanged[2] += c * du[-1] * du[-1] / dt
         state.exchanged[4] += (0.5 - system.scheme[1]) * du[-1] * change
+        later = 2.0 * system.scheme[2]
+        spring = -(later * work.inertia[0] + (1.0 - later) * state.p[0])
+        work.pushed[0] += dt * spring + c * du[-1]
 
 
 @compiled

@@ -61,7 +61,7 @@ def _accept(
     s = borrowed(s)
     watch(model, state, s, tally)
     rubbed = -state.exchanged[1]
-    take(model, state, s, start, end)
+    take(model, state, s, start, end, tally[-1])
     rubbed += state.exchanged[1]
     if model.velocity_solve:
         correct_velocity(model, state, s, rubbed)

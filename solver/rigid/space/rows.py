@@ -16,7 +16,8 @@ from solver.rigid.space.rotation import rotation_vector, to_body, to_space
 from solver.types import Array
 
 RUN, PLATFORM = positions("run", 3), positions("platform", 3)
-"""Places of the columns of the run and of the platform within their parts of a row."""
+FOUNDATION = positions("foundation", 3)
+"""Places of the columns of the run, of the platform and of its base within their parts of a row."""
 
 
 @compiled
@@ -82,8 +83,15 @@ def _record_block(
 
 
 @compiled
-def _record_platform(state: SpaceState, acceleration: Array, row: Array) -> None:
-    """The columns of the platform; `acceleration`: its mean over the step, m/s2, (3,)."""
+def _record_platform(
+    state: SpaceState, acceleration: Array, shear: Array, layout: RowLayout, whole: Array
+) -> None:
+    """The columns of the platform and of its base in a whole row.
+
+    By its acceleration, m/s2, (3,), and its force on the ground, N, (3,), both means of the step.
+    """
+    row, base = whole[layout.platform :], whole[layout.foundation :]
+    base[FOUNDATION.base_shear_N], base[FOUNDATION.base_shear_second_N] = shear[0], shear[1]
     drift, velocity = state.place[-1], state.velocity[-1]
     row[PLATFORM.drift_m], row[PLATFORM.drift_second_m] = drift[0], drift[1]
     row[PLATFORM.velocity_m_s], row[PLATFORM.velocity_second_m_s] = velocity[0], velocity[1]
@@ -104,9 +112,9 @@ def record(
 ) -> None:
     """Fill in a row from a state, but for the time, the step and the counts of iterations.
 
-    `seen` has the last angles, (n, 4), carried on, `tally` the mean contact forces of the step
-    (see `watch`); the acceleration is the platform's, the mean of the step, m/s2. The row's error
-    stands for the energy at the start until the first is taken off.
+    `seen` has the last angles, (n, 4), carried on, `tally` the mean contact forces of the step and
+    that on the ground (see `watch`); the acceleration is the platform's, the mean of the step,
+    m/s2. The row's error stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
     row[RUN.contact_points_closed] = np.sum(state.memory.force[:, :, 0] > 0)
@@ -119,5 +127,5 @@ def record(
         own[BLOCK.normal_force_N], own[BLOCK.friction_force_N] = tally[b, 0], tally[b, 1]
         own[BLOCK.friction_force_second_N] = tally[b, 2]
     if model.mass[n] > 0:
-        _record_platform(state, acceleration, row[layout.platform :])
+        _record_platform(state, acceleration, tally[n], layout, row)
     write_energies(stored_energy(model, state), state.exchanged, row[layout.energy :])

@@ -17,10 +17,19 @@ from solver.types import Array
 
 @compiled
 def _take_centres(
-    model: SpaceModel, state: SpaceState, s: SpaceSolution, before: Array, after: Array
+    model: SpaceModel,
+    state: SpaceState,
+    s: SpaceSolution,
+    before: Array,
+    after: Array,
+    pushed: Array,
 ) -> None:
-    """Centres, velocities and inertia forces; work of the ground, damping, loss of the average."""
-    am, af, dt = model.scheme[0], model.scheme[1], s.dt
+    """Centres, velocities and inertia forces; work of the ground, damping, loss of the average.
+
+    To `pushed`, (3,), comes the impulse of the platform on the ground, N s: the mean force of its
+    springs is that which the velocity of a step knows, -(2 beta p_{n+1} + (1 - 2 beta) p_n).
+    """
+    am, af, dt, later = model.scheme[0], model.scheme[1], s.dt, 2 * model.scheme[2]
     last = len(model.mass) - 1
     for k in range(2):
         du, p = s.moved[last, k], state.inertia_force[k]
@@ -29,6 +38,7 @@ def _take_centres(
         state.exchanged[2] += model.spring[1] * du * du / dt
         state.exchanged[4] += (0.5 - af) * du * (following - p + model.spring[0] * du)
         state.inertia_force[k] = following
+        pushed[k] += model.spring[1] * du - dt * (later * following + (1 - later) * p)
     for b in range(last + 1):
         for k in range(3):
             du = s.moved[b, k]
@@ -71,13 +81,21 @@ def _remember(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> None:
 
 @compiled
 def take(
-    model: SpaceModel, state: SpaceState, s: SpaceSolution, before: Array, after: Array
+    model: SpaceModel,
+    state: SpaceState,
+    s: SpaceSolution,
+    before: Array,
+    after: Array,
+    pushed: Array,
 ) -> None:
-    """Go to the end of a step, `state` being changed in place; velocities are corrected after."""
+    """Go to the end of a step, `state` being changed in place; velocities are corrected after.
+
+    The impulse of the platform on the ground, N s, is added to `pushed`, (3,).
+    """
     frames = rotations(state.quaternion)
     for b in range(len(frames) - 1):
         psi = to_body(frames[b], s.turned[b])
         state.spin[b] = 2 * psi / s.dt - state.spin[b]
         state.quaternion[b] = advanced(state.quaternion[b], s.turned[b])
     _remember(model, state, s)
-    _take_centres(model, state, s, before, after)
+    _take_centres(model, state, s, before, after, pushed)

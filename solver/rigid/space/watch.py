@@ -40,7 +40,7 @@ def count_impulses(
     tally: Array,
 ) -> None:
     """Add the impulses of the points on their bodies, (m, 3) in space, N s, to the tally."""
-    n, frames = len(state.slip), rotations(state.quaternion)
+    frames = rotations(state.quaternion)
     for q in range(len(impulse)):
         u = model.upper[contacts.pair[q]]
         sign = 1.0 if contacts.body[q] == u else -1.0
@@ -49,8 +49,6 @@ def count_impulses(
         tally[u, 0] += push[2]  # normal first
         tally[u, 1] += push[0]
         tally[u, 2] += push[1]
-        if contacts.base[q] == n:
-            tally[n] -= impulse[q]
 
 
 @compiled
@@ -58,7 +56,7 @@ def watch(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) 
     """Before a step is taken: add its impulses on the blocks, and how they slip on their carriers.
 
     The state is still that at its start. `tally` has impulses, normal and tangential to what still
-    carries the block, N s, (n + 1, 3); of the platform in space.
+    carries the block, N s, (n + 1, 3); the last row is that of the ground, which `take` fills.
     """
     n, frames = len(state.slip), rotations(state.quaternion)
     mean, shift = mean_motion(state, frames, s.moved, s.turned)
