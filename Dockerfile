@@ -1,5 +1,6 @@
 # The one definition of the environment. Stage `environment` is what ./in-env runs commands in (it sees
-# the repository by mounts); the last stage carries the program itself and runs as an ordinary user.
+# the repository by mounts). The last stage carries the program itself and runs as an ordinary user; what
+# tests, types and debugging need, and what only compiles C++, is not in it.
 #   docker build -t rockslip .                                  podman build, buildah bud: the same
 #   docker build -t rockslip:sid --build-arg SUITE=sid .        dolfinx of Debian unstable
 ARG SUITE=trixie
@@ -43,7 +44,34 @@ ENV LANG=C.UTF-8 \
 RUN printf '#!/bin/sh\nexec python3 -m rockslip "$@"\n' > /usr/local/bin/rockslip \
  && chmod +x /usr/local/bin/rockslip
 
-FROM environment AS program
+# What a user's runs do without. Forms of finite elements are compiled from C: gcc, Python's headers and
+# those of ffcx stay. Packages that depend on one that goes are told to do without it.
+#   libamdhip64, libamd-comgr2, libllvm17: graphics cards of AMD, for UCX' own benchmark alone
+#   libboost, libicu-dev, cmake, g++, gfortran: what builds DOLFINx, not what it needs to run
+FROM environment AS trimmed
+RUN dpkg-query -W -f='${Package}\n' \
+    | grep -E -x 'valgrind(-mpi|-dbg)?|python3-(mypy|hypothesis|pytest|pytest-xdist|execnet)|libc6-dbg|git|git-man|\
+libamdhip64-.*|libamd-comgr.*|libllvm17.*|llvm-19.*|libjs-mathjax|cmake|cmake-data|\
+libboost.*-dev|libicu-dev|g[+][+].*|gfortran.*|libgfortran-[0-9]+-dev|libstdc[+][+]-[0-9]+-dev|\
+libssl-dev|libfftw3-dev|liblapack-dev|libmumps-dev|libhypre-dev|libeigen3-dev|libhdf5-.*dev|libptscotch-dev|\
+libscotch-dev|libsuitesparse-dev|libslepc-.*-dev|libsuperlu-.*dev|libpmix-dev|.*-doc' \
+    | xargs dpkg --purge --force-depends \
+ && find /usr/lib/*-linux-gnu -maxdepth 1 -name '*.a' ! -name 'libc_nonshared.a' -delete \
+ && find /usr/share/doc ! -type d ! -name copyright -delete \
+ && rm -rf /var/cache/apt/* /var/log/* /usr/lib/debug /usr/share/man /usr/share/info /usr/share/locale
+
+# One layer of what is left: files that a later layer removes would still be carried along.
+FROM scratch AS program
+ARG SUITE=trixie
+COPY --from=trimmed / /
+# As in stage `environment`: a stage from scratch takes no variables over.
+ENV LANG=C.UTF-8 \
+    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \
+    OMPI_MCA_btl=self,sm OMPI_MCA_smsc=^cma OMPI_MCA_mpi_yield_when_idle=1 \
+    PYTHONNOUSERSITE=1 PYVISTA_OFF_SCREEN=true MPLBACKEND=Agg \
+    ROCKSLIP_SUITE=${SUITE}
+
 COPY . /opt/rockslip
 # The home folder is open to every user: with `--user $(id -u)` the caches are written there too.
 # Times of files in whole seconds: layers of images keep no others, and numba goes by them.
