@@ -50,11 +50,10 @@ RUN printf '#!/bin/sh\nexec python3 -m rockslip "$@"\n' > /usr/local/bin/rocksli
 #   libboost, libicu-dev, cmake, g++, gfortran: what builds DOLFINx, not what it needs to run
 FROM environment AS trimmed
 RUN dpkg-query -W -f='${Package}\n' \
-    | grep -E -x 'valgrind(-mpi|-dbg)?|python3-(mypy|hypothesis|pytest|pytest-xdist|execnet)|libc6-dbg|git|git-man|\
-libamdhip64-.*|libamd-comgr.*|libllvm17.*|llvm-19.*|libjs-mathjax|cmake|cmake-data|\
-libboost.*-dev|libicu-dev|g[+][+].*|gfortran.*|libgfortran-[0-9]+-dev|libstdc[+][+]-[0-9]+-dev|\
-libssl-dev|libfftw3-dev|liblapack-dev|libmumps-dev|libhypre-dev|libeigen3-dev|libhdf5-.*dev|libptscotch-dev|\
-libscotch-dev|libsuitesparse-dev|libslepc-.*-dev|libsuperlu-.*dev|libpmix-dev|.*-doc' \
+    | grep -E -x -e 'valgrind(-mpi|-dbg)?|libc6-dbg|git|git-man|cmake|cmake-data|libjs-mathjax|fonts-mathjax|.*-doc' \
+        -e 'python3-(mypy|mypy-extensions|hypothesis|pytest|pytest-xdist|execnet|pip|wheel)' \
+        -e 'libamdhip64-.*|libamd-comgr.*|libllvm17.*|llvm-[0-9].*|g[+][+].*|gfortran.*|libgfortran-[0-9]+-dev|libstdc[+][+]-[0-9]+-dev' \
+        -e 'lib(boost|icu|ssl|fftw3|lapack|blas|mumps|hypre|eigen3|hdf5|ptscotch|scotch|suitesparse|slepc|superlu|pmix|gnutls28).*-dev' \
     | xargs dpkg --purge --force-depends \
  && find /usr/lib/*-linux-gnu -maxdepth 1 -name '*.a' ! -name 'libc_nonshared.a' -delete \
  && find /usr/share/doc ! -type d ! -name copyright -delete \
@@ -62,30 +61,35 @@ libscotch-dev|libsuitesparse-dev|libslepc-.*-dev|libsuperlu-.*dev|libpmix-dev|.*
 
 # One layer of what is left: files that a later layer removes would still be carried along.
 FROM scratch AS program
-ARG SUITE=trixie
+ARG SUITE
 COPY --from=trimmed / /
-# As in stage `environment`: a stage from scratch takes no variables over.
+# As in stage `environment`: a stage from scratch takes no variables over. Machine code is for any
+# processor of this kind. The home folder is open to every user: with `--user $(id -u)` caches go there, too.
 ENV LANG=C.UTF-8 \
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
     OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \
     OMPI_MCA_btl=self,sm OMPI_MCA_smsc=^cma OMPI_MCA_mpi_yield_when_idle=1 \
     PYTHONNOUSERSITE=1 PYVISTA_OFF_SCREEN=true MPLBACKEND=Agg \
     ROCKSLIP_SUITE=${SUITE}
-
-COPY . /opt/rockslip
-# The home folder is open to every user: with `--user $(id -u)` the caches are written there too.
-# Times of files in whole seconds: layers of images keep no others, and numba goes by them.
-RUN rm /usr/local/bin/rockslip \
- && pip install --no-deps --no-build-isolation --no-cache-dir --break-system-packages \
-        --root-user-action=ignore /opt/rockslip \
- && rm -rf /opt/rockslip/build /opt/rockslip/*.egg-info \
- && useradd --create-home rockslip \
- && find /opt/rockslip -exec touch -d "@$(date +%s)" {} + \
- && chmod 1777 /home/rockslip
-# Two studies and demos/hertz take what they need from benchmarks/ of the repository.
-# Machine code is for any processor of this kind, and made here, as the forms of finite elements are.
-ENV HOME=/home/rockslip PYTHONPATH=/opt/rockslip NUMBA_CPU_NAME=generic
+ENV PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+    HOME=/home/rockslip PYTHONPATH=/opt/rockslip NUMBA_CPU_NAME=generic
+# -P: a file of the user's folder is not taken for a module of the program.
+RUN useradd --create-home rockslip && chmod 1777 /home/rockslip \
+ && sed -i 's/python3 -m/python3 -P -m/' /usr/local/bin/rockslip
+COPY rockslip.py /opt/rockslip/
+COPY geometry /opt/rockslip/geometry
+COPY solver /opt/rockslip/solver
+# Times of files in whole seconds: layers of images keep no others, and kept machine code is for a source
+# of that time.
+RUN find /opt/rockslip -exec touch -d "@$(date +%s)" {} + && python3 -m compileall -q /opt/rockslip
 USER rockslip
 WORKDIR /home/rockslip
-RUN python3 -m solver.run.warming && chmod -R a+rwX .cache
+# Machine code, forms of finite elements and the list of fonts, which every container would make anew.
+RUN python3 -m solver.run.warming rigid elastic \
+ && python3 -c 'import matplotlib.font_manager' \
+ && chmod -R a+rwX .cache
+# What else of the repository runs there; a change of it leaves the layer above as it is.
+COPY LICENSE CHANGELOG.md /opt/rockslip/
+COPY benchmarks /opt/rockslip/benchmarks
+COPY demos /opt/rockslip/demos
 CMD ["rockslip"]
