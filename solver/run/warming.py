@@ -8,6 +8,8 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from solver.run.simulate import simulate
@@ -85,7 +87,8 @@ def main(kinds: Sequence[str]) -> None:
             if kinds and name not in kinds:
                 continue
             began = time.process_time()
-            result = simulate(parse_scene(content), many=True)
+            with TemporaryDirectory() as folder:  # fields for ParaView have forms of their own
+                result = simulate(parse_scene(content), folder=Path(folder) / "out", many=True)
             cost = time.process_time() - began
             say(f"{dimension}-D {name}: {result.status}, {cost:.0f} s of processor time\n")
             if result.status != "completed":
