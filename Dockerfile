@@ -1,5 +1,6 @@
 # The one definition of the environment. Stage `environment` is what ./in-env runs commands in (it sees
-# the repository by mounts); the last stage carries the program itself and runs as an ordinary user.
+# the repository by mounts). The last stage carries the program itself and runs as an ordinary user; what
+# tests, types and debugging need, and what only compiles C++, is not in it.
 #   docker build -t rockslip .                                  podman build, buildah bud: the same
 #   docker build -t rockslip:sid --build-arg SUITE=sid .        dolfinx of Debian unstable
 ARG SUITE=trixie
@@ -43,17 +44,52 @@ ENV LANG=C.UTF-8 \
 RUN printf '#!/bin/sh\nexec python3 -m rockslip "$@"\n' > /usr/local/bin/rockslip \
  && chmod +x /usr/local/bin/rockslip
 
-FROM environment AS program
-COPY . /opt/rockslip
-# The home folder is open to every user: with `--user $(id -u)` the cache of compiled forms goes there too.
-RUN rm /usr/local/bin/rockslip \
- && pip install --no-deps --no-build-isolation --no-cache-dir --break-system-packages \
-        --root-user-action=ignore /opt/rockslip \
- && rm -rf /opt/rockslip/build /opt/rockslip/*.egg-info \
- && useradd --create-home rockslip \
- && chmod 1777 /home/rockslip
-# Two studies and demos/hertz take what they need from benchmarks/ of the repository.
-ENV HOME=/home/rockslip PYTHONPATH=/opt/rockslip
+# What a user's runs do without. Forms of finite elements are compiled from C: gcc, Python's headers and
+# those of ffcx stay. Packages that depend on one that goes are told to do without it.
+#   libamdhip64, libamd-comgr2, libllvm17: graphics cards of AMD, for UCX' own benchmark alone
+#   libboost, libicu-dev, cmake, g++, gfortran: what builds DOLFINx, not what it needs to run
+FROM environment AS trimmed
+RUN dpkg-query -W -f='${Package}\n' \
+    | grep -E -x -e 'valgrind(-mpi|-dbg)?|libc6-dbg|git|git-man|cmake|cmake-data|libjs-mathjax|fonts-mathjax|.*-doc' \
+        -e 'python3-(mypy|mypy-extensions|hypothesis|pytest|pytest-xdist|execnet|pip|wheel)' \
+        -e 'libamdhip64-.*|libamd-comgr.*|libllvm17.*|llvm-[0-9].*|g[+][+].*|gfortran.*|libgfortran-[0-9]+-dev|libstdc[+][+]-[0-9]+-dev' \
+        -e 'lib(boost|icu|ssl|fftw3|lapack|blas|mumps|hypre|eigen3|hdf5|ptscotch|scotch|suitesparse|slepc|superlu|pmix|gnutls28).*-dev' \
+    | xargs dpkg --purge --force-depends \
+ && find /usr/lib/*-linux-gnu -maxdepth 1 -name '*.a' ! -name 'libc_nonshared.a' -delete \
+ && find /usr/share/doc ! -type d ! -name copyright -delete \
+ && rm -rf /var/cache/apt/* /var/log/* /usr/lib/debug /usr/share/man /usr/share/info /usr/share/locale
+
+# One layer of what is left: files that a later layer removes would still be carried along.
+FROM scratch AS program
+ARG SUITE
+COPY --from=trimmed / /
+# As in stage `environment`: a stage from scratch takes no variables over. Machine code is for any
+# processor of this kind. The home folder is open to every user: with `--user $(id -u)` caches go there, too.
+ENV LANG=C.UTF-8 \
+    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \
+    OMPI_MCA_btl=self,sm OMPI_MCA_smsc=^cma OMPI_MCA_mpi_yield_when_idle=1 \
+    PYTHONNOUSERSITE=1 PYVISTA_OFF_SCREEN=true MPLBACKEND=Agg \
+    ROCKSLIP_SUITE=${SUITE}
+ENV PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+    HOME=/home/rockslip PYTHONPATH=/opt/rockslip NUMBA_CPU_NAME=generic
+# -P: a file of the user's folder is not taken for a module of the program.
+RUN useradd --create-home rockslip && chmod 1777 /home/rockslip \
+ && sed -i 's/python3 -m/python3 -P -m/' /usr/local/bin/rockslip
+COPY rockslip.py /opt/rockslip/
+COPY geometry /opt/rockslip/geometry
+COPY solver /opt/rockslip/solver
+# Times of files in whole seconds: layers of images keep no others, and kept machine code is for a source
+# of that time.
+RUN find /opt/rockslip -exec touch -d "@$(date +%s)" {} + && python3 -m compileall -q /opt/rockslip
 USER rockslip
 WORKDIR /home/rockslip
+# Machine code, forms of finite elements and the list of fonts, which every container would make anew.
+RUN python3 -m solver.run.warming rigid elastic \
+ && python3 -c 'import matplotlib.font_manager' \
+ && chmod -R a+rwX .cache
+# What else of the repository runs there; a change of it leaves the layer above as it is.
+COPY LICENSE CHANGELOG.md /opt/rockslip/
+COPY benchmarks /opt/rockslip/benchmarks
+COPY demos /opt/rockslip/demos
 CMD ["rockslip"]

@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test quick paraview lint site image energy-grid suite docs-tables
+.PHONY: help demo test quick paraview lint site image try-image energy-grid suite docs-tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -14,6 +14,7 @@ help:
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make docs-tables   the tables of docs/output.md and docs/scene.md, from the code"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
+	@echo "make try-image   the same, and a demo in it as another user"
 
 demo:
 	./in-env python3 demos/free_rocking/free_rocking.py
@@ -52,6 +53,9 @@ site: .cache/site/done
 
 image:
 	./in-env --image
+
+try-image:
+	.ci/image
 
 energy-grid:
 	./in-env python3 benchmarks/energy_grid.py

@@ -1,7 +1,9 @@
-"""The one place that knows how versions of dolfinx differ (0.9 to 0.11)."""
+"""The one place that knows how versions of dolfinx differ (0.9 to 0.11); PETSc and signals."""
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -11,6 +13,19 @@ from petsc4py import PETSc
 import numpy as np
 from dolfinx import cpp, fem
 from numpy.typing import NDArray
+
+
+def _signals_as_they_were() -> None:
+    """Take back the signals that PETSc took over when it was imported.
+
+    A pipe that nobody reads any more would be an error of PETSc's, with a page of text.
+    """
+    if threading.current_thread() is threading.main_thread():
+        PETSc.Sys.popSignalHandler()
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python itself has it
+
+
+_signals_as_they_were()
 
 
 class CellValues:

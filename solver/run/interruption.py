@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a limit of wall time end a run in good order instead of killing it."""
+"""Signals and a limit of wall time end a run in good order instead of killing it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,13 @@ from typing import Any
 
 from solver.parallel import Comm, any_rank
 
+#: Signals that ask for the end: Ctrl-C, what asks politely, and what batch systems announce the end
+#: of their time with. The mpirun of Open MPI 6 hands only the last of them on to its ranks.
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+
 
 class Interruption:
-    """While entered, SIGINT and SIGTERM are noted; `requested` tells every rank that one was."""
+    """While entered, signals are noted; `requested` tells every rank that one was."""
 
     def __init__(self, comm: Comm, seconds: float | None = None):
         """Watch on behalf of `comm`; `seconds` from now on is also a reason to stop."""
@@ -24,7 +28,7 @@ class Interruption:
     def __enter__(self) -> Interruption:
         """Take over the signals; only the main thread of a process may."""
         if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
+            for number in ENDING:
                 self._before[number] = signal.signal(number, self._note)
         return self
 

@@ -1,4 +1,4 @@
-"""Compile beforehand what scenes need: `python3 -m solver.run.warming`, as the image does.
+"""Compile what scenes need, as the image does: `python3 -m solver.run.warming [KIND ...]`.
 
 Short runs of one scene of each kind leave machine code and forms in the caches of the user.
 """
@@ -6,7 +6,10 @@ Short runs of one scene of each kind leave machine code and forms in the caches 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from solver.run.simulate import simulate
@@ -74,15 +77,23 @@ def scenes(dimension: int) -> Iterator[tuple[str, dict[str, Any]]]:
         yield name, where | {"block": blocks, "time": {"end": END}} | rest
 
 
-def main() -> None:
-    """Run them all."""
+def main(kinds: Sequence[str]) -> None:
+    """Run the scenes of these names; all without one. What each costs shows what it compiles."""
+    names = {name for name, _ in scenes(2)}
+    if unknown := set(kinds) - names:
+        sys.exit(f"got {', '.join(sorted(unknown))}, allowed {', '.join(sorted(names))}")
     for dimension in (2, 3):
         for name, content in scenes(dimension):
-            result = simulate(parse_scene(content), many=True)
-            say(f"{dimension}-D {name}: {result.status}\n")
+            if kinds and name not in kinds:
+                continue
+            began = time.process_time()
+            with TemporaryDirectory() as folder:  # fields for ParaView have forms of their own
+                result = simulate(parse_scene(content), folder=Path(folder) / "out", many=True)
+            cost = time.process_time() - began
+            say(f"{dimension}-D {name}: {result.status}, {cost:.0f} s of processor time\n")
             if result.status != "completed":
                 sys.exit(1)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -205,6 +205,12 @@ def test_a_bad_key_on_two_ranks_is_one_line(earlier: Path) -> None:
     assert fingerprint(earlier) == before
 
 
+def mpirun_kills() -> bool:
+    """Whether Ctrl-C and SIGTERM of mpirun are SIGKILL for its ranks: so it is in Open MPI 6.0."""
+    said = subprocess.run(["mpirun", "--version"], capture_output=True, text=True, check=True)
+    return "(Open MPI) 6." in said.stdout
+
+
 def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
     """Start a long run, send it a signal once it is under way; returns what it left."""
     launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
@@ -237,13 +243,16 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
 
 @pytest.mark.mpi
 @pytest.mark.parametrize(
-    ("number", "ranks"), [(signal.SIGTERM, 1), (signal.SIGINT, 1), (signal.SIGTERM, 2)]
+    ("number", "ranks"),
+    [(signal.SIGTERM, 1), (signal.SIGINT, 1), (signal.SIGTERM, 2), (signal.SIGUSR1, 2)],
 )
 def test_an_interrupted_run_leaves_all_it_has(
     tmp_path: Path, number: signal.Signals, ranks: int
 ) -> None:
     pytest.importorskip("dolfinx")
     pyvista = pytest.importorskip("pyvista")
+    if ranks > 1 and number == signal.SIGTERM and mpirun_kills():
+        pytest.skip("this mpirun kills its ranks where it should hand SIGTERM on")
     (tmp_path / "granite.toml").write_text(SCENE)
     folder = interrupted(tmp_path, number, ranks)
     summary = summary_of(folder)

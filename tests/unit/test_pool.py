@@ -146,9 +146,19 @@ def test_a_signal_ends_all_processes_at_once(
     began = time.monotonic()
     os.killpg(run.pid, number) if number == signal.SIGINT else run.send_signal(number)
     assert run.wait(timeout=20) == 130
-    assert time.monotonic() - began < 10
-    with pytest.raises(ProcessLookupError):
-        os.killpg(run.pid, 0)
+    # Python's tracker of resources ends by itself once the others have: Python 3.14 does not wait.
+    while is_there(run.pid):
+        assert time.monotonic() - began < 10
+        time.sleep(0.02)
+
+
+def is_there(group: int) -> bool:
+    """Whether a group of processes has any left."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def test_leaving_the_loop_ends_the_others(tasks: Path) -> None:

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -56,6 +57,21 @@ def test_it_brings_the_command(wheel: ZipFile) -> None:
     assert re.search(r"^\[console_scripts\]\nrockslip = solver\.cli:main$", text, re.MULTILINE)
 
 
-@pytest.mark.parametrize("file", ["CITATION.cff", "conda/meta.yaml"])
+@pytest.mark.parametrize("file", ["CITATION.cff", "conda/recipe.yaml"])
 def test_versions_agree(file: str) -> None:
-    assert re.findall(r"version(?:: | = \")([\d.]+)", (ROOT / file).read_text())[-1] == VERSION
+    assert re.findall(r"version: \"?([\d.]+)", (ROOT / file).read_text())[-1] == VERSION
+
+
+def test_the_conda_recipe_asks_for_what_the_wheel_needs() -> None:
+    """With the same bounds; and for what pip has no builds of."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    options = project["optional-dependencies"]
+    needed = [*project["dependencies"], *options["pictures"], *options["progress"]]
+    needed.append(f"python{project['requires-python']}")
+    recipe = (ROOT / "conda" / "recipe.yaml").read_text()
+    run = recipe.split("  run:\n")[1].split("\ntests:")[0]
+    asked = {line.strip().removeprefix("- ").replace(" ", "") for line in run.splitlines()}
+    asked = {line.replace("matplotlib-base", "matplotlib") for line in asked}
+    assert set(needed) <= asked
+    others = {line.split(">")[0] for line in asked - set(needed)}
+    assert others == {"fenics-dolfinx", "mpi4py", "petsc4py", "python-gmsh"}
