@@ -9,8 +9,6 @@ from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
-import numpy as np
-
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
@@ -24,6 +22,7 @@ from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
+from solver.types import Array
 
 
 class _Ahead(NamedTuple):
@@ -65,13 +64,13 @@ class MeshedRun:
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
         self._ahead: _Ahead | None = None
-        self._row: list[float] = []
+        self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
         )
 
-    def first_row(self) -> list[float]:
+    def first_row(self) -> Array:
         """The row of the history at t = 0."""
         return self._observer.row(self.state, Exchange(), self._scene.time.step)
 
@@ -118,7 +117,7 @@ class MeshedRun:
                 break
             step = ladder.step
             try:
-                new, exchange = self._advance(self.state, step)
+                new, exchange = self._advance(self.state, step, ladder.then)
             except StepFailed as trouble:
                 where = f"at t = {self.state.time:.6g} s with a step of {step:.3g} s"
                 self._log(f"step rejected {where}: {trouble}")
@@ -126,7 +125,6 @@ class MeshedRun:
                     continue
                 status, reason = "not converged", f"{where}: {trouble}"
                 break
-            new = replace(new, time=ladder.then)
             judge = self._judge
             if (
                 judge
@@ -149,13 +147,13 @@ class MeshedRun:
         desk.files.snapshot(self.state.time)
         return status, reason
 
-    def _advance(self, start: State, dt: float) -> tuple[State, Exchange]:
-        """A step from a state; one that was looked ahead to is not solved twice."""
+    def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
+        """A step from a state to a time; one that was looked ahead to is not solved twice."""
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
             self._stepper.prepare(start, dt)
-            return ahead.new, ahead.exchange
-        return self._stepper.advance(start, dt)
+            return replace(ahead.new, time=end), ahead.exchange
+        return self._stepper.advance(start, dt, end)
 
     def _following(self, start: State, dt: float) -> State | None:
         """Look ahead to the state a step after another; None if the step fails.
@@ -176,7 +174,7 @@ class MeshedRun:
         self._steps += 1
         self._iterations += exchange.iterations
         self._row = self._observer.row(self.state, exchange, step)
-        found = desk.watch.look(np.array(self._row)[None])
+        found = desk.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(desk)
         desk.show(self.state.time, step, exchange.iterations)
@@ -184,9 +182,9 @@ class MeshedRun:
 
     def _last_row(self, desk: RunContext) -> None:
         """Append the row of the last step, once."""
-        if self._row:
+        if self._row is not None:
             desk.history.append(self._row)
-            self._row = []
+            self._row = None
 
     def cost(self) -> dict[str, Any]:
         """What the run took."""

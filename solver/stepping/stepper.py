@@ -239,8 +239,10 @@ class Stepper:
             )
         return solution
 
-    def advance(self, state: State, dt: float) -> tuple[State, Exchange]:
+    def advance(self, state: State, dt: float, end: float | None = None) -> tuple[State, Exchange]:
         """One step of length `dt` (s) from a state, which stays as it is.
+
+        It ends at a time `end` (s): that of the state and dt, or what differs by round-off.
 
         Raises:
             StepFailed: The state can then be tried again with another step.
@@ -253,7 +255,7 @@ class Stepper:
         except StepFailed:
             self._join(state.faces)
             raise
-        return self._ended(state, step, solution)
+        return self._ended(state, step, solution, state.time + dt if end is None else end)
 
     def _begin(self, state: State, dt: float) -> Step:
         """What is settled before the solve."""
@@ -272,36 +274,38 @@ class Stepper:
             rotations=[motion.rotation for motion in motions],
         )
 
-    def _ended(self, state: State, step: Step, solution: StepSolution) -> tuple[State, Exchange]:
-        """State at t_{n+1} and the ledger of the step."""
+    def _ended(
+        self, state: State, step: Step, solution: StepSolution, end: float
+    ) -> tuple[State, Exchange]:
+        """State at t_{n+1}, `end` (s), and the ledger of the step."""
         system, dt, old = self.system, step.dt, step.start.contacts
         u, du = solution.u, solution.u - state.u
         mean = np.asarray(du / dt)
         v = 2 * mean - state.v
         ends = StepEnds(dt, u, v, du, mean, impulsive_forces(system, u, dt), solution.residual)
         p = inertia_force(system, self.links, state, step, ends, solution.contacts)
-        at_supports = HeldForces(solution.held, p[system.fixed])
+        at_supports = p[system.fixed]
         p[system.fixed] = 0.0
-        held, ground = ground_forces(system, state, step, ends, p, at_supports)
         remembered = [
             link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
             for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
         ]
         contacts = [memory for memory, _ in remembered]
-        sums = step_sums(system, ends, p - step.p)
         lost = [dissipation for _, dissipation in remembered]
         rubbed = sum(each.friction for each in lost)
+        sums = step_sums(system, ends, p - step.p)
         correction = self._velocity_correction(u, v, solution, dt, rubbed)
-        ground = with_impulses(system, ground, correction.change, dt)
+        held, ground = state.held, None
+        if system.stands_on_ground:
+            forces = HeldForces(solution.held, at_supports)
+            held, ground = ground_forces(system, state, step, ends, p, forces)
+            ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
-        time, damped_until = state.time + dt, state.damped_until
-        if changed:
-            damped_until = time + self.scheme.damped_time
         new = State(
-            time=time,
+            time=end,
             u=system.settled(u),
             v=v + correction.change,
-            p=turned(self.system, p, step.turning.halves),
+            p=turned(system, p, step.turning.halves),
             held=held,
             contacts=contacts,
             faces=step.start.faces,
@@ -311,7 +315,7 @@ class Stepper:
             turning=step.turning,
             changed=changed,
             reversal=correction.reversal,
-            damped_until=damped_until,
+            damped_until=end + self.scheme.damped_time if changed else state.damped_until,
         )
         exchange = Exchange(
             input=-float(sums.moved @ self.mean_base(state.time, dt)),

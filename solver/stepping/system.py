@@ -57,6 +57,9 @@ class System:
             [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
         )
 
+        self.stands_on_ground = any(isinstance(b, ElasticBody) and b.clamped for b in bodies)
+        """Whether a meshed body is held by supports or springs: the ground has forces then."""
+
     def part(self, vector: Array, body: int | None) -> Array | None:
         """The unknowns of one body; None for the ground."""
         return None if body is None else vector[self.slices[body]]
