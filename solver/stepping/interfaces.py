@@ -60,6 +60,13 @@ class Interfaces:
             for contact, rotation in zip(self._contacts, rotations, strict=True)
         )
 
+    def joined_by(self, faces: Faces, rotations: Sequence[Array]) -> Faces:
+        """These faces, and those that the rotations turn towards their carriers."""
+        turned = self.facing(rotations)
+        if all(new <= old for old, new in zip(faces, turned, strict=True)):
+            return faces
+        return tuple(old | new for old, new in zip(faces, turned, strict=True))
+
     def rotations(self, u: Array) -> list[Array]:
         """Rotations of the bodies of all contacts' points at a displacement, (d, d) each."""
         return [self._system.rotation(u, contact.body) for contact in self._contacts]
@@ -100,7 +107,7 @@ class Interfaces:
         step, and points of corners are chosen anew.
         """
         contacts, exchanged = state.contacts, 0.0
-        if faces != state.faces:
+        if faces is not state.faces and faces != state.faces:
             before = self.energy(state.faces, contacts)
             contacts = self._joined(state, faces)
             exchanged = before - self.energy(faces, contacts)

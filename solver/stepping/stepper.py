@@ -20,7 +20,7 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.equilibrium import consistent, static_weights
-from solver.stepping.impulses import ClosedPoints, VelocityCorrection, VelocityImpulses
+from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
@@ -94,7 +94,7 @@ class Stepper:
 
     def _join(self, faces: Faces) -> None:
         """Let these faces of each contact take part; tangents change with them."""
-        if faces == self._faces:
+        if faces is self._faces or faces == self._faces:
             return
         self._faces, self.links = faces, self._interfaces.links(faces)
         self._rigid = [self.system.rigid(link) for link in self.links]
@@ -113,8 +113,8 @@ class Stepper:
         The frames of carriers are those of this step afterwards, and faces that have turned to
         their carriers take part; the state stays as it is.
         """
-        turned = self._interfaces.facing(self._interfaces.rotations_of(state))
-        faces = tuple(old | new for old, new in zip(state.faces, turned, strict=True))
+        rotations = self._interfaces.rotations_of(state)
+        faces = self._interfaces.joined_by(state.faces, rotations)
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
 
@@ -336,11 +336,11 @@ class Stepper:
     ) -> VelocityCorrection:
         """What contact at velocity level changes after a step in which friction took `rubbed`."""
         correction: VelocityCorrection | None = None
-        force = joined([contact.force for contact in solution.contacts])
-        closed = (force[:, 0] > 0).nonzero()[0]
+        pressed = [contact.force[:, 0] > 0 for contact in solution.contacts]
+        closed = joined(pressed).nonzero()[0]
         if self.velocity_solve and len(closed):
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
-            pressed = ClosedPoints(closed, force.take(closed, axis=0))
-            correction = self._impulses.correct(u, v, solution.contacts, pressed, dt, rubbed)
+            correct = self._impulses.correct
+            correction = correct(u, v, solution.contacts, closed, dt, rubbed)
         return correction or VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)

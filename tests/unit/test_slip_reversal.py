@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.stepping.impulses import slip_reversal
+from solver.law.velocity import slip_reversal
 
 
 def test_friction_that_opposes_the_slip_at_the_end_is_no_reversal() -> None:
