@@ -37,6 +37,7 @@ from solver.stepping.step import (
     extrapolated,
     impulsive_forces,
     inertia_force,
+    remembered,
     turned,
 )
 from solver.stepping.system import Link, System
@@ -79,10 +80,12 @@ class Stepper:
         self.links: tuple[Link, ...] = ()
         """The interfaces of the faces that have joined."""
         self.gravity = gravity
-        motion = ground or GroundMotion((None,) * system.dimension)
-        self.base = motion.acceleration
+        self._weight: Array = gravity @ system.directional_mass
+        motion = ground if ground is not None and ground.moves else None
+        self._shaken, still = motion is not None, np.zeros(system.dimension)
+        self.base = motion.acceleration if motion else lambda time: still
         """Acceleration of the ground at a time, (d,), m/s2."""
-        self.mean_base = lru_cache(maxsize=1)(motion.mean)  # a step asks several times
+        self.mean_base = lru_cache(maxsize=1)(motion.mean if motion else lambda time, dt: still)
         """Mean acceleration of the ground over a step: its start and length, m/s2."""
         self._weights = lru_cache(
             lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
@@ -212,10 +215,7 @@ class Stepper:
             glued=glued,
         )
         solution = self._solved(balance, u)
-        contacts = [
-            link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, np.inf)[0]
-            for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
-        ]
+        contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
         return consistent(
             self.system,
@@ -228,6 +228,8 @@ class Stepper:
 
         From the ground's velocity: no impulse goes missing, whatever the step.
         """
+        if not self._shaken:
+            return self._weight
         return (self.gravity - self.mean_base(time, dt)) @ self.system.directional_mass
 
     def _solved(self, balance: Balance, guess: Array) -> StepSolution:
@@ -284,17 +286,12 @@ class Stepper:
         v = 2 * mean - state.v
         ends = StepEnds(dt, u, v, du, mean, impulsive_forces(system, u, dt), solution.residual)
         p = inertia_force(system, self.links, state, step, ends, solution.contacts)
-        at_supports = p[system.fixed]
-        p[system.fixed] = 0.0
-        remembered = [
-            link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
-            for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
-        ]
-        contacts = [memory for memory, _ in remembered]
-        lost = [dissipation for _, dissipation in remembered]
-        rubbed = sum(each.friction for each in lost)
+        at_supports = np.empty(0)
+        if len(system.fixed):
+            at_supports, p[system.fixed] = p[system.fixed], 0.0
+        contacts, lost = remembered(self.links, old, solution.contacts, dt)
         sums = step_sums(system, ends, p - step.p)
-        correction = self._velocity_correction(u, v, solution, dt, rubbed)
+        correction = self._velocity_correction(u, v, solution, dt, lost.friction)
         held, ground = state.held, None
         if system.stands_on_ground:
             forces = HeldForces(solution.held, at_supports)
@@ -319,10 +316,10 @@ class Stepper:
         )
         exchange = Exchange(
             input=-float(sums.moved @ self.mean_base(state.time, dt)),
-            friction=rubbed + correction.friction,
+            friction=lost.friction + correction.friction,
             damping=sums.damping,
-            contact_damping=sum(each.damping for each in lost),
-            contact=sum(each.contact for each in lost) + correction.contact + step.start.exchanged,
+            contact_damping=lost.damping,
+            contact=lost.contact + correction.contact + step.start.exchanged,
             numerical=numerical_loss(
                 sums, self.links, old=old, new=contacts, skew=step.scheme.skew
             ),
