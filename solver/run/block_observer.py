@@ -15,7 +15,7 @@ from solver.contact.interface import Key
 from solver.contact.memory import Memory
 from solver.contact.projection import in_space
 from solver.history.columns import positions
-from solver.run.block_rows import touch, write_block
+from solver.run.block_rows import write_block
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
@@ -38,8 +38,9 @@ class BlockObserver:
         self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
         self._inertia = np.array([shape.rotary_inertia] if d == 2 else shape.principal_inertias)
         at = positions("block", d)
-        numbers = ("left", "right") if d == 2 else range(1, 5)
-        self._gaps = [getattr(at, f"gap_{number}_m") for number in numbers]
+        # The columns of the gaps stand one after another.
+        gaps = ("gap_left_m", "gap_right_m") if d == 2 else ("gap_1_m", "gap_4_m")
+        self._gaps = slice(getattr(at, gaps[0]), getattr(at, gaps[1]) + 1)
         forces = ("normal_force_N", "friction_force_N", "friction_force_second_N")[:d]
         self._forces, self._depth = [getattr(at, name) for name in forces], at.penetration_m
         self._take_interface()
@@ -65,6 +66,7 @@ class BlockObserver:
         """Look at the points that the block has now."""
         self._interface = self._link.interface
         self._level = LEVEL * self._interface.size
+        self._touching = np.empty(self._interface.count, dtype=bool)
         self._corners = self._bottom()
 
     def _take_homes(self) -> None:
@@ -142,6 +144,7 @@ class BlockObserver:
             self._inertia,
             self._angles,
             self._slip,
+            self._touching,
         )
 
     def _lost_its_carrier(self, state: State) -> bool:
@@ -195,18 +198,14 @@ class BlockObserver:
         carrier, points = interface.carrier, interface.points
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T
-        touching = self._touching(memory)
+        self._home = np.full((interface.count, interface.dimension - 1), np.nan)
+        self._write_own(state, memory, np.empty(0))  # finds the points that touch
+        touching = self._touching.nonzero()[0]
         home = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
         same = np.flatnonzero(tag == tag[touching[0]])
         return {keys[q]: home[q] for q in same}
-
-    def _touching(self, memory: Memory) -> Indices:
-        """The closed points; where there are none the lowest, and all as low as it is."""
-        touching, place = np.empty(len(memory.force), dtype=bool), memory.kinematics.place
-        touch(memory.force, place, memory.may_touch, self._level, touching)
-        return touching.nonzero()[0]
 
     def _settle(self, memory: Memory) -> None:
         """Find homes for points that touch for the first time.
@@ -214,11 +213,8 @@ class BlockObserver:
         Home is where a point belongs at the start, for points of other faces where it has to be
         for the slip not to jump when they first touch.
         """
-        place, touching, keys = (
-            memory.kinematics.place,
-            self._touching(memory),
-            self._interface.keys(),
-        )
+        place, keys = memory.kinematics.place, self._interface.keys()
+        touching = self._touching.nonzero()[0]
         known = [place[q, 1:] - self._known[keys[q]] for q in touching if keys[q] in self._known]
         slip = sum(known) / len(known) if known else self._slip
         for q in touching:

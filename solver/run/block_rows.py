@@ -57,8 +57,11 @@ def write_block(
     inertia: Array,
     angles: Array,
     slip: Array,
+    touching: Mask,
 ) -> bool:
     """Fill in slip, forces, penetration and motion of a block; False where a home is not known.
+
+    Then only the points that touch are filled in.
 
     Args:
         row: The part of the block; its gaps are left out.
@@ -77,9 +80,9 @@ def write_block(
         inertia: As in `MovingBlock`.
         angles: Those of `MovingBlock`, carried on from step to step.
         slip: Mean slip of the touching points, (d - 1,), m.
+        touching: These points, as `touch` finds them.
     """
     m, d = force.shape
-    touching = np.empty(m, np.bool_)
     count = touch(force, place, may_touch, level, touching)
     total, total_slip, lowest = np.zeros(d), np.zeros(d - 1), 0.0
     for p in range(m):
