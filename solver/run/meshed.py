@@ -19,6 +19,7 @@ from solver.run.observer import Observer
 from solver.run.simulate import RunContext
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
+from solver.stepping.interfaces import Standing
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
@@ -32,6 +33,7 @@ class _Ahead(NamedTuple):
     dt: float
     new: State
     exchange: Exchange
+    standing: Standing
 
 
 class MeshedRun:
@@ -151,7 +153,7 @@ class MeshedRun:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
-            self._stepper.prepare(start, dt)
+            self._stepper.stand(ahead.standing)
             return replace(ahead.new, time=end), ahead.exchange
         return self._stepper.advance(start, dt, end)
 
@@ -160,13 +162,14 @@ class MeshedRun:
 
         The stepper stands where it stood: rows and fields of the step before are read through it.
         """
+        before = self._stepper.standing()
         try:
             new, exchange = self._stepper.advance(start, dt)
+            self._ahead = _Ahead(start, dt, new, exchange, self._stepper.standing())
         except StepFailed:
             return None
         finally:
-            self._stepper.prepare(self.state, dt)
-        self._ahead = _Ahead(start, dt, new, exchange)
+            self._stepper.stand(before)
         return new
 
     def _record(self, desk: RunContext, exchange: Exchange, step: float) -> str:

@@ -21,7 +21,7 @@ from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.equilibrium import consistent, static_weights
 from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Faces, Interfaces, StepStart
+from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.reactions import (
@@ -120,6 +120,16 @@ class Stepper:
         faces = self._interfaces.joined_by(state.faces, rotations)
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
+
+    def standing(self) -> Standing:
+        """How the interfaces stand in the step that was prepared last, for `stand`."""
+        assert self._faces is not None
+        return Standing.of(self._faces, self.links)
+
+    def stand(self, standing: Standing) -> None:
+        """Let the interfaces stand as in an earlier step."""
+        self._join(standing.faces)
+        standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
         """What the digits of further steps depend on besides the state, for `resume`."""
@@ -262,9 +272,8 @@ class Stepper:
     def _begin(self, state: State, dt: float) -> Step:
         """What is settled before the solve."""
         start = self.prepare(state, dt)
-        motions = [
-            state.rigid_motion(self.system, number) for number in range(len(self.system.bodies))
-        ]
+        bodies = range(len(self.system.bodies))
+        motions = [state.rigid_motion(self.system, number) for number in bodies]
         turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
             dt=dt,
@@ -314,15 +323,14 @@ class Stepper:
             reversal=correction.reversal,
             damped_until=end + self.scheme.damped_time if changed else state.damped_until,
         )
+        averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(
             input=-float(sums.moved @ self.mean_base(state.time, dt)),
             friction=lost.friction + correction.friction,
             damping=sums.damping,
             contact_damping=lost.damping,
             contact=lost.contact + correction.contact + step.start.exchanged,
-            numerical=numerical_loss(
-                sums, self.links, old=old, new=contacts, skew=step.scheme.skew
-            ),
+            numerical=averaged,
             iterations=solution.outcome.iterations,
             ground=ground,
         )
@@ -338,6 +346,5 @@ class Stepper:
         if self.velocity_solve and len(closed):
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
-            correct = self._impulses.correct
-            correction = correct(u, v, solution.contacts, closed, dt, rubbed)
+            correction = self._impulses.correct(u, v, solution.contacts, closed, dt, rubbed)
         return correction or VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)
