@@ -40,6 +40,30 @@ def touch(force: Array, place: Array, may_touch: Mask, level: float, touching: M
 
 
 @compiled
+def write_motion(row: Array, block: MovingBlock, rotation: Array) -> None:
+    """Carry on the angles of a block, and fill in what follows from its motion.
+
+    Its angular velocity about its own axes is found here, from its rotation (d, d).
+    """
+    angles, own_spin = block.angles, block.spin.copy()
+    if len(rotation) == 2:
+        lean = math.atan2(-rotation[1, 0], rotation[0, 0])
+        angles[0] = lean + 2 * math.pi * np.round((angles[0] - lean) / (2 * math.pi))
+        write_plane_motion(block, row)
+        return
+    angles[0] = lean_in_space(rotation, angles[0])
+    vector_of(rotation, angles[1:])
+    for i in range(3):
+        own_spin[i] = 0.0
+        for j in range(3):
+            own_spin[i] += rotation[j, i] * block.spin[j]
+    centre, velocity = block.centre, block.velocity
+    write_space_motion(
+        MovingBlock(block.mass, block.inertia, centre, velocity, angles, block.spin, own_spin), row
+    )
+
+
+@compiled
 def write_block(
     row: Array,
     force: Array,
@@ -97,23 +121,12 @@ def write_block(
         return False
     for k in range(d - 1):
         slip[k] = total_slip[k] / count
+    moving = MovingBlock(mass, inertia, centre + moved, velocity, angles, spin, spin)
+    write_motion(row, moving, rotation)
     if d == 2:
-        lean = math.atan2(-rotation[1, 0], rotation[0, 0])
-        turns = np.round((angles[0] - lean) / (2 * math.pi))
-        angles[0] = lean + 2 * math.pi * turns
-        block = MovingBlock(mass, inertia, centre + moved, velocity, angles, spin, spin)
-        write_plane_motion(block, row)
         row[PLANE.slip_m], row[PLANE.penetration_m] = slip[0], 0.0 - lowest
         row[PLANE.normal_force_N], row[PLANE.friction_force_N] = total[0], total[1]
         return True
-    angles[0] = lean_in_space(rotation, angles[0])
-    vector_of(rotation, angles[1:])
-    own_spin = np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            own_spin[i] += rotation[j, i] * spin[j]
-    block = MovingBlock(mass, inertia, centre + moved, velocity, angles, spin, own_spin)
-    write_space_motion(block, row)
     row[SPACE.slip_m], row[SPACE.slip_second_m] = slip[0], slip[1]
     row[SPACE.penetration_m] = 0.0 - lowest
     row[SPACE.normal_force_N], row[SPACE.friction_force_N] = total[0], total[1]
