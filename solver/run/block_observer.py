@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from solver.bodies.kinematics import lean, rotation_vector, unwrap
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import NitschePoints
@@ -14,13 +14,8 @@ from solver.contact.facet_target import Face
 from solver.contact.interface import Key
 from solver.contact.memory import Memory
 from solver.contact.projection import in_space
-from solver.history.block_columns import (
-    MovingBlock,
-    lean_in_space,
-    write_plane_motion,
-    write_space_motion,
-)
 from solver.history.columns import positions
+from solver.run.block_rows import write_block
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
@@ -39,14 +34,18 @@ class BlockObserver:
         """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
         self._own, self._shape = stepper.system.slices[member.number], member.spec.shape
-        self._angles = np.zeros(1 if stepper.system.dimension == 2 else 4)
-        self._slip = np.zeros(stepper.system.dimension - 1)
-        plane, shape = stepper.system.dimension == 2, self._shape
-        self._inertia = np.array([shape.rotary_inertia] if plane else shape.principal_inertias)
-        self._interface = self._link.interface
-        self._home = self._first_home(state)
-        self._homes: tuple[bytes, Array] | None = None
-        self._corners = self._bottom()
+        d, shape = stepper.system.dimension, self._shape
+        self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
+        self._inertia = np.array([shape.rotary_inertia] if d == 2 else shape.principal_inertias)
+        at = positions("block", d)
+        # The columns of the gaps stand one after another.
+        gaps = ("gap_left_m", "gap_right_m") if d == 2 else ("gap_1_m", "gap_4_m")
+        self._gaps = slice(getattr(at, gaps[0]), getattr(at, gaps[1]) + 1)
+        forces = ("normal_force_N", "friction_force_N", "friction_force_second_N")[:d]
+        self._forces, self._depth = [getattr(at, name) for name in forces], at.penetration_m
+        self._take_interface()
+        self._known = self._first_home(state)
+        self._take_homes()
 
     @property
     def _link(self) -> Link:
@@ -55,13 +54,25 @@ class BlockObserver:
 
     def saved(self) -> tuple[Any, ...]:
         """What is carried on from step to step, for `resume`."""
-        return self._angles, self._slip, self._home, self._homes
+        return self._angles.copy(), self._slip.copy(), self._known
 
     def resume(self, saved: tuple[Any, ...]) -> None:
         """Go on from the steps that another observer of the block has seen."""
-        self._angles, self._slip, self._home, self._homes = saved
+        self._angles, self._slip, self._known = saved
+        self._take_interface()
+        self._take_homes()
+
+    def _take_interface(self) -> None:
+        """Look at the points that the block has now."""
         self._interface = self._link.interface
+        self._level = LEVEL * self._interface.size
+        self._touching = np.empty(self._interface.count, dtype=bool)
         self._corners = self._bottom()
+
+    def _take_homes(self) -> None:
+        """Put the homes of its points in order; nan where one is not known yet."""
+        unknown = np.full(self._interface.dimension - 1, np.nan)
+        self._home = np.array([self._known.get(key, unknown) for key in self._interface.keys()])
 
     def _bottom(self) -> Array | tuple[Indices, Array]:
         """The bottom corners: of a rigid block where they are in it, of a mesh which nodes."""
@@ -79,7 +90,7 @@ class BlockObserver:
             x, y = level[:, 0], level[:, 1]
             ends = [np.argmin(x + y), np.argmax(x - y), np.argmax(x + y), np.argmax(y - x)]
         corners = row[ends]
-        return corners, places[corners]
+        return points.points.layer.numbers(corners), places[corners]
 
     def _corner_positions(self, state: State) -> Array:
         """Where the bottom corners are."""
@@ -91,39 +102,54 @@ class BlockObserver:
         points = self._link.interface.points
         assert isinstance(points, NitschePoints) and isinstance(self._corners, tuple)
         nodes, places = self._corners
-        return places + points.points.layer.gather(u.reshape(-1, body.dimension))[nodes]
+        moved = points.points.layer.reached(u.reshape(-1, body.dimension))
+        return np.asarray(places + moved.take(nodes, axis=0))
 
     def write(self, state: State, row: Array) -> None:
         """Fill in the columns of the block, all of `row`."""
-        link, memory = self._link, state.contacts[self._member.contacts[0]]
-        if link.interface is not self._interface:
-            self._interface = link.interface
-            self._homes = None
-            self._corners = self._bottom()
-        self._slip = self._slipped(memory)
-        lost = self._lost_its_carrier(state)
+        own, *edges = self._member.contacts
+        memory = state.contacts[own]
+        if self._link.interface is not self._interface:
+            self._take_interface()
+            self._take_homes()
+        if not self._write_own(state, memory, row):
+            self._settle(memory)
+            self._write_own(state, memory, row)
+        lost = self._carrier is not None and self._lost_its_carrier(state)
         corners = self._corner_positions(state)
         height = corners[:, -1]
         if not lost:
-            carrier = link.interface.carrier
+            carrier = self._interface.carrier
             height = carrier.kinematics(corners, memory.kinematics.carrier).place[:, 0]
-        self._write_motion(state, row)
-        at = positions("block", corners.shape[1])
-        row[at.penetration_m] = self._penetration(state)
-        if corners.shape[1] == 2:
-            row[at.slip_m] = self._slip[0]
-            row[[at.gap_left_m, at.gap_right_m]] = height
-            row[[at.normal_force_N, at.friction_force_N]] = self._force(state, lost)
-            return
-        row[[at.slip_m, at.slip_second_m]] = self._slip
-        row[[at.gap_1_m, at.gap_2_m, at.gap_3_m, at.gap_4_m]] = height
-        forces = [at.normal_force_N, at.friction_force_N, at.friction_force_second_N]
-        row[forces] = self._force(state, lost)
+        row[self._gaps] = height
+        if edges:
+            row[self._depth] = max(row[self._depth], self._penetration(state, edges))
+        if edges or lost:
+            row[self._forces] = self._force(state, lost)
+
+    def _write_own(self, state: State, memory: Memory, row: Array) -> bool:
+        """The columns but the gaps, by the block's own points; False where a home is unknown."""
+        body = self._member.body
+        return write_block(
+            row,
+            memory.force,
+            memory.kinematics.place,
+            memory.may_touch,
+            self._interface.inside(memory),
+            self._home,
+            self._level,
+            *state.rigid_motion(self._stepper.system, self._member.number),
+            self._shape.mass,
+            body.centre,
+            self._inertia,
+            self._angles,
+            self._slip,
+            self._touching,
+        )
 
     def _lost_its_carrier(self, state: State) -> bool:
         """Whether the centre of the block is below the top of the block that carried it."""
-        if self._carrier is None:
-            return False
+        assert self._carrier is not None
         system = self._stepper.system
         own = state.rigid_motion(system, self._member.number)
         below = state.rigid_motion(system, self._carrier.number)
@@ -131,34 +157,16 @@ class BlockObserver:
         shift = centre - self._carrier.body.centre - below.moved
         return float(shift @ below.rotation[:, -1]) <= self._carrier.spec.height / 2
 
-    def _penetration(self, state: State) -> float:
-        """How deep a point of the block or of what carries it is in the other, at most."""
+    def _penetration(self, state: State, contacts: Sequence[int]) -> float:
+        """How deep a point is in what it touches in some interfaces, at most; 0 if none is, m."""
         deepest = 0.0
-        for number in self._member.contacts:
+        for number in contacts:
             interface, memory = self._stepper.links[number].interface, state.contacts[number]
             gap = memory.kinematics.place[:, 0]
             if float(gap.min()) < deepest:
                 inside = gap[interface.inside(memory)]
                 deepest = min(deepest, float(np.min(inside, initial=0.0)))
-        return max(0.0, -deepest)
-
-    def _write_motion(self, state: State, row: Array) -> None:
-        """The columns that follow from the motion of the block as a whole."""
-        body, shape, angles = self._member.body, self._shape, self._angles
-        moved, velocity, spin, rotation = state.rigid_motion(
-            self._stepper.system, self._member.number
-        )
-        mass, centre = shape.mass, body.centre + moved
-        if body.dimension == 2:
-            angles[0] = unwrap(lean(rotation), angles[0])
-            write_plane_motion(
-                MovingBlock(mass, self._inertia, centre, velocity, angles, spin, spin), row
-            )
-            return
-        angles[0] = lean_in_space(rotation, angles[0])
-        angles[1:] = rotation_vector(rotation)
-        moving = mass, self._inertia, centre, velocity, angles, spin, rotation.T @ spin
-        write_space_motion(MovingBlock(*moving), row)
+        return 0.0 - deepest
 
     def _force(self, state: State, lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.
@@ -190,39 +198,25 @@ class BlockObserver:
         carrier, points = interface.carrier, interface.points
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T
-        touching = self._touching(memory)
+        self._home = np.full((interface.count, interface.dimension - 1), np.nan)
+        self._write_own(state, memory, np.empty(0))  # finds the points that touch
+        touching = self._touching.nonzero()[0]
         home = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
         same = np.flatnonzero(tag == tag[touching[0]])
         return {keys[q]: home[q] for q in same}
 
-    def _touching(self, memory: Memory) -> Indices:
-        """The closed points; where there are none the lowest, and all as low as it is."""
-        closed = (memory.force[:, 0] > 0).nonzero()[0]
-        if len(closed):
-            return closed
-        height = np.where(memory.may_touch, memory.kinematics.place[:, 0], np.inf)
-        return np.flatnonzero(height <= height.min() + LEVEL * self._interface.size)
+    def _settle(self, memory: Memory) -> None:
+        """Find homes for points that touch for the first time.
 
-    def _slipped(self, memory: Memory) -> Array:
-        """Mean displacement of the touching points along the carrier since they were at home.
-
-        Home is where a point belongs at the start, for points of other faces where it has
-        to be for the slip not to jump when they first touch.
+        Home is where a point belongs at the start, for points of other faces where it has to be
+        for the slip not to jump when they first touch.
         """
-        place, touching = memory.kinematics.place, self._touching(memory)
-        which = touching.tobytes()
-        if self._homes is None or self._homes[0] != which:
-            self._settle(place, touching)
-            keys = self._interface.keys()
-            self._homes = which, np.array([self._home[keys[q]] for q in touching])
-        return np.asarray((place[touching, 1:] - self._homes[1]).sum(axis=0) / len(touching))
-
-    def _settle(self, place: Array, touching: Indices) -> None:
-        """Find homes for points that touch for the first time."""
-        keys = self._interface.keys()
-        known = [place[q, 1:] - self._home[keys[q]] for q in touching if keys[q] in self._home]
+        place, keys = memory.kinematics.place, self._interface.keys()
+        touching = self._touching.nonzero()[0]
+        known = [place[q, 1:] - self._known[keys[q]] for q in touching if keys[q] in self._known]
         slip = sum(known) / len(known) if known else self._slip
         for q in touching:
-            self._home.setdefault(keys[q], place[q, 1:] - slip)
+            self._known.setdefault(keys[q], place[q, 1:] - slip)
+        self._take_homes()

@@ -9,8 +9,6 @@ from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
-import numpy as np
-
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
@@ -22,9 +20,11 @@ from solver.run.redistribution import owned_by_rank, redistributed, refuse_other
 from solver.run.simulate import RunContext
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
+from solver.stepping.interfaces import Standing
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
+from solver.types import Array
 
 
 class _Ahead(NamedTuple):
@@ -34,6 +34,7 @@ class _Ahead(NamedTuple):
     dt: float
     new: State
     exchange: Exchange
+    standing: Standing
 
 
 class MeshedRun:
@@ -66,13 +67,13 @@ class MeshedRun:
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
         self._ahead: _Ahead | None = None
-        self._row: list[float] = []
+        self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
         )
 
-    def first_row(self) -> list[float]:
+    def first_row(self) -> Array:
         """The row of the history at t = 0."""
         return self._observer.row(self.state, Exchange(), self._scene.time.step)
 
@@ -125,7 +126,7 @@ class MeshedRun:
                 break
             step = ladder.step
             try:
-                new, exchange = self._advance(self.state, step)
+                new, exchange = self._advance(self.state, step, ladder.then)
             except StepFailed as trouble:
                 where = f"at t = {self.state.time:.6g} s with a step of {step:.3g} s"
                 self._log(f"step rejected {where}: {trouble}")
@@ -133,7 +134,6 @@ class MeshedRun:
                     continue
                 status, reason = "not converged", f"{where}: {trouble}"
                 break
-            new = replace(new, time=ladder.then)
             judge = self._judge
             if (
                 judge
@@ -156,26 +156,27 @@ class MeshedRun:
         desk.files.snapshot(self.state.time)
         return status, reason
 
-    def _advance(self, start: State, dt: float) -> tuple[State, Exchange]:
-        """A step from a state; one that was looked ahead to is not solved twice."""
+    def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
+        """A step from a state to a time; one that was looked ahead to is not solved twice."""
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
-            self._stepper.prepare(start, dt)
-            return ahead.new, ahead.exchange
-        return self._stepper.advance(start, dt)
+            self._stepper.stand(ahead.standing)
+            return replace(ahead.new, time=end), ahead.exchange
+        return self._stepper.advance(start, dt, end)
 
     def _following(self, start: State, dt: float) -> State | None:
         """Look ahead to the state a step after another; None if the step fails.
 
         The stepper stands where it stood: rows and fields of the step before are read through it.
         """
+        before = self._stepper.standing()
         try:
             new, exchange = self._stepper.advance(start, dt)
+            self._ahead = _Ahead(start, dt, new, exchange, self._stepper.standing())
         except StepFailed:
             return None
         finally:
-            self._stepper.prepare(self.state, dt)
-        self._ahead = _Ahead(start, dt, new, exchange)
+            self._stepper.stand(before)
         return new
 
     def _record(self, desk: RunContext, exchange: Exchange, step: float) -> str:
@@ -183,7 +184,7 @@ class MeshedRun:
         self._steps += 1
         self._iterations += exchange.iterations
         self._row = self._observer.row(self.state, exchange, step)
-        found = desk.watch.look(np.array(self._row)[None])
+        found = desk.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(desk)
         desk.show(self.state.time, step, exchange.iterations)
@@ -191,9 +192,9 @@ class MeshedRun:
 
     def _last_row(self, desk: RunContext) -> None:
         """Append the row of the last step, once."""
-        if self._row:
+        if self._row is not None:
             desk.history.append(self._row)
-            self._row = []
+            self._row = None
 
     def cost(self) -> dict[str, Any]:
         """What the run took."""

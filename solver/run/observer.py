@@ -64,16 +64,21 @@ class Observer:
             structure=None if self._structure is None else self._structure.parts,
         )
         self._layout = row_layout(len(members), dimension=d, platform=moves)
-        self._written = [self._columns.index(name) for name in names]
+        self._written = np.array([self._columns.index(name) for name in names])
+        self._row = np.full(len(self._columns), np.nan)  # filled anew at every step
+        self._run = positions("run", d)
+        layout = self._layout
+        starts = layout.block + layout.stride * np.arange(len(members))
+        self._parts = [self._row[first : first + layout.stride] for first in starts]
         # The datum of what carries the blocks is where it stands without load.
         self._at_rest = sum(
             member.body.mass * float(self._stepper.gravity @ member.body.centre)
             for member in assembly.members
         )
-        self._exchanged = np.zeros(len(EXCHANGED))
+        self._exchanged = [0.0] * len(EXCHANGED)
         at = positions("energy", d)
         energies = *STORED, *EXCHANGED, "total", "ledger_error"
-        self._energies = [getattr(at, f"{name}_J") for name in energies]
+        self._energies = np.array([getattr(at, f"{name}_J") for name in energies])
         self._start: float | None = None
 
     def saved(self) -> dict[str, Any]:
@@ -92,23 +97,21 @@ class Observer:
         if self._platform is not None:
             self._platform.velocity = saved["platform"]
 
-    def row(self, state: State, exchange: Exchange, step: float) -> list[float]:
+    def row(self, state: State, exchange: Exchange, step: float) -> Array:
         """The values of a history row, in the order of the columns."""
-        layout, row = self._layout, np.full(len(self._columns), np.nan)
-        run = positions("run", self._stepper.system.dimension)
+        layout, row, run = self._layout, self._row, self._run
         row[run.time_s], row[run.step_s] = state.time, step
         row[run.newton_iterations] = exchange.iterations
         row[run.contact_points_closed] = sum(
-            int((memory.force[:, 0] > 0).sum()) for memory in state.contacts
+            np.count_nonzero(memory.force[:, 0] > 0) for memory in state.contacts
         )
         ground = self._stepper.base(state.time)
         row[run.base_acceleration_m_s2] = ground[0]
         row[run.base_vertical_acceleration_m_s2] = ground[-1]
         if len(ground) == 3:
             row[run.base_second_acceleration_m_s2] = ground[1]
-        for number, block in enumerate(self._blocks):
-            first = layout.block + layout.stride * number
-            block.write(state, row[first : first + layout.stride])
+        for block, part in zip(self._blocks, self._parts, strict=True):
+            block.write(state, part)
         if self._platform is not None:
             self._platform.write(state, step, row[layout.platform : layout.energy])
         if self._structure is not None:
@@ -120,8 +123,7 @@ class Observer:
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:
             check_filled(self._columns, row[None])
-        written: Any = row.take(self._written).tolist()
-        return list(written)
+        return row.take(self._written)
 
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""
@@ -130,13 +132,13 @@ class Observer:
         gravity = -self._at_rest - float(stepper.gravity @ moved)
         interface = stepper.interface_energy(state)
         stored = state.kinetic, state.strain, gravity, state.spring, interface
-        self._exchanged += _EXCHANGED(exchange)
-        taken, *lost = self._exchanged.tolist()
+        now = zip(self._exchanged, _EXCHANGED(exchange), strict=True)
+        taken, *lost = self._exchanged = [before + step for before, step in now]
         total = sum(stored)
         if self._start is None:
             self._start = total
         error = total - self._start - taken + sum(lost)
-        row[self._energies] = [*stored, taken, *lost, total, error]
+        row[self._energies] = *stored, taken, *lost, total, error
 
 
 class PlatformObserver:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,9 +10,16 @@ import numpy as np
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse, MassInverse
 from solver.contact.projection import in_frames
-from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
-from solver.law.velocity import impulse_correction, slip_reversal
+from solver.law.many_points import MANY_ROWS
+from solver.law.velocity import impulse_correction
+from solver.stepping.closed_points import (
+    ClosedPoints,
+    correct_closed_points,
+    impulse_bounds,
+    impulses,
+    largest_reversal,
+)
 from solver.stepping.contact_forces import Contact
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet
@@ -36,15 +42,6 @@ class VelocityCorrection(NamedTuple):
     contact: float
     friction: float
     reversal: float
-
-
-class ClosedPoints(NamedTuple):
-    """Points that are pressed at the end of a step."""
-
-    number: Indices
-    """Their numbers among all points, rising."""
-    force: Array
-    """Their forces, (m, d), N."""
 
 
 class MassOperator(NamedTuple):
@@ -73,6 +70,7 @@ class VelocityImpulses:
         self.system, self.links = system, tuple(links)
         self._points = PointTable(system, links)
         self._local = local
+        self._first = np.array([*(own.start for own in self._points.own), self._points.count])
         self._responses = []
         for number, body in enumerate(system.bodies):
             factor: Inverse | Array
@@ -102,41 +100,57 @@ class VelocityImpulses:
         u: Array,
         v: Array,
         contacts: Sequence[Contact],
-        points: ClosedPoints,
+        pressed: Indices,
         dt: float,
         taken: float,
     ) -> VelocityCorrection | None:
-        """The correction after a step, or None where no solution was found.
+        """The correction after a step at the points that are `pressed`; None: none was found.
 
         By displacements (m) at t_{n+1} and velocities (m/s) before it; friction took `taken` in the
         step, J.
         """
-        closed, pressed = points
-        operator = self._operator(closed, u, contacts)
-        mu = joined([contact.bounds.mu for contact in contacts]).take(closed)
-        cohesion = joined([contact.bounds.cohesion for contact in contacts]).take(closed)
-        bounds = Bounds(mu, dt * cohesion)
-        velocity, W = self._velocity(u, v, contacts).take(closed, axis=0), operator.W
+        operator = self._operator(pressed, u, contacts)
+        velocity, W = self._velocity(u, v, contacts).take(pressed, axis=0), operator.W
         if self._points.has_bed:
-            velocity, W = self._held_by_beds(closed, velocity, W)
-        found = impulse_correction(self._local, velocity, W, dt * pressed, bounds, taken)
-        if found is None:
-            return None
-        after = velocity + image(operator.W, found.q)
-        return VelocityCorrection(
-            change=self._change(operator, found.q),
-            contact=found.contact,
-            friction=found.friction,
-            reversal=self._reversal(closed, pressed[:, 1:], after[:, 1:]),
+            velocity, W = self._held_by_beds(pressed, velocity, W)
+        points = ClosedPoints(
+            pressed,
+            self._first,
+            joined([contact.force for contact in contacts]),
+            joined([contact.bounds.mu for contact in contacts]),
+            joined([contact.bounds.cohesion for contact in contacts]),
         )
+        q = np.empty_like(velocity)
+        if q.size > MANY_ROWS:
+            found = self._correct_many(points, velocity, W, operator.W, dt, taken, q)
+        else:
+            counts = self._local.counts
+            found = correct_closed_points(*points, velocity, W, operator.W, dt, taken, counts, q)
+        is_found, contact, friction, reversal = found
+        if not is_found:
+            return None
+        return VelocityCorrection(self._change(operator, q), contact, friction, reversal)
 
-    def _reversal(self, closed: Indices, friction: Array, velocity: Array) -> float:
-        """The largest slip reversal of an interface, m/s; rows are those of closed points."""
-        if len(self._points.own) == 1:
-            return slip_reversal(friction, velocity)
-        ends = closed.searchsorted([0, *(own.stop for own in self._points.own)])
-        parts = [slice(*pair) for pair in pairwise(ends)]
-        return max(slip_reversal(friction[part], velocity[part]) for part in parts)
+    def _correct_many(
+        self,
+        points: ClosedPoints,
+        velocity: Array,
+        W: Array,
+        mobility: Array,
+        dt: float,
+        taken: float,
+        q: Array,
+    ) -> tuple[bool, float, float, float]:
+        """As `correct_closed_points`, for more points than compiled code solves for at once."""
+        closed, first, force, mu, cohesion = points
+        impulse = impulses(closed, force, dt).reshape(q.shape)
+        bounds = impulse_bounds(closed, mu, cohesion, dt)
+        found = impulse_correction(self._local, velocity, W, impulse, bounds, taken)
+        if found is None:
+            return False, 0.0, 0.0, 0.0
+        q[:] = found.q
+        reversal = largest_reversal(closed, first, force, velocity + image(mobility, q))
+        return True, found.contact, found.friction, reversal
 
     def _held_by_beds(self, closed: Indices, velocity: Array, W: Array) -> tuple[Array, Array]:
         """Velocities and W of closed points for which normal impulses on beds stay as they are.

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from solver.contact.candidates import ContactPair
 from solver.contact.crossing_interface import CrossingInterface
+from solver.contact.edge_crossings import Crossings
+from solver.contact.facet_target import Face
 from solver.contact.memory import Memory
 from solver.contact.memory_transfer import carry_over, rotate_frame
 from solver.stepping.state import State
@@ -30,6 +32,35 @@ class StepStart(NamedTuple):
     faces: Faces
     contacts: Sequence[Memory]
     exchanged: float
+
+
+class Standing(NamedTuple):
+    """How interfaces stand in a step.
+
+    Attributes:
+        faces: Tags of the faces that take part.
+        settled: For each interface the frame of its carrier, or where edges meet.
+    """
+
+    faces: Faces
+    settled: tuple[Any, ...]
+
+    @classmethod
+    def of(cls, faces: Faces, links: Sequence[Link]) -> Standing:
+        """How these interfaces stand now."""
+        carriers = [link.interface.carrier for link in links]
+        return cls(
+            faces, tuple(c.meeting if isinstance(c, Crossings) else c.frame for c in carriers)
+        )
+
+    def restore(self, links: Sequence[Link]) -> None:
+        """Let the interfaces of the same faces stand as they did."""
+        for link, settled in zip(links, self.settled, strict=True):
+            carrier = link.interface.carrier
+            if isinstance(carrier, Crossings):
+                carrier.meeting = settled
+            elif isinstance(carrier, Face):
+                carrier.frame = settled
 
 
 class Interfaces:
@@ -59,6 +90,13 @@ class Interfaces:
             contact.facing(rotation)
             for contact, rotation in zip(self._contacts, rotations, strict=True)
         )
+
+    def joined_by(self, faces: Faces, rotations: Sequence[Array]) -> Faces:
+        """These faces, and those that the rotations turn towards their carriers."""
+        turned = self.facing(rotations)
+        if all(new <= old for old, new in zip(faces, turned, strict=True)):
+            return faces
+        return tuple(old | new for old, new in zip(faces, turned, strict=True))
 
     def rotations(self, u: Array) -> list[Array]:
         """Rotations of the bodies of all contacts' points at a displacement, (d, d) each."""
@@ -100,7 +138,7 @@ class Interfaces:
         step, and points of corners are chosen anew.
         """
         contacts, exchanged = state.contacts, 0.0
-        if faces != state.faces:
+        if faces is not state.faces and faces != state.faces:
             before = self.energy(state.faces, contacts)
             contacts = self._joined(state, faces)
             exchanged = before - self.energy(faces, contacts)

@@ -68,6 +68,7 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
         total.kinetic += 0.5 * float(v[own] @ body.inertia(v[own]))
         if isinstance(body, ElasticBody):
             total.strain += body.strain_energy(u[own])
+    for body, own in system.tied:
         spring = body.spring(u[own])
         if spring is not None:
             total.spring += 0.5 * float(u[own] @ spring)
@@ -113,6 +114,7 @@ def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
             sums.increment += dt / body.damping.stiffness * lost
         elif isinstance(body, ElasticBody):
             sums.increment += body.increment_energy(ends.u[own])
+    for body, own in system.tied:
         spring, drag = body.spring(du[own]), body.drag(du[own])
         if spring is not None:
             sums.increment += float(du[own] @ spring)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
@@ -12,13 +12,13 @@ import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.scheme.step_control import Tolerance
+from solver.stepping.differences import third_differences
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array
 
 
-@dataclass(frozen=True, slots=True)
-class StepError:
+class StepError(NamedTuple):
     """Error of a step, over a length of the scene.
 
     Attributes:
@@ -32,8 +32,7 @@ class StepError:
     reversal: float
 
 
-@dataclass(frozen=True, slots=True)
-class Past:
+class Past(NamedTuple):
     """What earlier steps leave for the estimate."""
 
     u: Array
@@ -72,6 +71,8 @@ class LocalError:
     def __init__(self, system: System, size: float):
         """Refer errors to a length R, m."""
         self._system, self._size = system, size
+        bodies = zip(system.bodies, system.slices, strict=True)
+        self._meshed = [(body, own) for body, own in bodies if isinstance(body, ElasticBody)]
 
     def start(self, state: State) -> Past:
         """What there is before the first step, from a state."""
@@ -86,34 +87,38 @@ class LocalError:
 
     def of(self, past: Past, new: State, dt: float) -> tuple[StepError, Past]:
         """Error of the step of length `dt` (s) that led to `new`, and what it leaves itself."""
-        third = dt**3 / 12 / self._size
-        rigid, mean = self._rigid_velocity(new), np.asarray((new.u - past.u) / dt)
-        rigid_change = np.asarray((rigid - past.rigid) / dt)
-        change = np.asarray((mean - past.mean) / ((dt + past.dt) / 2))
-        jerk = (rigid_change - past.rigid_change) / ((dt + past.dt) / 2)
-        third_difference = (change - past.change) / ((dt + 2 * past.dt + past.dt_before) / 4)
-        errors = np.array(
-            [
-                third * np.abs(jerk).max(),
-                third * self._mean_square_root(np.asarray(third_difference)),
-                dt * new.reversal / 12 / self._size,
-            ]
+        rigid, third = self._rigid_velocity(new), dt**3 / 12 / self._size
+        found, rigid_change = np.empty((3, len(new.u))), np.empty_like(rigid)
+        jerk = third_differences(
+            new.u,
+            past.u,
+            past.mean,
+            past.change,
+            rigid,
+            past.rigid,
+            past.rigid_change,
+            dt,
+            past.dt,
+            past.dt_before,
+            found,
+            rigid_change,
         )
+        mean, change, third_difference = found
+        vibration = third * self._mean_square_root(third_difference)
+        errors = third * jerk, vibration, dt * new.reversal / 12 / self._size
         if self._system.comm.size > 1:  # all ranks decide by the same digits
-            self._system.comm.Bcast(errors, root=0)
+            errors = self._system.comm.bcast(errors, root=0)
         left = Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
-        return StepError(*map(float, errors)), left
+        return StepError(*errors), left
 
     def _mean_square_root(self, motion: Array) -> float:
         """Root of the mean square of a motion over the mass of a meshed body, the largest."""
         squares = [
-            float(motion[own] @ body.inertia(motion[own])) / body.mass
-            for body, own in zip(self._system.bodies, self._system.slices, strict=True)
-            if isinstance(body, ElasticBody)
+            float(motion[own] @ body.inertia(motion[own])) / body.mass for body, own in self._meshed
         ]
         if self._system.comm.size > 1:
             squares = list(self._system.comm.allreduce(np.array(squares), op=MPI.SUM))
-        return float(np.sqrt(max(squares, default=0.0)))
+        return math.sqrt(max(squares, default=0.0))
 
     def _rigid_velocity(self, state: State) -> Array:
         """Velocities of the centres of all bodies, and of points at R for their turning, m/s."""

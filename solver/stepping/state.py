@@ -24,7 +24,8 @@ class State:
         u: Displacement of the owned unknowns of all bodies, m.
         v: Velocity, m/s.
         p: Inertia force M a without that of the impulses, which are contact, loads and damping, N.
-        held: The p of elastic forces at supports and of springs to the ground, else 0, N.
+        held: The p of elastic forces at supports and of springs to the ground, else 0, N; kept
+            up to date where a meshed body stands on the ground.
         contacts: Memory of each interface.
         faces: Tags of the faces of each contact that have joined: whose points the memories are of.
         kinetic: Kinetic energy, J.
@@ -87,7 +88,7 @@ class Exchange:
         contact: Lost in closing, opening and exchanging contact points.
         numerical: Lost to the averaging of forces.
         iterations: Corrections that the step took.
-        ground: Mean forces of the ground; None: not known.
+        ground: Mean forces of the ground; None: it has none, or they are not known.
     """
 
     input: float = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from solver.contact.memory import Dissipation, Memory
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.balance import Balance
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
@@ -49,6 +50,7 @@ def balance_of(
     constant = (am - (1 - am) * (0.5 - beta) / beta) * step.p - weighted
     for body, own in zip(system.bodies, system.slices, strict=True):
         body.begin_step(state.u[own], scheme, dt)
+    for body, own in system.tied:
         drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
         if drag is not None:
             constant[own] += scheme.contact_weight * drag
@@ -119,10 +121,13 @@ def inertia_force(
     p = system.inertia(ends.du - dt * state.v)
     p /= scheme.beta * dt**2
     p -= (impulse - 1) * step.p
-    for body, own, rates in zip(system.bodies, system.slices, ends.impulsive, strict=True):
-        for force in (rates, body.drag(ends.mean[own])):
-            if force is not None:
-                p[own] += impulse * force
+    for own, rates in zip(system.slices, ends.impulsive, strict=True):
+        if rates is not None:
+            p[own] += impulse * rates
+    for body, own in system.tied:
+        drag = body.drag(ends.mean[own])
+        if drag is not None:
+            p[own] += impulse * drag
     p -= impulse * step.load
     for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
         add_contact_forces(
@@ -137,3 +142,20 @@ def inertia_force(
             sign=-impulse,
         )
     return p
+
+
+def remembered(
+    links: Sequence[Link], old: Sequence[Memory], contacts: Sequence[Contact], dt: float
+) -> tuple[list[Memory], Dissipation]:
+    """Memories of all interfaces after a step of length dt (s), and what it lost in all of them."""
+    memories, lost = [], []
+    for link, before, c in zip(links, old, contacts, strict=True):
+        after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
+        memories.append(after[0])
+        lost.append(after[1])
+    total = Dissipation(
+        friction=sum(each.friction for each in lost),
+        contact=sum(each.contact for each in lost),
+        damping=sum(each.damping for each in lost),
+    )
+    return memories, total

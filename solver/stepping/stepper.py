@@ -20,8 +20,8 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.equilibrium import consistent, static_weights
-from solver.stepping.impulses import ClosedPoints, VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Faces, Interfaces, StepStart
+from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
+from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.reactions import (
@@ -37,6 +37,7 @@ from solver.stepping.step import (
     extrapolated,
     impulsive_forces,
     inertia_force,
+    remembered,
     turned,
 )
 from solver.stepping.system import Link, System
@@ -79,10 +80,12 @@ class Stepper:
         self.links: tuple[Link, ...] = ()
         """The interfaces of the faces that have joined."""
         self.gravity = gravity
-        motion = ground or GroundMotion((None,) * system.dimension)
-        self.base = motion.acceleration
+        self._weight: Array = gravity @ system.directional_mass
+        motion = ground if ground is not None and ground.moves else None
+        self._shaken, still = motion is not None, np.zeros(system.dimension)
+        self.base = motion.acceleration if motion else lambda time: still
         """Acceleration of the ground at a time, (d,), m/s2."""
-        self.mean_base = lru_cache(maxsize=1)(motion.mean)  # a step asks several times
+        self.mean_base = lru_cache(maxsize=1)(motion.mean if motion else lambda time, dt: still)
         """Mean acceleration of the ground over a step: its start and length, m/s2."""
         self._weights = lru_cache(
             lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
@@ -94,7 +97,7 @@ class Stepper:
 
     def _join(self, faces: Faces) -> None:
         """Let these faces of each contact take part; tangents change with them."""
-        if faces == self._faces:
+        if faces is self._faces or faces == self._faces:
             return
         self._faces, self.links = faces, self._interfaces.links(faces)
         self._rigid = [self.system.rigid(link) for link in self.links]
@@ -113,10 +116,20 @@ class Stepper:
         The frames of carriers are those of this step afterwards, and faces that have turned to
         their carriers take part; the state stays as it is.
         """
-        turned = self._interfaces.facing(self._interfaces.rotations_of(state))
-        faces = tuple(old | new for old, new in zip(state.faces, turned, strict=True))
+        rotations = self._interfaces.rotations_of(state)
+        faces = self._interfaces.joined_by(state.faces, rotations)
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
+
+    def standing(self) -> Standing:
+        """How the interfaces stand in the step that was prepared last, for `stand`."""
+        assert self._faces is not None
+        return Standing.of(self._faces, self.links)
+
+    def stand(self, standing: Standing) -> None:
+        """Let the interfaces stand as in an earlier step."""
+        self._join(standing.faces)
+        standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
         """What the digits of further steps depend on besides the state, for `resume`."""
@@ -212,10 +225,7 @@ class Stepper:
             glued=glued,
         )
         solution = self._solved(balance, u)
-        contacts = [
-            link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, np.inf)[0]
-            for link, memory, c in zip(self.links, state.contacts, solution.contacts, strict=True)
-        ]
+        contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
         return consistent(
             self.system,
@@ -228,6 +238,8 @@ class Stepper:
 
         From the ground's velocity: no impulse goes missing, whatever the step.
         """
+        if not self._shaken:
+            return self._weight
         return (self.gravity - self.mean_base(time, dt)) @ self.system.directional_mass
 
     def _solved(self, balance: Balance, guess: Array) -> StepSolution:
@@ -239,8 +251,10 @@ class Stepper:
             )
         return solution
 
-    def advance(self, state: State, dt: float) -> tuple[State, Exchange]:
+    def advance(self, state: State, dt: float, end: float | None = None) -> tuple[State, Exchange]:
         """One step of length `dt` (s) from a state, which stays as it is.
+
+        It ends at a time `end` (s): that of the state and dt, or what differs by round-off.
 
         Raises:
             StepFailed: The state can then be tried again with another step.
@@ -253,14 +267,13 @@ class Stepper:
         except StepFailed:
             self._join(state.faces)
             raise
-        return self._ended(state, step, solution)
+        return self._ended(state, step, solution, state.time + dt if end is None else end)
 
     def _begin(self, state: State, dt: float) -> Step:
         """What is settled before the solve."""
         start = self.prepare(state, dt)
-        motions = [
-            state.rigid_motion(self.system, number) for number in range(len(self.system.bodies))
-        ]
+        bodies = range(len(self.system.bodies))
+        motions = [state.rigid_motion(self.system, number) for number in bodies]
         turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
             dt=dt,
@@ -272,36 +285,33 @@ class Stepper:
             rotations=[motion.rotation for motion in motions],
         )
 
-    def _ended(self, state: State, step: Step, solution: StepSolution) -> tuple[State, Exchange]:
-        """State at t_{n+1} and the ledger of the step."""
+    def _ended(
+        self, state: State, step: Step, solution: StepSolution, end: float
+    ) -> tuple[State, Exchange]:
+        """State at t_{n+1}, `end` (s), and the ledger of the step."""
         system, dt, old = self.system, step.dt, step.start.contacts
         u, du = solution.u, solution.u - state.u
         mean = np.asarray(du / dt)
         v = 2 * mean - state.v
         ends = StepEnds(dt, u, v, du, mean, impulsive_forces(system, u, dt), solution.residual)
         p = inertia_force(system, self.links, state, step, ends, solution.contacts)
-        at_supports = HeldForces(solution.held, p[system.fixed])
-        p[system.fixed] = 0.0
-        held, ground = ground_forces(system, state, step, ends, p, at_supports)
-        remembered = [
-            link.interface.remember(memory, c.surface, c.kinematics, c.force, c.bounds, dt)
-            for link, memory, c in zip(self.links, old, solution.contacts, strict=True)
-        ]
-        contacts = [memory for memory, _ in remembered]
+        at_supports = np.empty(0)
+        if len(system.fixed):
+            at_supports, p[system.fixed] = p[system.fixed], 0.0
+        contacts, lost = remembered(self.links, old, solution.contacts, dt)
         sums = step_sums(system, ends, p - step.p)
-        lost = [dissipation for _, dissipation in remembered]
-        rubbed = sum(each.friction for each in lost)
-        correction = self._velocity_correction(u, v, solution, dt, rubbed)
-        ground = with_impulses(system, ground, correction.change, dt)
+        correction = self._velocity_correction(u, v, solution, dt, lost.friction)
+        held, ground = state.held, None
+        if system.stands_on_ground:
+            forces = HeldForces(solution.held, at_supports)
+            held, ground = ground_forces(system, state, step, ends, p, forces)
+            ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
-        time, damped_until = state.time + dt, state.damped_until
-        if changed:
-            damped_until = time + self.scheme.damped_time
         new = State(
-            time=time,
+            time=end,
             u=system.settled(u),
             v=v + correction.change,
-            p=turned(self.system, p, step.turning.halves),
+            p=turned(system, p, step.turning.halves),
             held=held,
             contacts=contacts,
             faces=step.start.faces,
@@ -311,17 +321,16 @@ class Stepper:
             turning=step.turning,
             changed=changed,
             reversal=correction.reversal,
-            damped_until=damped_until,
+            damped_until=end + self.scheme.damped_time if changed else state.damped_until,
         )
+        averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(
             input=-float(sums.moved @ self.mean_base(state.time, dt)),
-            friction=rubbed + correction.friction,
+            friction=lost.friction + correction.friction,
             damping=sums.damping,
-            contact_damping=sum(each.damping for each in lost),
-            contact=sum(each.contact for each in lost) + correction.contact + step.start.exchanged,
-            numerical=numerical_loss(
-                sums, self.links, old=old, new=contacts, skew=step.scheme.skew
-            ),
+            contact_damping=lost.damping,
+            contact=lost.contact + correction.contact + step.start.exchanged,
+            numerical=averaged,
             iterations=solution.outcome.iterations,
             ground=ground,
         )
@@ -332,11 +341,10 @@ class Stepper:
     ) -> VelocityCorrection:
         """What contact at velocity level changes after a step in which friction took `rubbed`."""
         correction: VelocityCorrection | None = None
-        force = joined([contact.force for contact in solution.contacts])
-        closed = (force[:, 0] > 0).nonzero()[0]
+        pressed = [contact.force[:, 0] > 0 for contact in solution.contacts]
+        closed = joined(pressed).nonzero()[0]
         if self.velocity_solve and len(closed):
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
-            pressed = ClosedPoints(closed, force.take(closed, axis=0))
-            correction = self._impulses.correct(u, v, solution.contacts, pressed, dt, rubbed)
+            correction = self._impulses.correct(u, v, solution.contacts, closed, dt, rubbed)
         return correction or VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)

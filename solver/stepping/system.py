@@ -57,6 +57,17 @@ class System:
             [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
         )
 
+        self.stands_on_ground = any(isinstance(b, ElasticBody) and b.clamped for b in bodies)
+        """Whether a meshed body is held by supports or springs: the ground has forces then."""
+
+        self.tied = tuple(
+            (body, own)
+            for body, own in zip(self.bodies, self.slices, strict=True)
+            if _is_tied(body, np.zeros(body.size))
+        )
+        """Bodies on which springs or dashpots to the ground act, or damping like these, and where
+        their unknowns are."""
+
     def part(self, vector: Array, body: int | None) -> Array | None:
         """The unknowns of one body; None for the ground."""
         return None if body is None else vector[self.slices[body]]
@@ -85,6 +96,11 @@ class System:
         if body is None:
             return np.eye(self.dimension)
         return self.bodies[body].rotation(u[self.slices[body]])
+
+
+def _is_tied(body: Body, at_rest: Array) -> bool:
+    """Whether a spring, a dashpot or damping acts on what moves over the ground; collective."""
+    return body.spring(at_rest) is not None or body.drag(at_rest) is not None
 
 
 def sides_of(body: int, links: Sequence[Link]) -> list[BodyRole]:

@@ -33,8 +33,9 @@ class Turning(NamedTuple):
         """The turning of a step of a length (s), after the last step."""
         ahead = []
         for number, spin in enumerate(spins):
-            before, rate, length = spin, np.zeros_like(spin), 1.0
-            if last is not None:
+            if last is None:
+                before, rate, length = spin, np.zeros_like(spin), 1.0
+            else:
                 before, rate, length = last.spins[number], last.rates[number], last.step
             ahead.append(np.empty((3, len(spin))))
             turning_ahead(spin, before, rate, length, step, ahead[-1])

@@ -110,7 +110,13 @@ def test_so_is_a_meshed_engine_that_does() -> None:
     state, _ = initial_state(given, assembly)
     observer = Observer(assembly, state, scene_columns(given))
     forgetful: Any = observer._blocks[1]
-    forgetful._write_motion = lambda state, row: None
+    write, at = forgetful.write, positions("block", 2)
+
+    def forgets(state: Any, row: Any) -> None:
+        write(state, row)
+        row[[at.angle_rad, at.angular_velocity_rad_s, at.centre_x_m, at.centre_y_m]] = np.nan
+
+    forgetful.write = forgets
     names = r"b\.angle_rad, b\.angular_velocity_rad_s, b\.centre_x_m, b\.centre_y_m"
     with pytest.raises(ValueError, match=f"no value for the columns {names}$"):
         observer.row(state, Exchange(), 1e-3)

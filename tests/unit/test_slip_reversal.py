@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.stepping.impulses import slip_reversal
+from solver.law.velocity import slip_reversal
+from solver.stepping.closed_points import largest_reversal
 
 
 def test_friction_that_opposes_the_slip_at_the_end_is_no_reversal() -> None:
@@ -30,3 +31,11 @@ def test_in_space_it_is_the_part_along_friction_that_counts() -> None:
     friction = np.array([[3.0, 4.0]])
     assert slip_reversal(friction, np.array([[0.8, -0.6]])) == pytest.approx(0.0, abs=1e-15)
     assert slip_reversal(friction, np.array([[0.6, 0.8]])) == pytest.approx(1.0)
+
+
+def test_of_several_interfaces_the_largest_counts() -> None:
+    """Points 1 of the first, 3 and 4 of the third; the second has none that is closed."""
+    closed, first = np.array([1, 3, 4]), np.array([0, 2, 3, 6])
+    force, velocity = np.zeros((6, 2)), np.zeros((3, 2))
+    force[closed, 1], velocity[:, 1] = [2.0, 1.0, 1.0], [0.1, 0.4, 0.2]
+    assert largest_reversal(closed, first, force, velocity) == pytest.approx(0.3)
