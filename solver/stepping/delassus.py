@@ -98,19 +98,15 @@ class LastDelassus:
         Their responses tell when configurations are the same.
         """
         kept = self.operator
-        fits = (
-            kept is not None
-            and kept.key == key
-            and all(
-                response.close(now, before)
-                for response, now, before in zip(
-                    responses, configurations, kept.configurations, strict=True
-                )
-            )
-        )
-        if kept is None or not fits:
-            kept = self.operator = make()
-        return kept
+        if kept is not None and kept.key == key:
+            pairs = zip(configurations, kept.configurations, strict=True)
+            for response, (now, before) in zip(responses, pairs, strict=True):
+                if not response.close(now, before):
+                    break
+            else:
+                return kept
+        self.operator = make()
+        return self.operator
 
 
 @dataclass(frozen=True, slots=True)

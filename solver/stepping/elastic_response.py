@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.kernels.turned import (
@@ -13,16 +14,18 @@ from solver.contact.kernels.turned import (
     add_loads,
     add_motion,
     add_places,
+    add_readings,
     free_step,
     into_frame,
     largest_change,
     mark_ports,
     middle_of,
     point_vectors,
+    read_points,
 )
 from solver.contact.projection import ContactKinematics, Interpolation
 from solver.parallel import global_sum
-from solver.stepping.compliance import Compliance
+from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.stepping.response import BodyRole, CandidateSet
 from solver.types import Array, Indices
 
@@ -58,6 +61,28 @@ class ElasticCoupling(NamedTuple):
     load: Array | None
 
 
+class _ReadRows(NamedTuple):
+    """Sparse rows that read points from a motion, as `Layer.reached` gives its nodes.
+
+    Attributes:
+        start: Place of the first entry of each row, and their end, (m d + 1,).
+        column: Number of the unknown of each entry.
+        weight: By which it counts.
+    """
+
+    start: Indices
+    column: Indices
+    weight: Array
+
+    @classmethod
+    def of(cls, port: InterfaceDofs, d: int) -> _ReadRows:
+        """Those of a group of ports."""
+        rows = sp.csr_matrix(port.read_rows)
+        index = rows.indices.astype(np.int64)
+        column = port.layer.numbers(index // d) * d + index % d
+        return cls(rows.indptr.astype(np.int64), column, rows.data)
+
+
 def _unspread(count: int) -> Interpolation:
     """Points that are a body's own ports, each as a place with the whole weight of one."""
     return Interpolation(np.arange(count)[:, None], np.ones((count, 1)))
@@ -85,6 +110,7 @@ class ElasticResponse:
         """
         self.body, self.compliance, self.sides, self._inertia = body, compliance, sides, inertia
         self._simple = len(sides) == 1 and not sides[0].carries
+        self._rows = [_ReadRows.of(port, body.dimension) for port in compliance.ports]
         self._itself = [_unspread(side.points.count) for side in sides]
         self._ports = sum(side.points.count for side in sides)
         self._whole = np.ones(self._ports)  # of their forces, that points which are ports get
@@ -112,10 +138,8 @@ class ElasticResponse:
 
     def close(self, now: ElasticConfiguration, before: ElasticConfiguration) -> bool:
         """Whether neither rotation has changed to speak of."""
-        return (
-            largest_change(now.rotation, before.rotation) <= TURNED
-            and largest_change(now.middle, before.middle) <= TURNED
-        )
+        ends = now.rotation, before.rotation
+        return largest_change(*ends, now.middle, before.middle) <= TURNED
 
     def at_rest(self) -> Array:
         """A motion of zero, to be added to."""
@@ -139,16 +163,17 @@ class ElasticResponse:
         kinematics: Sequence[ContactKinematics],
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
-        d = self.body.dimension
-        for side, port in zip(self.sides, self.compliance.ports, strict=True):
-            layer = port.layer.gather(free)
-            frame = frames[side.interface]
-            points = (port.read_rows @ layer.ravel()).reshape(-1, d)
-            spots = side.spots(kinematics)
-            if spots is not None:
-                points = spots.carried(points)
+        for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
+            nodes, frame = port.layer.reached(free).reshape(-1), frames[side.interface]
             each = frame[None] if frame.ndim == 2 else frame
-            add_places(moved, side.first, side.sign, points, each, at.rotation)
+            spots = side.spots(kinematics)
+            if spots is None:
+                add_readings(moved, side.first, side.sign, *rows, nodes, each, at.rotation)
+            else:
+                points = np.empty((side.points.count, self.body.dimension))
+                read_points(*rows, nodes, points)
+                carried = spots.carried(points)
+                add_places(moved, side.first, side.sign, carried, each, at.rotation)
 
     def couple(
         self, at: ElasticConfiguration, near: CandidateSet, weight: float, W: Array

@@ -93,9 +93,10 @@ class Tangent:
 class Correction:
     """The preconditioner of SNES, which turns a residual into the negative of a correction."""
 
-    def __init__(self, failure: type[Exception]):
-        """Take what a problem raises where it has no correction."""
+    def __init__(self, failure: type[Exception], residual: PETSc.Vec):
+        """Take what a problem raises where it has no correction, and SNES's own residual."""
         self._failure = failure
+        self._handle, self._residual = residual.handle, residual.array_r
         self._problem: NonlinearProblem | None = None
         self.trouble: Exception | None = None
         self.refusal: RockslipError | None = None
@@ -108,8 +109,9 @@ class Correction:
     def apply(self, pc: PETSc.PC, residual: PETSc.Vec, negative: PETSc.Vec) -> None:
         """Called by PETSc; the residual is locked and may only be read."""
         assert self._problem is not None
+        values = self._residual if residual.handle == self._handle else residual.array_r
         try:
-            negative.array[:] = -self._problem.correction(residual.array_r)
+            np.negative(self._problem.correction(values), out=negative.array)
         except (self._failure, np.linalg.LinAlgError) as trouble:
             # No exception may pass through PETSc: not-a-number ends SNES.
             self.trouble = trouble
@@ -164,11 +166,13 @@ class NonlinearSolver:
         self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
+        # Views that are kept: asking PETSc for an array takes as long as to copy it.
+        self._unknowns, self._residual = self._x.array, self._r.array
         self._tangent, self._words = Tangent(), " ".join(options)
         sizes = (size, None), (size, None)
         self._shell = PETSc.Mat().createPython(sizes, self._tangent, comm=comm)
         self._shell.setUp()
-        self._correction = Correction(failure)
+        self._correction = Correction(failure, self._r)
         self.snes = self._set_up(comm, options)
         self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
         """The user's tolerances: of the residual relative and absolute, N, and of a correction; the
@@ -216,9 +220,14 @@ class NonlinearSolver:
         """Residual, called by SNES; not a number where the unknowns are past all geometry."""
         assert self._problem is not None
         try:
-            r.array[:] = self._problem.residual(x.array_r.copy())
+            residual = self._problem.residual(x.array_r.copy())
         except np.linalg.LinAlgError:  # no exception may pass through PETSc
-            r.array[:] = np.nan
+            residual = np.full(r.getLocalSize(), np.nan)
+        if r.handle == self._r.handle:
+            self._residual[:] = residual
+            r.stateIncrease()  # PETSc keeps norms of what has not changed
+        else:
+            r.array[:] = residual
 
     def _judge(self, snes: PETSc.SNES, iterations: int, norms: tuple[float, float, float]) -> int:
         """The verdict on an iterate, called by SNES with the norms of x, of dx and of r."""
@@ -241,7 +250,7 @@ class NonlinearSolver:
     @property
     def residual(self) -> Array:
         """The residual where SNES stopped (owned unknowns), N."""
-        return self._r.array_r.copy()
+        return self._residual.copy()
 
     def solve(
         self, problem: NonlinearProblem, unknowns: Array, tolerance: float
@@ -258,7 +267,8 @@ class NonlinearSolver:
         absolute = self._tolerance or tolerance
         self.snes.setTolerances(atol=absolute)
         self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
-        self._x.array[:] = unknowns
+        self._unknowns[:] = unknowns
+        self._x.stateIncrease()
         late = in_data_base(self._late) if self._late else NOTHING
         try:
             with late, np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
@@ -275,6 +285,6 @@ class NonlinearSolver:
         code = self.snes.getConvergedReason()
         trouble = self._correction.trouble
         reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")
-        return self._x.array_r.copy(), NewtonOutcome(
+        return self._unknowns.copy(), NewtonOutcome(
             code > 0, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), reason
         )

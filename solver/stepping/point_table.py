@@ -47,6 +47,7 @@ class PointTable:
 
     Attributes:
         links: The interfaces.
+        carriers: What carries the points of each.
         own: Numbers of the points of each interface.
         count: Number of all points.
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
@@ -61,6 +62,7 @@ class PointTable:
     def __init__(self, system: System, links: Sequence[Link]):
         """Number the points."""
         self._system, self.links, self.own = system, tuple(links), numbered(links)
+        self.carriers = tuple(link.interface.carrier for link in links)
         self.softness: Array = np.concatenate([link.interface.softness for link in links])
         self.count = len(self.softness)
         self.size: Array = np.concatenate(
@@ -70,7 +72,7 @@ class PointTable:
         laws = [link.interface.law for link in links]
         self.steady = all(law.constant for law in laws)
         self.decays = any(law.decays for law in laws)
-        self._turns = any(link.interface.carrier.turns for link in links)
+        self._turns = any(carrier.turns for carrier in self.carriers)
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
         self.reach = REACH * self.size
@@ -79,7 +81,7 @@ class PointTable:
     @property
     def frames(self) -> list[Array]:
         """Frames of the carriers in the present step, of each interface."""
-        return [link.interface.carrier.frame for link in self.links]
+        return [carrier.frame for carrier in self.carriers]
 
     def frames_at(self, chosen: Indices) -> Array:
         """Frames at some of the points, whose numbers rise, (m, d, d); to be read only."""

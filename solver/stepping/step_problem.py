@@ -95,19 +95,17 @@ class StepProblem:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
         self._beyond_before = [
-            link.interface.carrier.beyond_edge(memory.kinematics)
-            for link, memory in zip(model.points.links, memories, strict=True)
+            carrier.beyond_edge(memory.kinematics)
+            for carrier, memory in zip(model.points.carriers, memories, strict=True)
         ]
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch(model.points.count)
         self._looked: dict[int, Observed] = {}  # sleeping interfaces at the end of the step
         self._asleep = [not balance.static and self._far(k) for k in range(len(memories))]
-        turns = [link.interface.carrier.turns for link in model.points.links]
-        self._number = (
-            number
-            if any(on and not far for on, far in zip(turns, self._asleep, strict=True))
-            else 0
-        )
+        self._number = 0
+        for carrier, asleep in zip(model.points.carriers, self._asleep, strict=True):
+            if carrier.turns and not asleep:
+                self._number = number
         self._iterate = Iterate(guess, ())
         self._kinematics: list[ContactKinematics] = []  # of all interfaces at the iterate
         self._configurations: Sequence[Any] = ()

@@ -102,6 +102,45 @@ def add_places(
 
 
 @compiled
+def read_points(start: Indices, column: Indices, weight: Array, motion: Array, read: Array) -> None:
+    """Fill in what sparse rows read from a motion: of points, (m, d), row after row.
+
+    Args:
+        start: Place of the first entry of each row, and their end, (m d + 1,).
+        column: Number of the unknown of each entry.
+        weight: By which it counts.
+        motion: The unknowns, (n d,).
+        read: (m, d).
+    """
+    m, d = read.shape
+    for p in range(m):
+        for i in range(d):
+            total = 0.0
+            for a in range(start[p * d + i], start[p * d + i + 1]):
+                total += weight[a] * motion[column[a]]
+            read[p, i] = total
+
+
+@compiled
+def add_readings(
+    moved: Array,
+    first: int,
+    sign: float,
+    start: Indices,
+    column: Indices,
+    weight: Array,
+    motion: Array,
+    frame: Array,
+    rotation: Array,
+) -> None:
+    """Add to places of points what rows as of `read_points` read; otherwise as `add_places`."""
+    d = len(rotation)
+    read = np.empty((len(start) // d, d))
+    read_points(start, column, weight, motion, read)
+    add_places(moved, first, sign, read, frame, rotation)
+
+
+@compiled
 def mark_ports(
     near: Indices, first: int, count: int, port: int, nodes: Indices, used: Mask
 ) -> None:
@@ -217,10 +256,11 @@ def middle_of(start: Array, rotation: Array, inertia: float, middle: Array, shif
 
 
 @compiled
-def largest_change(now: Array, before: Array) -> float:
-    """Largest change of the entries of a matrix."""
+def largest_change(end: Array, end_before: Array, middle: Array, middle_before: Array) -> float:
+    """Largest change of the entries of two matrices, at the end and in the middle of a step."""
     largest = 0.0
-    for i in range(now.shape[0]):
-        for j in range(now.shape[1]):
-            largest = max(largest, abs(now[i, j] - before[i, j]))
+    for i in range(end.shape[0]):
+        for j in range(end.shape[1]):
+            largest = max(largest, abs(end[i, j] - end_before[i, j]))
+            largest = max(largest, abs(middle[i, j] - middle_before[i, j]))
     return largest
