@@ -1,4 +1,7 @@
-"""The one place that knows how versions of dolfinx differ (0.9 to 0.11); forms, PETSc and signals."""
+"""The one place that knows how versions of dolfinx differ (0.9 to 0.11), and how forms compile.
+
+Also what PETSc does to signals when it is imported, which is taken back here.
+"""
 
 from __future__ import annotations
 
