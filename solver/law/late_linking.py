@@ -141,9 +141,7 @@ def _counting(codegen: Any) -> Any:
     Those lock the memory against other threads, a quarter of the time of blocks in space. Here
     nobody else counts meanwhile: compiled functions never let go of Python's global lock.
     """
-    from llvmlite import ir
-
-    nrt = import_module(_COUNTING_HOME)
+    ir, nrt = import_module("llvmlite.ir"), import_module(_COUNTING_HOME)
     module, word = codegen._create_empty_module("counting"), nrt._word_type
     for define, change in ((nrt._define_nrt_incref, 1), (nrt._define_nrt_decref, -1)):
         kind = ir.FunctionType(word, [word.as_pointer()])
