@@ -75,8 +75,11 @@ class HdfFile:
 
     def open(self, until: float | None = None) -> None:
         """Begin the file, or go on in an old one, of which the times up to one, s, stay."""
-        import h5py
-
+        try:
+            import h5py
+        except (ImportError, RuntimeError, ValueError) as error:  # a wheel beside another HDF5
+            said = "h5py does not work here: is it of the same distribution as dolfinx?"
+            raise OSError(errno.ELIBBAD, said, str(self.path)) from error
         goes_on = until is not None and self.path.is_file()
         with _system_errors(self.path, "is damaged; without it the run goes on" if goes_on else ""):
             # Without a lock: who looks at a run that goes on need not wait for its end.

@@ -89,6 +89,7 @@ colours = GetColorTransferFunction("von_mises")
 colours.AutomaticRescaleRangeMode = "Grow and update every timestep"
 bar = GetScalarBar(colours, view)
 bar.Title, bar.ComponentTitle = "von Mises stress (Pa)", ""
+bar.WindowLocation = "Upper Right Corner"  # clear of the floor
 bar.TitleColor = bar.LabelColor = DARK
 bar.TitleFontSize = bar.LabelFontSize = 16
 shown.SetScalarBarVisibility(view, True)"""

@@ -80,7 +80,7 @@ def make(folder: Path, name: str, fields: str, ranks: int) -> Path:
 
 def main() -> None:
     """Make all of them."""
-    folder = Path(sys.argv[1])
+    folder = Path(sys.argv[1]).resolve()
     for name in SCENES:
         for fields in FORMATS:
             for ranks in RANKS:
