@@ -51,38 +51,39 @@ class StructureObserver:
         """The columns of the structure, of its storeys and of its columns, in this order."""
         forces = exchange.ground or self._stepper.ground_forces(state)
         own, storey, column = self._at
-        self._write_base(forces, state, row)
+        base, *feet = self._resultants(forces, state)
+        self._write_base(forces, base, row)
         floors = row[len(own) :]
         self._write_storeys(state, floors)
-        feet = floors[len(storey) * len(self._counts) :]
-        for number, foot in enumerate(self._storeys.feet):
-            part = feet[len(column) * number :]
-            pushed, moment = self._sums(forces, state, foot.nodes, foot.centre)
+        columns, d = floors[len(storey) * len(self._counts) :], self._body.dimension
+        for number, foot in enumerate(feet):
+            part, pushed, moment = columns[len(column) * number :], foot[:d], foot[d:]
             part[column.axial_force_N] = pushed[-1]
             for k, way in enumerate(WAYS[: len(moment)]):
                 part[getattr(column, f"shear{way}_N")] = -pushed[k]
                 part[getattr(column, f"moment{way}_Nm")] = moment[k]
 
-    def _write_base(self, forces: GroundForces, state: State, row: Array) -> None:
+    def _write_base(self, forces: GroundForces, base: Array, row: Array) -> None:
         """Base shear and overturning moment."""
         d, at = self._body.dimension, self._at[0]
         write_base_shear(forces, self._body.comm, row)
-        everywhere = np.arange(len(self._body.nodes))
-        _, moment = self._sums(forces, state, everywhere, np.zeros(d - 1))
         for k, way in enumerate(WAYS[: d - 1]):
-            row[getattr(at, f"overturning_moment{way}_Nm")] = moment[k]
+            row[getattr(at, f"overturning_moment{way}_Nm")] = base[d + k]
 
-    def _sums(
-        self, forces: GroundForces, state: State, nodes: Indices, centre: Array
-    ) -> tuple[Array, Array]:
-        """Forces of the ground on some nodes, (d,), and moments about a centre, (d - 1,)."""
-        d = self._body.dimension
-        force = forces.nodal[self._own].reshape(-1, d)[nodes]
-        moved = state.u[self._own].reshape(-1, d)[nodes]
-        arm = (self._body.nodes[nodes] + moved)[:, :-1] - centre
-        own = np.concatenate([force.sum(axis=0), arm.T @ force[:, -1]])
-        sums = global_sum(self._body.comm, own)
-        return sums[:d], sums[d:]
+    def _resultants(self, forces: GroundForces, state: State) -> Array:
+        """Forces of the ground on all nodes, and on those of each foot, with their moments.
+
+        The moments are about the middle of the base and of the feet, (1 + feet, 2 d - 1).
+        """
+        d, feet = self._body.dimension, self._storeys.feet
+        force = forces.nodal[self._own].reshape(-1, d)
+        place = (self._body.nodes + state.u[self._own].reshape(-1, d))[:, :-1]
+        own = np.empty((1 + len(feet), 2 * d - 1))
+        own[0, :d], own[0, d:] = force.sum(axis=0), place.T @ force[:, -1]
+        for sums, foot in zip(own[1:], feet, strict=True):
+            pushed, arm = force[foot.nodes], place[foot.nodes] - foot.centre
+            sums[:d], sums[d:] = pushed.sum(axis=0), arm.T @ pushed[:, -1]
+        return global_sum(self._body.comm, own)
 
     def _write_storeys(self, state: State, row: Array) -> None:
         """Drifts and velocities of the storeys."""
