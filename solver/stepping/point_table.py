@@ -124,23 +124,27 @@ class EdgeWatch:
     A point that goes to and fro over an edge, pushed off and falling back, stays beyond it.
     """
 
-    def __init__(self, count: int):
+    def __init__(self) -> None:
         """Begin with all points within."""
-        self._count = count
-        self._crossings: Indices | None = None
+        self._first: Mask | None = None
         self._last: Mask | None = None
+        self._crossings: Indices | None = None
 
     def settled(self, beyond: Mask | None) -> Mask | None:
         """The points to be taken as beyond an edge in this correction; None for no point.
 
         `beyond` are those that are at the present iterate.
         """
-        if beyond is None and self._last is None:
-            return None
-        none = np.zeros(self._count, dtype=bool)
-        was, now = (none if mask is None else mask for mask in (self._last, beyond))
+        if self._first is None:
+            self._first = self._last = beyond
+            return beyond
+        if self._last is not None and beyond is not None:
+            if self._last.tobytes() == beyond.tobytes():
+                return self._last
         if self._crossings is None:
-            self._crossings = np.zeros(self._count, dtype=np.int64)
+            self._crossings = self._first.astype(np.int64)
+        none = np.zeros_like(self._first)
+        was, now = (none if mask is None else mask for mask in (self._last, beyond))
         self._crossings += was != now
         restless = self._crossings > MOST_CROSSED
         self._last = now | restless if restless.any() else beyond

@@ -94,14 +94,13 @@ class StepProblem:
         if model.softening is not None and not balance.static:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
-        self._beyond_before = [
-            carrier.beyond_edge(memory.kinematics)
-            for carrier, memory in zip(model.points.carriers, memories, strict=True)
-        ]
+        pairs = zip(model.points.carriers, memories, strict=True)
+        self._beyond_before = [each.beyond_edge(memory.kinematics) for each, memory in pairs]
         self._beds = model.points.beds(memories, balance.step)
-        self._edges = EdgeWatch(model.points.count)
+        self._edges = EdgeWatch()
         self._looked: dict[int, Observed] = {}  # sleeping interfaces at the end of the step
         self._asleep = [not balance.static and self._far(k) for k in range(len(memories))]
+        self._left_out = self._of_sleeping()
         self._number = 0
         for carrier, asleep in zip(model.points.carriers, self._asleep, strict=True):
             if carrier.turns and not asleep:
@@ -211,20 +210,24 @@ class StepProblem:
         as beyond an edge.
         """
         points, parts = self._points, []
-        beyond: Mask | None = None
+        beyond = self._left_out
         for number, (surface, kinematics) in enumerate(self._iterate.seen):
             parts.append(points.links[number].interface.augmented(surface, kinematics))
-            off = self._beyond_edge(number, kinematics)
-            if self._asleep[number]:
-                off = np.ones(len(kinematics.place), dtype=np.bool_)
+            off = None if self._asleep[number] else self._beyond_edge(number, kinematics)
             if off is not None and off.any():
-                if beyond is None:
-                    beyond = np.zeros(points.count, dtype=bool)
+                if beyond is self._left_out:
+                    beyond = np.zeros(points.count, dtype=bool) if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
         y = joined(parts)
         if self._beds is not None:
             y[:, 0] += self._beds.offset
         return y, self._edges.settled(beyond)
+
+    def _of_sleeping(self) -> Mask | None:
+        """The points of interfaces that sleep; None where there are none."""
+        if not any(self._asleep):
+            return None
+        return np.repeat(self._asleep, [len(memory.force) for memory in self._balance.contact])
 
     def _beyond_edge(self, number: int, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of their carrier, where it has one.
@@ -316,7 +319,8 @@ class StepProblem:
         beyond = self._beyond_edge(number, kinematics)
         may_touch = self._balance.contact[number].may_touch
         may = may_touch if beyond is None else may_touch & ~beyond
-        return float(np.min(kinematics.place[may, 0], initial=np.inf))
+        gaps = kinematics.place[may, 0]
+        return float(gaps.min()) if len(gaps) else np.inf
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, or points break loose in it."""
@@ -330,6 +334,8 @@ class StepProblem:
                 self._looked[number] = seen = self._points.observe(number, u)
                 if self._clearance(number, seen[1]) < 0:
                     self._asleep[number], woken = False, True
+        if woken:
+            self._left_out = self._of_sleeping()
         return woken
 
     def contacts(self) -> list[Contact]:
