@@ -50,17 +50,13 @@ def compiler_options() -> dict[str, Any]:
     return {name: [*VECTORIZED, *chosen]}
 
 
-def _signals_as_they_were() -> None:
-    """Take back the signals that PETSc took over when it was imported.
-
-    A pipe that nobody reads any more would be an error of PETSc's, with a page of text.
-    """
+def _ignore_closed_pipes() -> None:
+    """Ignore SIGPIPE, as Python does: PETSc took it over when it was imported, and would abort."""
     if threading.current_thread() is threading.main_thread():
-        PETSc.Sys.popSignalHandler()
-        signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python itself has it
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
-_signals_as_they_were()
+_ignore_closed_pipes()
 
 
 class CellValues:

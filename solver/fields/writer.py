@@ -29,17 +29,19 @@ def cauchy_stress(displacement: fem.Function, material: Material) -> Any:
 
     In plane strain it has the out-of-plane part lambda tr(E) / det F; in plane stress none.
     """
-    gradient = ufl.grad(displacement)
-    dimension = displacement.function_space.mesh.geometry.dim
+    mesh, gradient = displacement.function_space.mesh, ufl.grad(displacement)
+    # Constants: what is compiled serves all materials.
+    lame, shear = (fem.Constant(mesh, value) for value in (material.lame, material.shear))
+    dimension = mesh.geometry.dim
     identity = ufl.Identity(dimension)
     strain = green_strain(gradient)
-    second = material.lame * ufl.tr(strain) * identity + 2 * material.shear * strain
+    second = lame * ufl.tr(strain) * identity + 2 * shear * strain
     deformation = identity + gradient
     volume = ufl.det(deformation)
     cauchy = deformation * second * deformation.T / volume
     if dimension == 3:
         return cauchy
-    across = material.lame * ufl.tr(strain) / volume if material.plane == "strain" else 0
+    across = lame * ufl.tr(strain) / volume if material.plane == "strain" else 0
     rows = [[cauchy[0, 0], cauchy[0, 1], 0], [cauchy[1, 0], cauchy[1, 1], 0], [0, 0, across]]
     return ufl.as_tensor(rows)
 

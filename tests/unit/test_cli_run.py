@@ -218,7 +218,8 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
     process = subprocess.Popen(
         [*launcher, *COMMAND, *words],
         cwd=folder,
-        env=outside_mpirun(),
+        # mpirun kills after a second, which is short where others share the machine.
+        env=outside_mpirun() | {"PRTE_MCA_odls_base_sigkill_timeout": "30"},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
