@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 FEWER = {"yard": ("SHAKEN", (0, 3, 6, 14)), "laboratory": ("PAIRS", (0, 2))}
 """Which runs are left of each demo: of the yard one container, four, four free, four that slide."""
 
-SHORT = {"yard": ["time.end=3.8", "time.step=5e-3"], "laboratory": ["time.end=3.2", "time.step=1e-2"]}
+SHORT = {"yard": ["time.end=4.1", "time.step=5e-3"], "laboratory": ["time.end=4.1", "time.step=1e-2"]}
 MODULES = {"yard": "container_yard", "laboratory": "laboratory_model"}
 CHECKS = {"yard": 7, "laboratory": 18}
 
