@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.dense_body import DenseBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
@@ -192,7 +192,7 @@ class MeshedRun:
         """What the run took."""
         stepper = self._stepper
         system = stepper.system
-        bodies = [body for body in system.bodies if isinstance(body, ElasticBody)]
+        bodies = [body for body in system.bodies if not isinstance(body, DenseBody)]
         return {
             "steps": self._steps,
             "rejected_steps": self._rejected,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced.body import ReducedBody
 from solver.build.assembly import Assembly
 from solver.history.columns import Structure, positions
 from solver.parallel import global_sum
@@ -24,11 +24,9 @@ class StructureObserver:
     def __init__(self, assembly: Assembly):
         """Start at rest."""
         self._stepper, support = assembly.stepper, assembly.support
-        assert support.number is not None and isinstance(support.body, ElasticBody)
+        assert support.number is not None and isinstance(support.body, ElasticBody | ReducedBody)
         self._body, self._storeys = support.body, support.storeys
         self._own = self._stepper.system.slices[support.number]
-        counts = np.array([len(floor) for floor in self._storeys.floors], dtype=float)
-        self._counts = global_sum(self._body.comm, counts) if len(counts) else counts
         d = self._body.dimension
         self._at = tuple(positions(part, d) for part in ("foundation", "storey", "column"))
 
@@ -44,7 +42,7 @@ class StructureObserver:
         self._write_base(forces, state, row)
         floors = row[len(own) :]
         self._write_storeys(state, floors)
-        feet = floors[len(storey) * len(self._counts) :]
+        feet = floors[len(storey) * len(self._storeys.floors) :]
         for number, foot in enumerate(self._storeys.feet):
             part = feet[len(column) * number :]
             pushed, moment = self._sums(forces, state, foot.nodes, foot.centre)
@@ -77,10 +75,10 @@ class StructureObserver:
 
     def _write_storeys(self, state: State, row: Array) -> None:
         """Drifts and velocities of the storeys."""
-        if not len(self._counts):
-            return
         at, floors = self._at[1], self._storeys.floors
-        place, velocity = (self._means(vector[self._own], floors) for vector in (state.u, state.v))
+        if not floors:
+            return
+        place, velocity = (self._means(vector[self._own]) for vector in (state.u, state.v))
         drift = np.diff(place, axis=0, prepend=np.zeros((1, place.shape[1])))
         for number in range(len(floors)):
             part = row[len(at) * number :]
@@ -88,8 +86,7 @@ class StructureObserver:
                 part[getattr(at, f"drift{way}_m")] = drift[number, k]
                 part[getattr(at, f"velocity{way}_m_s")] = velocity[number, k]
 
-    def _means(self, vector: Array, floors: Sequence[Indices]) -> Any:
+    def _means(self, vector: Array) -> Any:
         """Horizontal means over the floors, (floors, d - 1)."""
-        horizontal = vector.reshape(-1, self._body.dimension)[:, :-1]
-        own = np.array([horizontal[floor].sum(axis=0) for floor in floors])
-        return global_sum(self._body.comm, own) / self._counts[:, None]
+        own = np.array([floor @ vector for floor in self._storeys.floors])
+        return global_sum(self._body.comm, own)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.kernels.turned import (
     add_compliance,
     add_loads,
@@ -73,7 +74,7 @@ class ElasticResponse:
 
     def __init__(
         self,
-        body: ElasticBody,
+        body: ElasticBody | ReducedBody,
         compliance: Compliance,
         sides: Sequence[BodyRole],
         inertia: float = np.inf,

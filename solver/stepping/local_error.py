@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.dense_body import DenseBody
 from solver.scheme.step_control import Tolerance
 from solver.stepping.state import State
 from solver.stepping.system import System
@@ -109,7 +109,7 @@ class LocalError:
         squares = [
             float(motion[own] @ body.inertia(motion[own])) / body.mass
             for body, own in zip(self._system.bodies, self._system.slices, strict=True)
-            if isinstance(body, ElasticBody)
+            if not isinstance(body, DenseBody)
         ]
         if self._system.comm.size > 1:
             squares = list(self._system.comm.allreduce(np.array(squares), op=MPI.SUM))

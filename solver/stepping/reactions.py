@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.dense_body import DenseBody
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
 from solver.stepping.step import Step
@@ -42,7 +42,7 @@ def ground_forces(
     total = np.zeros(system.dimension)
     springs: list[tuple[slice, Array]] = []
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if not isinstance(body, ElasticBody) or not body.clamped:
+        if isinstance(body, DenseBody) or not body.clamped:
             continue
         spring, before = body.spring(ends.u[own]), body.spring(state.u[own])
         if spring is not None and before is not None:
@@ -56,10 +56,10 @@ def ground_forces(
     moving = gamma * p + (1 - gamma) * step.p
     moving[system.fixed] = 2 * scheme.beta * held.inertia
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and body.clamped:
+        if not isinstance(body, DenseBody) and body.clamped:
             drag = body.drag(ends.mean[own])
             taken = moving[own] if drag is None else moving[own] - drag
-            total += taken.reshape(-1, system.dimension).sum(axis=0)
+            total += body.resultant(taken)
     return new, GroundForces(nodal, total)
 
 
@@ -67,11 +67,11 @@ def with_impulses(system: System, forces: GroundForces, change: Array, dt: float
     """The forces with what holds supports while velocities change by impulses (m/s) in a step."""
     nodal, total = forces.nodal.copy(), forces.total.copy()
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and body.clamped:  # on all ranks alike: collective
+        if not isinstance(body, DenseBody) and body.clamped:  # on all ranks alike: collective
             impulse = np.zeros(body.size)
             impulse[body.fixed] = body.inertia(change[own])[body.fixed]
             nodal[own] += impulse / dt
-            total += impulse.reshape(-1, system.dimension).sum(axis=0) / dt
+            total += body.resultant(impulse) / dt
     return GroundForces(nodal, total)
 
 
@@ -81,6 +81,6 @@ def standing_forces(system: System, state: State, gravity: Array) -> GroundForce
     weight = gravity @ system.directional_mass
     nodal[system.fixed] = -state.held[system.fixed] - weight[system.fixed]
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and body.clamped:
-            total += nodal[own].reshape(-1, system.dimension).sum(axis=0)
+        if not isinstance(body, DenseBody) and body.clamped:
+            total += body.resultant(nodal[own])
     return GroundForces(nodal, total)

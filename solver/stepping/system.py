@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
@@ -22,8 +23,9 @@ from solver.stepping.elastic_response import ElasticResponse
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse
 from solver.types import Array
 
-Body = ElasticBody | DenseBody
-"""A part of the scene that moves: meshed, or of a few unknowns. Both offer the same methods."""
+Body = ElasticBody | ReducedBody | DenseBody
+"""A part of the scene that moves: meshed, reduced, or of a few unknowns. All offer the same
+methods."""
 
 
 @dataclass(frozen=True, slots=True)
