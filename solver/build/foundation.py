@@ -131,6 +131,13 @@ def _plate_body(
 _built.register(build_frame)
 
 
+def reduction_in_words(scene: Scene, ground: GroundMotion) -> tuple[str, ...]:
+    """What is left of the mesh of a reduced foundation; computed on every rank for itself."""
+    found = foundation(scene, 0, MPI.COMM_SELF, ground).reduction
+    assert found is not None
+    return found.in_words()
+
+
 def natural_period(scene: Scene) -> float:
     """Longest natural period of the meshed foundation of a scene, without its blocks, s.
 

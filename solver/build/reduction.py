@@ -11,12 +11,14 @@ from mpi4py import MPI
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.memory import require
 from solver.bodies.modes import STATIC
 from solver.bodies.reduced.body import ReducedBody, ReducedFacts, ReducedParts
-from solver.bodies.reduced.craig_bampton import Bound, FixedInterface
+from solver.bodies.reduced.craig_bampton import FixedInterface
 from solver.bodies.reduced.layer import ReducedLayer
 from solver.bodies.reduced.linearised import linearised
 from solver.bodies.reduced.matrices import Shapes, reduced_matrices
+from solver.bodies.reduced.reduction import Reduction
 from solver.build.support import Foot, FoundationBody, Storeys
 from solver.contact.carrier_surface import Facets
 from solver.excitation.bandwidth import highest_frequency
@@ -29,6 +31,11 @@ from solver.types import Array, Indices
 FACE = ("nodes", "positions", "degree", "cell")
 """What all ranks know of the face that carries blocks."""
 
+COLUMNS = 3
+"""Vectors of the mesh for each unknown that is kept, while a foundation is reduced."""
+
+REMEDY = "use larger cells, or leave foundation.modes out"
+
 
 class Footprint(NamedTuple):
     """Where a block stands on a foundation, and what it carries there."""
@@ -39,38 +46,6 @@ class Footprint(NamedTuple):
     """Largest ones, m."""
     mass: float
     """Of the block and of all that stand on it, kg."""
-
-
-class Reduction(NamedTuple):
-    """What became of the mesh, in numbers that every rank knows."""
-
-    facts: ReducedFacts
-    modes: int
-    """Number of modes."""
-    shapes: int
-    """Number of static shapes besides."""
-    fastest: float
-    """Frequency of the fastest mode, rad/s."""
-    bound: Bound
-    """What the modes left out may take."""
-    touched: int
-    """Number of nodes kept on the deck."""
-    supported: int
-    """Number of nodes kept at supports besides."""
-
-    def in_words(self) -> str:
-        """What `rockslip check` and a run say of it."""
-        facts, bound = self.facts, self.bound
-        hertz = 2 * math.pi
-        modes = f"{self.modes} modes up to {self.fastest / hertz:.4g} Hz"
-        nodes = f"{self.touched} nodes of the deck, {self.supported} at supports"
-        left = f"{100 * bound.part:.2g} %" if bound.part < math.inf else "more than is known"
-        return (
-            f"{facts.unknowns} unknowns instead of {facts.full_unknowns}: {modes},"
-            f" {self.shapes} static shapes, {nodes};"
-            f" modes left out take at most {left} of mass times acceleration"
-            f" up to {bound.frequency / hertz:.3g} Hz"
-        )
 
 
 class Reduced(NamedTuple):
@@ -118,38 +93,27 @@ def reduced_foundation(
         body, layer = ReducedBody(comm, facts, None), ReducedLayer(comm, none, _none(0), size)
         storeys = Storeys([Foot(none, centre) for centre in centres], [_none(d - 1)] * floors)
     surface = Facets(**face, layer=layer)
-    return FoundationBody(
-        d, number, body, surface=surface, storeys=storeys, reduction=reduction.in_words()
-    )
+    return FoundationBody(d, number, body, surface=surface, storeys=storeys, reduction=reduction)
 
 
 def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduced:
     """Reduce a foundation that is meshed on one rank."""
     body, surface = full.body, full.surface
     assert isinstance(body, ElasticBody) and surface is not None
-    d, prints = body.dimension, _footprints(scene)
-    load, bounce = _load(scene, body, surface, prints)
-    about = linearised(body, load)
-    frequency = max(highest_frequency(ground, scene.time.end), bounce(body))
+    d, prints, top = body.dimension, _footprints(scene), surface.layer.nodes
+    loaded = [top[_below(surface, each)] for each in prints]
+    about = linearised(body, _weight(body, np.array(scene.gravity_vector), prints, loaded))
+    bounces = (_bounce(body, each.mass, own) for each, own in zip(prints, loaded, strict=True))
+    frequency = max(highest_frequency(ground, scene.time.end), *bounces)
     touched = _touched(surface, prints)
-    top = surface.layer.nodes
     supports = np.unique(np.concatenate([body.fixed, about.spring.indices]) // d)
     kept = np.concatenate([top[touched], np.setdiff1d(supports, top[touched])])
-    interface = FixedInterface(about, _unknowns(kept, d), _unknowns(top[touched], d))
+    columns = COLUMNS * len(kept) * d
+    require(8.0 * columns * body.size, f"{body.name}: reducing it", REMEDY, body.comm)
+    interface = FixedInterface(about, _unknowns(kept, d), _unknowns(top[touched], d), d)
     asked = scene.foundation.reduced_modes
-    basis = interface.basis(None if asked == "auto" else asked, frequency, d)
+    basis = interface.basis(None if asked == "auto" else asked, frequency)
     shapes = Shapes(interface, basis, body.mass, d)
-    facts = ReducedFacts(
-        name=body.name,
-        mass=body.mass,
-        rigidity=body.rigidity,
-        damping=body.damping,
-        delay=body.delay,
-        dimension=d,
-        unknowns=shapes.unknowns,
-        springs=body.has_spring,
-        full_unknowns=body.unknowns,
-    )
     held = np.flatnonzero(np.isin(interface.kept, body.fixed))
     nothing = np.arange(shapes.used, shapes.unknowns)
     parts = ReducedParts(
@@ -159,22 +123,28 @@ def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduce
         shapes=shapes,
         mesh=body,
     )
-    reduction = Reduction(
-        facts,
-        modes=basis.modes,
-        shapes=len(basis.squared) - basis.modes,
-        fastest=math.sqrt(float(basis.squared[basis.modes - 1])) if basis.modes else 0.0,
-        bound=basis.bound,
-        touched=len(touched),
-        supported=len(kept) - len(touched),
-    )
-    others = np.delete(top, touched)
+    nodes = len(touched), len(kept) - len(touched)
     return Reduced(
-        reduction,
+        Reduction.of(_facts(body, shapes.unknowns), basis, nodes),
         parts,
-        _storeys(full.storeys, kept, shapes, d),
+        _storeys(full.storeys, kept, shapes),
         places=touched,
-        rows=shapes.rows(_unknowns(others, d)),
+        rows=shapes.rows(_unknowns(np.delete(top, touched), d)),
+    )
+
+
+def _facts(body: ElasticBody, unknowns: int) -> ReducedFacts:
+    """What all ranks are told of a body that is reduced to so many unknowns."""
+    return ReducedFacts(
+        name=body.name,
+        mass=body.mass,
+        rigidity=body.rigidity,
+        damping=body.damping,
+        delay=body.delay,
+        dimension=body.dimension,
+        unknowns=unknowns,
+        springs=body.has_spring,
+        full_unknowns=body.unknowns,
     )
 
 
@@ -188,7 +158,7 @@ def _unknowns(nodes: Indices, dimension: int) -> Indices:
     return (nodes[:, None] * dimension + np.arange(dimension)).ravel().astype(np.int64)
 
 
-def _storeys(full: Storeys, kept: Indices, shapes: Shapes, dimension: int) -> Storeys:
+def _storeys(full: Storeys, kept: Indices, shapes: Shapes) -> Storeys:
     """Feet by the numbers of kept nodes, floors by rows of the reduced unknowns."""
     number = {int(node): place for place, node in enumerate(kept)}
     feet = [
@@ -219,37 +189,35 @@ def _stack(scene: Scene, block: BlockSpec) -> float:
     return block.shape.mass + sum(_stack(scene, other) for other in above)
 
 
-def _load(
-    scene: Scene, body: ElasticBody, surface: Facets, prints: list[Footprint]
-) -> tuple[Array, Callable[[ElasticBody], float]]:
-    """Weight of a foundation and of what it carries, N, and how to find how fast that bounces.
+def _below(surface: Facets, footprint: Footprint) -> Indices:
+    """Nodes of the face below a block, as places: the nearest one where there is none."""
+    level = surface.positions[:, :-1]
+    near = 1e-9 * np.ptp(level)
+    within = (level >= footprint.low - near) & (level <= footprint.high + near)
+    below = np.flatnonzero(np.all(within, axis=1))
+    if len(below):
+        return below
+    middle = (footprint.low + footprint.high) / 2
+    return np.array([np.linalg.norm(level - middle, axis=1).argmin()])
 
-    The fastest of the frequencies at which a block's mass would bounce on the stiffness of the
-    foundation below its weight, rad/s.
-    """
-    d, gravity = body.dimension, np.array(scene.gravity_vector)
-    load, uprights = gravity @ body.directional_mass, []
-    for each in prints:
-        level = surface.positions[:, :-1]
-        near = 1e-9 * np.ptp(level)
-        below = np.all((level >= each.low - near) & (level <= each.high + near), axis=1)
-        if not below.any():
-            away = np.linalg.norm(level - (each.low + each.high) / 2, axis=1)
-            below = away == away.min()
-        nodes = surface.layer.nodes[below]
+
+def _weight(
+    body: ElasticBody, gravity: Array, prints: list[Footprint], loaded: list[Indices]
+) -> Array:
+    """Weight of a foundation and of what stands on it, spread over the nodes below, N."""
+    d, load = body.dimension, gravity @ body.directional_mass
+    for each, nodes in zip(prints, loaded, strict=True):
         for k in range(d):
             load[nodes * d + k] += each.mass * gravity[k] / len(nodes)
-        upright = np.zeros(body.size)
-        upright[nodes * d + d - 1] = 1 / len(nodes)
-        upright[body.fixed] = 0.0
-        uprights.append((each.mass, upright))
+    return np.asarray(load)
 
-    def bounce(held: ElasticBody) -> float:
-        """By the tangent of the body as it is."""
-        solve = held.factorization(STATIC).solve
-        return max(1 / math.sqrt(mass * float(push @ solve(push))) for mass, push in uprights)
 
-    return load, bounce
+def _bounce(body: ElasticBody, mass: float, nodes: Indices) -> float:
+    """Frequency at which a mass (kg) would bounce on the stiffness below its weight, rad/s."""
+    d, push = body.dimension, np.zeros(body.size)
+    push[nodes * d + d - 1] = 1 / len(nodes)
+    push[body.fixed] = 0.0
+    return 1 / math.sqrt(mass * float(push @ body.factorization(STATIC).solve(push)))
 
 
 def _touched(surface: Facets, prints: list[Footprint]) -> Indices:

@@ -17,6 +17,7 @@ from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
 from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced.reduction import Reduction
 from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face
@@ -62,7 +63,7 @@ class FoundationBody:
         surface: Facets of the top of a meshed one.
         held: Linear displacements on the mesh of a plate that is held altogether, all of them zero.
         storeys: Parts of a meshed one that moves as a whole.
-        reduction: What a reduced one keeps of its mesh, in words; empty for others.
+        reduction: What a reduced one keeps of its mesh; None for others.
     """
 
     dimension: int
@@ -73,7 +74,7 @@ class FoundationBody:
     surface: Facets | None = None
     held: fem.FunctionSpace | None = None
     storeys: Storeys = NO_STOREYS
-    reduction: str = ""
+    reduction: Reduction | None = None
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""

@@ -70,6 +70,11 @@ class MeshedRun:
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
         )
+        reduction = self.assembly.support.reduction
+        if reduction is not None:
+            unknowns, modes, nodes, left = reduction.in_words()
+            log(f"foundation reduced to {unknowns}: modes {modes}, nodes {nodes}")
+            log(f"modes left out {left}")
 
     def first_row(self) -> list[float]:
         """The row of the history at t = 0."""

@@ -23,27 +23,30 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.types import Array
 
 
-class DenseInverse:
-    """The inverse of a symmetric positive definite matrix, some unknowns held."""
+class DenseFactor:
+    """Cholesky's factor of a symmetric positive definite matrix, some unknowns held."""
 
-    name = "dense inverse"
+    name = "dense Cholesky"
 
     def __init__(self, matrix: Array, held: NDArray[np.int32]):
-        """Invert the matrix of the unknowns that are not held; that of held ones is 0."""
-        free = np.setdiff1d(np.arange(len(matrix)), held)
-        own = matrix[np.ix_(free, free)]
-        found = la.cho_solve(la.cho_factor(own), np.eye(len(free))) if len(free) else own
-        self._inverse = np.zeros(matrix.shape)
-        self._inverse[np.ix_(free, free)] = (found + found.T) / 2
+        """Factorize the matrix of the unknowns that are not held; what is held does not move."""
+        self._held, own = held, matrix.copy()
+        own[held], own[:, held] = 0.0, 0.0
+        own[held, held] = 1.0
+        self._factor = la.cho_factor(own, lower=True) if len(own) else None
         self.entries = float(max(1, matrix.size))
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
-        return self._inverse @ right
+        if self._factor is None:
+            return right.copy()
+        found = la.cho_solve(self._factor, right, check_finite=False)
+        found[self._held] = 0.0
+        return np.asarray(found)
 
     def solve_many(self, right: Array) -> Array:
         """K^-1 B for columns, (owned, n) in the order of Fortran, as the answer is."""
-        return np.asfortranarray(self._inverse @ right)
+        return np.asfortranarray(self.solve(right))
 
 
 class ReducedFacts(NamedTuple):
@@ -125,9 +128,9 @@ class ReducedBody:
         self._own = own
         self.directional_mass = own.directional_mass
         self._viscous = bool(self.damping.stiffness)
-        self._factorizations: dict[TangentWeights, DenseInverse] = {}
+        self._factorizations: dict[TangentWeights, DenseFactor] = {}
         self.factorizations = 0
-        """Number of tangents inverted so far."""
+        """Number of tangents factorized so far."""
         self.solvers: set[str] = set()
         """Names of the linear solvers that solved with them."""
         self._start: Array = np.zeros(self.size)
@@ -254,8 +257,8 @@ class ReducedBody:
         """False: its stiffness is what it is."""
         return False
 
-    def factorization(self, weights: TangentWeights) -> DenseInverse:
-        """The inverse of the tangent for these weights, made once and kept."""
+    def factorization(self, weights: TangentWeights) -> DenseFactor:
+        """The tangent for these weights, factorized once and kept."""
         if weights not in self._factorizations:
             own = self._own
             matrix = weights.interface * own.stiffness + weights.mass * own.mass
@@ -263,15 +266,15 @@ class ReducedBody:
                 matrix += (weights.stiffness - weights.interface) * own.undeformed
             if self.has_spring:
                 matrix += weights.spring * own.spring
-            self._factorizations[weights] = DenseInverse(matrix, self.fixed)
+            self._factorizations[weights] = DenseFactor(matrix, self.fixed)
             self.factorizations += 1
-            self.solvers.add(DenseInverse.name)
+            self.solvers.add(DenseFactor.name)
         return self._factorizations[weights]
 
     def forget(self, weights: TangentWeights) -> None:
-        """Drop an inverse; it is made anew when it is asked for."""
+        """Drop a factorization; it is made anew when it is asked for."""
         self._factorizations.pop(weights, None)
 
-    def mass_inverse(self) -> DenseInverse:
-        """The inverse of the mass."""
-        return DenseInverse(self._own.mass, self.fixed)
+    def mass_inverse(self) -> DenseFactor:
+        """The factorized mass."""
+        return DenseFactor(self._own.mass, self.fixed)

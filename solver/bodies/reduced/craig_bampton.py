@@ -37,8 +37,9 @@ FIRST_MODES = 16
 DENSE_PART = 0.4
 """Part of all modes beyond which they are computed all at once, by dense algebra."""
 
-NEGLIGIBLE = 1e-16
-"""Square of the part of a static shape that no other has, below which it is dropped."""
+NEGLIGIBLE = 1e-12
+"""Square of the part of a static shape that no mode and no other shape has, over that of all of it,
+below which it is dropped."""
 
 
 class Bound(NamedTuple):
@@ -73,75 +74,94 @@ class InnerBasis(NamedTuple):
     """What the modes left out may take."""
 
 
+class LeftOut(NamedTuple):
+    """What tells how much modes leave out under accelerations of some patterns."""
+
+    pushed: Array
+    """q_p = (M p)_i of each pattern p, (inner, patterns), kg."""
+    compliance: Array
+    """q_p.K_ii^-1 q_p, (patterns,), kg s2."""
+    mass: float
+    """Of the whole body, kg."""
+    frequency: float
+    """Highest frequency of the motion, rad/s."""
+
+    def bound(self, squared: Array, modes: Array, kept: int) -> Bound:
+        """By the first modes, so many, of those that are known; with more there are none left."""
+        if kept >= len(squared):
+            return Bound(self.frequency, 0.0)
+        taken = (self.pushed.T @ modes[:, :kept]) ** 2 @ (1 / squared[:kept])
+        left = float(np.max(self.compliance - taken, initial=0.0))
+        ratio = self.frequency**2 / float(squared[kept])
+        if ratio >= 1:
+            return Bound(self.frequency, math.inf)
+        part = self.frequency**2 * left / self.mass * ratio**2 / (1 - ratio)
+        return Bound(self.frequency, part)
+
+
 class FixedInterface:
     """The inner unknowns of a body whose other unknowns are kept."""
 
-    def __init__(self, body: Linearised, kept: Indices, touched: Indices):
+    def __init__(self, body: Linearised, kept: Indices, touched: Indices, dimension: int):
         """Factorize the stiffness of the inner unknowns; `touched` are those kept on the deck.
 
         Unknowns stand node by node, and all of a node are kept or none.
         """
-        self._body, self.kept = body, kept
+        self._body, self.kept, self._dimension = body, kept, dimension
         self.inner: Indices = np.setdiff1d(np.arange(len(body.u)), kept)
         self._stiffness = _part(body.stiffness, self.inner, self.inner)
         self._mass = _part(body.mass, self.inner, self.inner)
-        csr = self._stiffness.indptr, self._stiffness.indices, self._stiffness.data
-        matrix = PETSc.Mat().createAIJ(self._stiffness.shape, csr=csr, comm=PETSc.COMM_SELF)
-        self._factor = Factorization(matrix)
-        coupling = _part(body.stiffness, self.inner, kept).toarray(order="F")
-        self.constraint_modes = -self._factor.solve_many(coupling)
+        self.constraint_modes = np.zeros((len(self.inner), len(kept)))
         """Psi, (inner, kept)."""
+        if len(self.inner):
+            csr = self._stiffness.indptr, self._stiffness.indices, self._stiffness.data
+            matrix = PETSc.Mat().createAIJ(self._stiffness.shape, csr=csr, comm=PETSc.COMM_SELF)
+            self._factor = Factorization(matrix)
+            coupling = _part(body.stiffness, self.inner, kept).toarray(order="F")
+            self.constraint_modes = -self._factor.solve_many(coupling)
         self._touched = np.isin(kept, touched)
 
-    def basis(self, count: int | None, frequency: float, dimension: int) -> InnerBasis:
+    def basis(self, count: int | None, frequency: float) -> InnerBasis:
         """So many modes, or with None as many as the highest frequency (rad/s) needs, and shapes.
 
         All there are where there are no more.
         """
-        patterns = self._patterns(dimension)
-        pushed = (self._body.mass @ patterns)[self.inner]
+        if not len(self.inner):
+            return InnerBasis(np.zeros((0, 0)), np.zeros(0), 0, Bound(frequency, 0.0))
+        patterns = self._patterns()
+        moved = self._body.mass @ patterns
+        pushed, total = moved[self.inner], float(patterns[:, 0] @ moved[:, 0])
         static = self._factor.solve_many(np.asfortranarray(pushed))
-        compliance = np.einsum("ik,ik->k", pushed, static)
-        total = float(patterns[:, 0] @ (self._body.mass @ patterns[:, 0]))
-
-        def bound(squared: Array, modes: Array, kept: int) -> Bound:
-            """What is left out by the first modes, of those that are known."""
-            last = squared[kept] if kept < len(squared) else math.inf
-            part = (pushed.T @ modes[:, :kept]) ** 2 @ (1 / squared[:kept])
-            left = float(np.max(compliance - part, initial=0.0)) if last < math.inf else 0.0
-            ratio = frequency**2 / last
-            error = frequency**2 * left / total * ratio**2 / (1 - ratio) if ratio < 1 else math.inf
-            return Bound(frequency, error)
-
-        if count is not None:
-            squared, modes = self._modes(count + 1)
+        left = LeftOut(pushed, np.einsum("ik,ik->k", pushed, static), total, frequency)
+        if count is None:
+            count, squared, modes = self._enough(left)
         else:
-            count, squared, modes = self._enough(bound, frequency)
+            squared, modes = self._modes(count + 1)
         count = min(count, len(self.inner))
-        found = bound(squared, modes, count)
+        bound = left.bound(squared, modes, count)
         squared, modes = squared[:count], modes[:, :count]
         weight = self._body.u[self.inner] - self.constraint_modes @ self._body.u[self.kept]
-        statics, their = self._static_shapes(modes, np.column_stack([static, weight]))
-        shapes = np.hstack([modes, statics])
-        return InnerBasis(shapes, np.concatenate([squared, their]), count, found)
+        shapes, their = self._static_shapes(modes, np.column_stack([static, weight]))
+        return InnerBasis(
+            np.hstack([modes, shapes]), np.concatenate([squared, their]), count, bound
+        )
 
-    def _enough(self, bound: object, frequency: float) -> tuple[int, Array, Array]:
-        """The smallest number of modes that keeps the bound, and at least so many modes."""
-        assert callable(bound)
+    def _enough(self, left: LeftOut) -> tuple[int, Array, Array]:
+        """The smallest number of modes that keeps the bound, and these modes and more."""
         number, every = FIRST_MODES, len(self.inner)
         while True:
             squared, modes = self._modes(number)
             for kept in range(1, len(squared)):
-                fast = squared[kept] >= (FREQUENCY_MARGIN * frequency) ** 2
-                if fast and bound(squared, modes, kept).part <= MOST_LEFT_OUT:
+                fast = squared[kept] >= (FREQUENCY_MARGIN * left.frequency) ** 2
+                if fast and left.bound(squared, modes, kept).part <= MOST_LEFT_OUT:
                     return kept, squared, modes
             if len(squared) >= every:
                 return every, squared, modes
             number *= 2
 
-    def _patterns(self, dimension: int) -> Array:
+    def _patterns(self) -> Array:
         """Motions of the whole body with the ground, and of the nodes touched against it."""
-        size = len(self._body.u)
+        size, dimension = len(self._body.u), self._dimension
         moved = np.zeros((size, 2 * dimension))
         for k in range(dimension):
             moved[k::dimension, k] = 1.0
@@ -175,7 +195,7 @@ class FixedInterface:
         for _ in range(2):  # once more for the digits that the first round loses
             own = own - modes @ (modes.T @ (self._mass @ own))
         squares, turns = la.eigh(own.T @ (self._mass @ own))
-        lasting = squares > NEGLIGIBLE**0.5
+        lasting = squares > NEGLIGIBLE
         own = own @ (turns[:, lasting] / np.sqrt(squares[lasting]))
         squared, turns = la.eigh(own.T @ (self._stiffness @ own), own.T @ (self._mass @ own))
         return own @ turns, squared
