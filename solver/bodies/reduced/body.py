@@ -100,15 +100,10 @@ class ReducedBody:
 
     def __init__(self, comm: MPI.Intracomm, facts: ReducedFacts, parts: ReducedParts | None):
         """Take what all ranks know, and on rank 0 the parts."""
-        self.comm, self.name, self.mass, self.rigidity = (
-            comm,
-            facts.name,
-            facts.mass,
-            facts.rigidity,
-        )
+        self.comm, self.name, self.mass = comm, facts.name, facts.mass
+        self.rigidity = facts.rigidity
         self.damping, self.delay, self.dimension = facts.damping, facts.delay, facts.dimension
         self.unknowns, self.has_spring = facts.unknowns, facts.springs
-        self.full_unknowns = facts.full_unknowns
         self.parts = parts
         """What expands it; None on all ranks but the first."""
         d = self.dimension

@@ -111,7 +111,7 @@ class FixedInterface:
         self.inner: Indices = np.setdiff1d(np.arange(len(body.u)), kept)
         self._stiffness = _part(body.stiffness, self.inner, self.inner)
         self._mass = _part(body.mass, self.inner, self.inner)
-        self.constraint_modes = np.zeros((len(self.inner), len(kept)))
+        self.constraint_modes: Array = np.zeros((len(self.inner), len(kept)))
         """Psi, (inner, kept)."""
         if len(self.inner):
             csr = self._stiffness.indptr, self._stiffness.indices, self._stiffness.data

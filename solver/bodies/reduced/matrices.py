@@ -22,76 +22,46 @@ from solver.types import Array, Indices
 
 
 class Shapes:
-    """Displacements of the whole mesh by the unknowns of the reduced body."""
+    """T: displacements of the whole mesh by the unknowns of the reduced body."""
 
     def __init__(self, interface: FixedInterface, basis: InnerBasis, mass: float, dimension: int):
-        """Take T from its parts; mass in kg."""
-        self.kept, self.inner, self._constraint = (
-            interface.kept,
-            interface.inner,
-            interface.constraint_modes,
-        )
-        self._basis = np.sqrt(mass) * basis.shapes
-        self.used = len(self.kept) + self._basis.shape[1]
+        """Put T together from its parts; mass in kg."""
+        kept, inner = interface.kept, interface.inner
+        self.used = len(kept) + basis.shapes.shape[1]
         """Number of unknowns without those that stand for nothing."""
-        self.owned = -(-self.used // dimension)
-        """Number of groups of d unknowns: nodes kept, then amplitudes."""
-        self.unknowns = self.owned * dimension
+        self.unknowns = -(-self.used // dimension) * dimension
+        """Number of unknowns."""
+        self._matrix = np.zeros((len(kept) + len(inner), self.unknowns))
+        self._matrix[kept, np.arange(len(kept))] = 1.0
+        self._matrix[inner, : len(kept)] = interface.constraint_modes
+        self._matrix[inner, len(kept) : self.used] = np.sqrt(mass) * basis.shapes
+        self._kept = kept
 
     def expanded(self, y: Array) -> Array:
         """T y, on the whole mesh."""
-        kept, amplitudes = y[: len(self.kept)], y[len(self.kept) : self.used]
-        u = np.empty(len(self.kept) + len(self.inner))
-        u[self.kept] = kept
-        u[self.inner] = self._constraint @ kept + self._basis @ amplitudes
-        return u
+        return self._matrix @ y
 
-    def amplitudes_of(self, u: Array, mass: sp.csr_matrix) -> Array:
-        """The unknowns y of a displacement that the shapes can have; M of the mesh."""
-        y = np.zeros(self.unknowns)
-        y[: len(self.kept)] = u[self.kept]
-        inner = u[self.inner] - self._constraint @ u[self.kept]
-        own = mass[self.inner][:, self.inner] @ self._basis
-        y[len(self.kept) : self.used] = np.linalg.solve(self._basis.T @ own, own.T @ inner)
+    def unknowns_of(self, u: Array, mass: sp.csr_matrix) -> Array:
+        """The y of a displacement that the shapes can have; M of the mesh."""
+        y, kept = np.zeros(self.unknowns), len(self._kept)
+        y[:kept] = u[self._kept]
+        shapes = self._matrix[:, kept : self.used]
+        own = mass @ shapes
+        y[kept : self.used] = np.linalg.solve(shapes.T @ own, own.T @ (u - self.expanded(y)))
         return y
 
     def rows(self, unknowns: Indices) -> Array:
         """Rows of T of some unknowns of the mesh, (m, unknowns)."""
-        found = np.zeros((len(unknowns), self.unknowns))
-        place = np.full(len(self.kept) + len(self.inner), -1)
-        place[self.kept] = np.arange(len(self.kept))
-        kept = place[unknowns] >= 0
-        found[np.flatnonzero(kept), place[unknowns[kept]]] = 1.0
-        place[:] = -1
-        place[self.inner] = np.arange(len(self.inner))
-        inner = place[unknowns[~kept]]
-        found[~kept, : len(self.kept)] = self._constraint[inner]
-        found[~kept, len(self.kept) : self.used] = self._basis[inner]
-        return found
+        return self._matrix[unknowns]
 
     def projected(self, matrix: sp.csr_matrix) -> Array:
         """T^T A T of a symmetric matrix of the mesh, (unknowns, unknowns)."""
-        k = len(self.kept)
-        rows, inner = matrix[self.kept], matrix[self.inner]
-        own, coupling = inner[:, self.inner], inner[:, self.kept]
-        shapes = np.hstack([self._constraint, self._basis])
-        moved = own @ shapes
-        moved[:, :k] += coupling.toarray()
-        small = shapes.T @ moved
-        both = rows[:, self.inner] @ shapes
-        both[:, :k] += rows[:, self.kept].toarray()
-        small[:k] += both
-        result = np.zeros((self.unknowns, self.unknowns))
-        result[: self.used, : self.used] = (small + small.T) / 2
-        return result
+        found = self._matrix.T @ (matrix @ self._matrix)
+        return np.asarray((found + found.T) / 2)
 
     def pushed(self, forces: Array) -> Array:
         """T^T f of forces on the mesh, (m, n) for n of them or (m,)."""
-        inner = forces[self.inner]
-        result = np.zeros((self.unknowns, *forces.shape[1:]))
-        result[: len(self.kept)] = forces[self.kept] + self._constraint.T @ inner
-        result[len(self.kept) : self.used] = self._basis.T @ inner
-        return result
+        return self._matrix.T @ forces
 
 
 class ReducedMatrices(NamedTuple):
@@ -118,12 +88,12 @@ class ReducedMatrices(NamedTuple):
 def reduced_matrices(body: ElasticBody, about: Linearised, shapes: Shapes) -> ReducedMatrices:
     """Project all matrices of a body that was linearised."""
     stiffness = shapes.projected(about.stiffness)
-    still = shapes.amplitudes_of(about.u, about.mass)
+    still = shapes.unknowns_of(about.u, about.mass)
     force = shapes.pushed(about.force)
     turning = rigid_modes(body.arm)[body.dimension :]
     if body.dimension == 2:
         turning = [-turning[0]]  # clockwise
-    elif body.dimension == 3:
+    else:
         turning = [turning[1], turning[2], turning[0]]  # about x, y, z
     turns = np.column_stack(turning)
     momenta = about.mass @ turns
