@@ -12,6 +12,9 @@ from solver.types import Array
 POWER = 0.999
 """Part of the integral of the squared acceleration that counts."""
 
+FADED = 0.1
+"""Part of the run over which a motion fades out that goes on after it."""
+
 SAMPLES = 2000.0
 """Samples in a second."""
 
@@ -31,7 +34,11 @@ def highest_frequency(ground: GroundMotion, end: float) -> float:
     count = min(MOST_SAMPLES, max(64, math.ceil(span * SAMPLES)))
     step = span / (count - 1)
     times: Array = step * np.arange(count, dtype=np.float64)
-    spectrum = np.abs(np.fft.rfft(ground.accelerations(times), axis=0)) ** 2
+    accelerations = ground.accelerations(times)
+    if max(stops) > end:  # the jump to zero at the end of the run is no part of the motion
+        fading = np.minimum(1.0, np.linspace(1.0, 0.0, count) / FADED)
+        accelerations *= 0.5 * (1 - np.cos(math.pi * fading))[:, None]
+    spectrum = np.abs(np.fft.rfft(accelerations, axis=0)) ** 2
     within = np.cumsum(spectrum, axis=0)
     frequencies = 2 * math.pi * np.fft.rfftfreq(count, step)
     fastest = [
