@@ -63,6 +63,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "plate": {"foundation": PLATE | {"support": "bottom"}},
     "rollers": {"foundation": PLATE | ON_ROLLERS},
     "frame": {"foundation": FRAME},
+    "reduced frame": {"foundation": FRAME | {"modes": "auto"}},
     "elastic on elastic": {"block": [BLOCK, TOP | {"friction": 0.05}]},
     "rigid on elastic": {"block": [BLOCK, TOP | {"friction": 0.05, "model": "rigid"}]},
     "rigid on rigid": {

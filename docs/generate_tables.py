@@ -103,6 +103,8 @@ def allowed(hint: Any, key: str) -> str:
         return f"2 values, 3-D: 3, each {number(tuples[0][0], key)}"
     if len(parts) == 2:
         first, other = parts
+        if get_origin(other) is Literal:
+            return f"{number(first, key)}, {allowed_one(other, key)}"
         if get_origin(other) is tuple and is_dataclass(get_args(other)[0]):
             return f"{number(first, key)}, or an array of tables"
         return f"{number(first, key)}{', or a table' if is_dataclass(other) else '; 3-D: 3 values'}"

@@ -72,8 +72,8 @@ class ElasticBody:
         """Whether it stands on the ground, and does not turn."""
         self.fixed = self._held(supports)
         self._assemble()
-        self._spring = None if spring is None else spring.matrix(self.space)
-        self._dashpot = 0.0 if spring is None else spring.delay
+        self.spring_matrix = None if spring is None else spring.matrix(self.space)
+        self.delay = 0.0 if spring is None else spring.delay
         self._measure_inertia()
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
@@ -249,28 +249,32 @@ class ElasticBody:
     @property
     def has_spring(self) -> bool:
         """Whether a spring holds it to the ground."""
-        return self._spring is not None
+        return self.spring_matrix is not None
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
-        return None if self._spring is None else self._times(self._spring, vector)
+        return None if self.spring_matrix is None else self._times(self.spring_matrix, vector)
 
     def drag(self, velocity: Array) -> Array | None:
         """C v: mass-proportional damping and the dashpot; None without both."""
         force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
-        if self._dashpot and self._spring is not None:
+        if self.delay and self.spring_matrix is not None:
             dashpot = self.dashpot(velocity)
             force = dashpot if force is None else force + dashpot
         return force
 
+    def resultant(self, force: Array) -> Array:
+        """Sum of forces on the owned unknowns, (d,)."""
+        return np.asarray(force.reshape(-1, self.dimension).sum(axis=0))
+
     def dashpot(self, velocity: Array) -> Array:
         """Force of the dashpot beside the spring to the ground, which there is."""
-        assert self._spring is not None
-        return self._dashpot * self._times(self._spring, velocity)
+        assert self.spring_matrix is not None
+        return self.delay * self._times(self.spring_matrix, velocity)
 
     def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
         """Weights of the tangent in a step."""
-        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self._dashpot)
+        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self.delay)
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
@@ -326,8 +330,8 @@ class ElasticBody:
             matrix = self.stiffness_matrix.copy()
             matrix.scale(weights.stiffness)
             matrix.axpy(weights.mass, self.mass_matrix)
-            if self._spring is not None:
-                matrix.axpy(weights.spring, self._spring)
+            if self.spring_matrix is not None:
+                matrix.axpy(weights.spring, self.spring_matrix)
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
             self._factorizations[weights] = Factorization(

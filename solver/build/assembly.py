@@ -14,6 +14,7 @@ from geometry.arrangement import Pose
 from geometry.foundation import level_frame
 from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
+from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import RigidBox, rigid_box
 from solver.build.foundation import foundation
@@ -97,7 +98,7 @@ def build(
     ground = ground or read_ground(scene, comm)
     placed = stands(scene)
     members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
-    support = foundation(scene, len(members), comm)
+    support = foundation(scene, len(members), comm, ground)
     bodies: list[Body] = []
     bodies += [member.body for member in members]
     if support.body is not None:
@@ -276,7 +277,7 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
         own = stepper.system.slices[member.number]
         u[own], v[own] = _placed(member)
     closed = all(block.tilt == 0.0 for block in scene.blocks)
-    meshed = any(isinstance(body, ElasticBody) for body in stepper.system.bodies)
+    meshed = any(not isinstance(body, DenseBody) for body in stepper.system.bodies)
     if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
         for glued in (False, True):
             try:

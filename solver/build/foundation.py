@@ -20,14 +20,30 @@ from solver.build.frame import build_frame
 from solver.build.meshed_body import meshed_body
 from solver.build.support import FoundationBody, damping_of, with_top
 from solver.contact.carrier_surface import carrier_surface
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import Foundation, OscillatorSpec, PlateSpec
 
 
-def foundation(scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """Build what carries the blocks; `number` is that of its body, if it is one."""
-    return _built(scene.foundation, scene, number, comm)
+def foundation(
+    scene: Scene, number: int, comm: MPI.Intracomm, ground: GroundMotion | None = None
+) -> FoundationBody:
+    """Build what carries the blocks; `number` is that of its body, if it is one.
+
+    The motion of the ground is read where it is needed and not given.
+    """
+
+    def meshed(own: MPI.Intracomm) -> FoundationBody:
+        """The foundation on a mesh, if it has one."""
+        return _built(scene.foundation, scene, number, own)
+
+    if scene.foundation.reduced_modes is None:
+        return meshed(comm)
+    from solver.build.reduction import reduced_foundation  # scipy's solvers take their time
+
+    ground = ground or read_ground(scene, comm)
+    return reduced_foundation(scene, number, comm, ground, meshed)
 
 
 @singledispatch
@@ -115,6 +131,13 @@ def _plate_body(
 _built.register(build_frame)
 
 
+def reduction_in_words(scene: Scene, ground: GroundMotion) -> tuple[str, ...]:
+    """What is left of the mesh of a reduced foundation; computed on every rank for itself."""
+    found = foundation(scene, 0, MPI.COMM_SELF, ground).reduction
+    assert found is not None
+    return found.in_words()
+
+
 def natural_period(scene: Scene) -> float:
     """Longest natural period of the meshed foundation of a scene, without its blocks, s.
 
@@ -125,7 +148,7 @@ def natural_period(scene: Scene) -> float:
     """
     from solver.bodies.modes import eigenvalues  # scipy's sparse solvers take their time
 
-    body = foundation(scene, 0, MPI.COMM_SELF).body
+    body = _built(scene.foundation, scene, 0, MPI.COMM_SELF).body
     if not isinstance(body, ElasticBody):
         raise ValueError(f"a foundation of kind {scene.foundation.kind} has no mesh that moves")
     return 2 * math.pi / math.sqrt(float(eigenvalues(body)[0]))

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from mpi4py import MPI
 
 import numpy as np
+import scipy.sparse as sp
 from dolfinx.mesh import compute_midpoints
 
 from geometry.foundation import Frame, Plate, Storey
@@ -19,11 +20,12 @@ from solver.bodies.elastic_forms import Region
 from solver.bodies.supports import GroundSpring, Support
 from solver.build.meshed_body import meshed_body
 from solver.build.support import Foot, FoundationBody, Storeys, damping_of, with_top
+from solver.parallel import global_sum
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FeetSpec, FrameSpec
 from solver.scene.material import Material
-from solver.types import Array
+from solver.types import Array, Mask
 
 
 def build_frame(spec: FrameSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
@@ -44,8 +46,17 @@ def _storeys(spec: FrameSpec, body: ElasticBody) -> Storeys:
         off = np.abs(body.nodes[grounded, :-1] - centre)
         feet.append(Foot(grounded[np.all(off < sizes / 2 + near, axis=1)], centre))
     tops = _shape(spec, body.dimension).levels[2::2]
-    floors = [np.flatnonzero(np.abs(level - top) < near) for top in tops]
-    return Storeys(feet, floors)
+    return Storeys(feet, [_mean(body, np.abs(level - top) < near) for top in tops])
+
+
+def _mean(body: ElasticBody, there: Mask) -> sp.csr_matrix:
+    """Rows of the mean horizontal motion of some owned nodes and of those of other ranks."""
+    nodes, d = np.flatnonzero(there), body.dimension
+    count = float(global_sum(body.comm, np.array([float(len(nodes))]))[0])
+    rows = np.repeat(np.arange(d - 1), len(nodes))
+    columns = np.concatenate([nodes * d + k for k in range(d - 1)])
+    shares = np.full(len(columns), 1 / count)
+    return sp.csr_matrix((shares, (rows, columns)), shape=(d - 1, body.size))
 
 
 def _centres(spec: FrameSpec, dimension: int) -> list[Array]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
@@ -16,6 +16,8 @@ from geometry.gmsh_model import MeshedBody
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
+from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced.reduction import Reduction
 from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face
@@ -40,8 +42,9 @@ class Storeys(NamedTuple):
 
     feet: Sequence[Foot] = ()
     """Those of its columns: from -x to +x, in space round it from (-x, -y) by (+x, -y)."""
-    floors: Sequence[Indices] = ()
-    """Owned nodes on the tops of the decks, from the lowest upwards."""
+    floors: Sequence[Any] = ()
+    """Rows of the mean horizontal motion of the top of each deck, from the lowest upwards, by the
+    owned unknowns: sparse or dense matrices, (d - 1, owned d)."""
 
 
 NO_STOREYS = Storeys()
@@ -60,16 +63,18 @@ class FoundationBody:
         surface: Facets of the top of a meshed one.
         held: Linear displacements on the mesh of a plate that is held altogether, all of them zero.
         storeys: Parts of a meshed one that moves as a whole.
+        reduction: What a reduced one keeps of its mesh; None for others.
     """
 
     dimension: int
     number: int | None = None
-    body: Oscillator | ElasticBody | None = None
+    body: Oscillator | ElasticBody | ReducedBody | None = None
     width: float | None = None
     thickness: float | None = None
     surface: Facets | None = None
     held: fem.FunctionSpace | None = None
     storeys: Storeys = NO_STOREYS
+    reduction: Reduction | None = None
 
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
@@ -77,7 +82,7 @@ class FoundationBody:
         if self.surface is not None:
             surface = self.surface
             points: FacePoints = FixedPoints(surface.positions)
-            if isinstance(self.body, ElasticBody):
+            if isinstance(self.body, ElasticBody | ReducedBody):
                 points = NodePoints(self.body, surface.layer, surface.positions)
             return Face(points, surface.nodes, frame, surface.cell, surface.degree)
         if self.width is not None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.kernels.nitsche import (
     NitscheState,
     TractionPull,
@@ -86,7 +87,7 @@ class NodePoints:
 
     def __init__(
         self,
-        body: ElasticBody,
+        body: ElasticBody | ReducedBody,
         layer: Layer,
         positions: Array,
         *,

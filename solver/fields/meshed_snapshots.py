@@ -9,6 +9,7 @@ from dolfinx import fem
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced.body import ReducedBody, ReducedParts
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
@@ -45,6 +46,9 @@ class Snapshots:
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
                 self._bodies.append(MeshedFields(run, number, body, files))
+            elif isinstance(body, ReducedBody):
+                if body.parts is not None:
+                    self._bodies.append(ReducedFields(run, number, body.parts, files))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
                 writer = files.rigid(body.name, corners)
@@ -54,7 +58,7 @@ class Snapshots:
             self._bodies.append(HeldFields(held, files))
         files.begin()
         if writes:
-            elastic = any(isinstance(body, ElasticBody) for body in system.bodies)
+            elastic = any(not isinstance(body, DenseBody) for body in system.bodies)
             write_script(folder, scene, stress=elastic)
 
     def write(self, time: float) -> None:
@@ -105,10 +109,14 @@ class MeshedFields:
         """Write the fields as they are."""
         body, state = self._body, self._run.state
         for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
-            function.x.array[: body.size] = values[self._own]
+            function.x.array[: body.size] = self._on_mesh(values[self._own])
             function.x.scatter_forward()
         self._fill_contact(state)
         self._writer.write(time)
+
+    def _on_mesh(self, values: Array) -> Array:
+        """Owned nodal values, from the unknowns of the run."""
+        return values
 
     def _fill_contact(self, state: State) -> None:
         """Pressure, friction and state of the nodes."""
@@ -130,6 +138,19 @@ class MeshedFields:
     def close(self) -> None:
         """Finish the files."""
         self._writer.close()
+
+
+class ReducedFields(MeshedFields):
+    """The fields of a reduced body on the mesh that it stands for; on rank 0, which has it all."""
+
+    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: Destination):
+        """Make the functions that the files hold."""
+        super().__init__(run, number, parts.mesh, files)
+        self._shapes = parts.shapes
+
+    def _on_mesh(self, values: Array) -> Array:
+        """Nodal values, from the reduced unknowns."""
+        return self._shapes.expanded(values)
 
 
 class HeldFields:

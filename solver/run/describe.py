@@ -22,10 +22,10 @@ def describe(scene: Scene) -> str:
     lines = [("scene", scene.title or "without a title")]
     for block in scene.blocks:
         lines += _block_numbers(block, scene)
-    lines += _foundation(scene)
+    ground = read_ground(scene)
+    lines += _foundation(scene, ground)
     lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
     lines += _beds(scene)
-    ground = read_ground(scene)
     lines += _motions(scene, ground)
     if has_expected_mode(scene):
         lines.append(
@@ -121,7 +121,7 @@ def _uplift(block: BlockSpec, scene: Scene) -> float:
     return max(0.0, -down * block.width / block.height - abs(along)) / scene.gravity
 
 
-def _foundation(scene: Scene) -> Lines:
+def _foundation(scene: Scene, ground: GroundMotion) -> Lines:
     """What carries the blocks, with its natural period where it has one."""
     lines = scene.foundation.describe(scene.dimension, scene.carried_mass)
     if scene.has_platform:
@@ -134,7 +134,19 @@ def _foundation(scene: Scene) -> Lines:
         ]
     if scene.carrier_moves and scene.foundation.needs_mesh_engine:
         lines.append(("  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"))
+    if scene.foundation.reduced_modes is not None:
+        lines += _reduction(scene, ground)
     return lines
+
+
+def _reduction(scene: Scene, ground: GroundMotion) -> Lines:
+    """What is left of the mesh of a reduced foundation."""
+    try:
+        from solver.build.foundation import reduction_in_words
+    except ImportError as error:
+        raise EnvironmentTrouble(f"{error}, which modes need") from error
+    names = ("  reduced to", "  modes", "  nodes kept", "  modes left out")
+    return list(zip(names, reduction_in_words(scene, ground), strict=True))
 
 
 def _computed_period(scene: Scene) -> float:

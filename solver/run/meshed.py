@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.dense_body import DenseBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
@@ -72,6 +72,11 @@ class MeshedRun:
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
         )
+        reduction = self.assembly.support.reduction
+        if reduction is not None:
+            unknowns, modes, nodes, left = reduction.in_words()
+            log(f"foundation reduced to {unknowns}: modes {modes}, nodes {nodes}")
+            log(f"modes left out {left}")
 
     def first_row(self) -> Array:
         """The row of the history at t = 0."""
@@ -200,7 +205,7 @@ class MeshedRun:
         """What the run took."""
         stepper = self._stepper
         system = stepper.system
-        bodies = [body for body in system.bodies if isinstance(body, ElasticBody)]
+        bodies = [body for body in system.bodies if not isinstance(body, DenseBody)]
         return {
             "steps": self._steps,
             "rejected_steps": self._rejected,

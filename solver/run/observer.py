@@ -10,6 +10,7 @@ import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
+from solver.bodies.reduced.body import ReducedBody
 from solver.build.assembly import Assembly
 from solver.history.columns import (
     DISSIPATED_ENERGIES,
@@ -170,6 +171,6 @@ class PlatformObserver:
         body, surface = self._support.body, self._support.surface
         if isinstance(body, Oscillator):
             return body.replicate(vector)
-        assert isinstance(body, ElasticBody) and surface is not None
+        assert isinstance(body, ElasticBody | ReducedBody) and surface is not None
         nodes = surface.layer.gather(vector.reshape(-1, body.dimension))
         return np.asarray(nodes.mean(axis=0)[:-1])

@@ -106,7 +106,7 @@ class Redistribution:
 def _rows(body: Body, places: Sequence[Array]) -> Indices | None:
     """Where the unknowns that this rank owns stood among those of a body; None: some did not."""
     if not isinstance(body, ElasticBody):
-        return np.arange(body.unknowns)[body.own]
+        return np.arange(body.size)  # rank 0 has all of them
     before = np.concatenate(places)
     if before.size != body.unknowns:
         return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from mpi4py import MPI
@@ -10,11 +9,12 @@ from mpi4py import MPI
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced.body import ReducedBody
 from solver.build.assembly import Assembly
 from solver.history.columns import Structure, positions
 from solver.parallel import global_sum
 from solver.stepping.state import Exchange, GroundForces, State
-from solver.types import Array, Indices
+from solver.types import Array
 
 WAYS = ("", "_second")
 """Names of the horizontal directions within those of columns."""
@@ -34,11 +34,9 @@ class StructureObserver:
     def __init__(self, assembly: Assembly):
         """Start at rest."""
         self._stepper, support = assembly.stepper, assembly.support
-        assert support.number is not None and isinstance(support.body, ElasticBody)
+        assert support.number is not None and isinstance(support.body, ElasticBody | ReducedBody)
         self._body, self._storeys = support.body, support.storeys
         self._own = self._stepper.system.slices[support.number]
-        counts = np.array([len(floor) for floor in self._storeys.floors], dtype=float)
-        self._counts = global_sum(self._body.comm, counts) if len(counts) else counts
         d = self._body.dimension
         self._at = tuple(positions(part, d) for part in ("foundation", "storey", "column"))
 
@@ -55,7 +53,7 @@ class StructureObserver:
         self._write_base(forces, base, row)
         floors = row[len(own) :]
         self._write_storeys(state, floors)
-        columns, d = floors[len(storey) * len(self._counts) :], self._body.dimension
+        columns, d = floors[len(storey) * len(self._storeys.floors) :], self._body.dimension
         for number, foot in enumerate(feet):
             part, pushed, moment = columns[len(column) * number :], foot[:d], foot[d:]
             part[column.axial_force_N] = pushed[-1]
@@ -76,21 +74,24 @@ class StructureObserver:
         The moments are about the middle of the base and of the feet, (1 + feet, 2 d - 1).
         """
         d, feet = self._body.dimension, self._storeys.feet
-        force = forces.nodal[self._own].reshape(-1, d)
-        place = (self._body.nodes + state.u[self._own].reshape(-1, d))[:, :-1]
+        nodes = self._body.nodes
+        force, moved = (
+            vector[self._own].reshape(-1, d)[: len(nodes)] for vector in (forces.nodal, state.u)
+        )
+        place = (nodes + moved)[:, :-1]
         own = np.empty((1 + len(feet), 2 * d - 1))
         own[0, :d], own[0, d:] = force.sum(axis=0), place.T @ force[:, -1]
-        for sums, foot in zip(own[1:], feet, strict=True):
+        for number, foot in enumerate(feet, start=1):
             pushed, arm = force[foot.nodes], place[foot.nodes] - foot.centre
-            sums[:d], sums[d:] = pushed.sum(axis=0), arm.T @ pushed[:, -1]
+            own[number, :d], own[number, d:] = pushed.sum(axis=0), arm.T @ pushed[:, -1]
         return global_sum(self._body.comm, own)
 
     def _write_storeys(self, state: State, row: Array) -> None:
         """Drifts and velocities of the storeys."""
-        if not len(self._counts):
-            return
         at, floors = self._at[1], self._storeys.floors
-        place, velocity = (self._means(vector[self._own], floors) for vector in (state.u, state.v))
+        if not floors:
+            return
+        place, velocity = (self._means(vector[self._own]) for vector in (state.u, state.v))
         drift = np.diff(place, axis=0, prepend=np.zeros((1, place.shape[1])))
         for number in range(len(floors)):
             part = row[len(at) * number :]
@@ -98,8 +99,7 @@ class StructureObserver:
                 part[getattr(at, f"drift{way}_m")] = drift[number, k]
                 part[getattr(at, f"velocity{way}_m_s")] = velocity[number, k]
 
-    def _means(self, vector: Array, floors: Sequence[Indices]) -> Any:
+    def _means(self, vector: Array) -> Any:
         """Horizontal means over the floors, (floors, d - 1)."""
-        horizontal = vector.reshape(-1, self._body.dimension)[:, :-1]
-        own = np.array([horizontal[floor].sum(axis=0) for floor in floors])
-        return global_sum(self._body.comm, own) / self._counts[:, None]
+        own = np.array([floor @ vector for floor in self._storeys.floors])
+        return global_sum(self._body.comm, own)

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
 from solver.bodies.memory import ASKED_PART, BYTES_AN_ENTRY, compliance_bytes, require
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
 from solver.types import Array, Indices
@@ -73,7 +74,9 @@ class Compliance:
     only the rows of such points are kept.
     """
 
-    def __init__(self, body: ElasticBody, factor: Inverse, ports: Sequence[InterfaceDofs]):
+    def __init__(
+        self, body: ElasticBody | ReducedBody, factor: Inverse, ports: Sequence[InterfaceDofs]
+    ):
         """Start without any column; the factor is that of a tangent or mass.
 
         Ports are groups of points, which are numbered on from group to group.

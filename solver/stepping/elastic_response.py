@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.kernels.turned import (
     add_compliance,
     add_loads,
@@ -98,7 +99,7 @@ class ElasticResponse:
 
     def __init__(
         self,
-        body: ElasticBody,
+        body: ElasticBody | ReducedBody,
         compliance: Compliance,
         sides: Sequence[BodyRole],
         inertia: float = np.inf,

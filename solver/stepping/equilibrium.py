@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.dense_body import DenseBody
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
 from solver.stepping.ledger import energies
@@ -18,7 +18,7 @@ from solver.stepping.system import Body, Link, System
 def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights]:
     """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
     stiffness = max(
-        (body.rigidity for body in bodies if isinstance(body, ElasticBody)),
+        (body.rigidity for body in bodies if not isinstance(body, DenseBody)),
         default=1.0,
     )
     return [
@@ -43,7 +43,7 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
         for force in (internal, spring):
             if force is not None:
                 forces[own] += force
-        if isinstance(body, ElasticBody) and spring is not None:
+        if not isinstance(body, DenseBody) and spring is not None:
             held[own] = -spring
     for link, memory in zip(links, state.contacts, strict=True):
         if link.interface.theta:

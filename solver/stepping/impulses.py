@@ -9,6 +9,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse, MassInverse
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.projection import in_frames
 from solver.law.local_problem import LocalProblem, image
 from solver.law.many_points import MANY_ROWS
@@ -76,6 +77,8 @@ class VelocityImpulses:
             factor: Inverse | Array
             if isinstance(body, DenseBody):
                 factor = body.diagonal
+            elif isinstance(body, ReducedBody):
+                factor = body.mass_inverse()
             else:
                 factor = MassInverse(body.mass_matrix, body.fixed, body.dimension)
             self._responses.append(response_of(system, number, links, factor))

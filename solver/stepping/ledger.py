@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.memory import Memory
 from solver.parallel import global_sum
@@ -66,7 +67,7 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
     total = Energies()
     for body, own in zip(system.bodies, system.slices, strict=True):
         total.kinetic += 0.5 * float(v[own] @ body.inertia(v[own]))
-        if isinstance(body, ElasticBody):
+        if not isinstance(body, DenseBody):
             total.strain += body.strain_energy(u[own])
     for body, own in system.tied:
         spring = body.spring(u[own])
@@ -112,8 +113,10 @@ def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
             lost = float(viscous @ du[own])
             sums.damping += lost
             sums.increment += dt / body.damping.stiffness * lost
-        elif isinstance(body, ElasticBody):
+        elif not isinstance(body, DenseBody):
             sums.increment += body.increment_energy(ends.u[own])
+            if viscous is not None:
+                sums.damping += float(viscous @ du[own])
     for body, own in system.tied:
         spring, drag = body.spring(du[own]), body.drag(du[own])
         if spring is not None:

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.dense_body import DenseBody
 from solver.scheme.step_control import Tolerance
 from solver.stepping.differences import third_differences
 from solver.stepping.state import State
@@ -72,7 +72,7 @@ class LocalError:
         """Refer errors to a length R, m."""
         self._system, self._size = system, size
         bodies = zip(system.bodies, system.slices, strict=True)
-        self._meshed = [(body, own) for body, own in bodies if isinstance(body, ElasticBody)]
+        self._meshed = [(body, own) for body, own in bodies if not isinstance(body, DenseBody)]
 
     def start(self, state: State) -> Past:
         """What there is before the first step, from a state."""

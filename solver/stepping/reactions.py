@@ -11,12 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.oscillator import Oscillator
+from solver.bodies.dense_body import DenseBody
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
 from solver.stepping.step import Step
-from solver.stepping.system import Body, System
+from solver.stepping.system import Body, System, stands_on_ground
 from solver.types import Array
 
 
@@ -43,7 +42,7 @@ def ground_forces(
     total = np.zeros(system.dimension)
     springs: list[tuple[slice, Array]] = []
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if not isinstance(body, ElasticBody) or not body.clamped:
+        if isinstance(body, DenseBody) or not body.clamped:
             continue
         spring, before = body.spring(ends.u[own]), body.spring(state.u[own])
         if spring is not None and before is not None:
@@ -57,21 +56,16 @@ def ground_forces(
     moving = gamma * p + (1 - gamma) * step.p
     moving[system.fixed] = 2 * scheme.beta * held.inertia
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if _stands_on_ground(body):
+        if stands_on_ground(body):
             drag = body.drag(ends.mean[own])
             total += _resultant(body, moving[own] if drag is None else moving[own] - drag)
     return new, GroundForces(nodal, total)
 
 
-def _stands_on_ground(body: Body) -> bool:
-    """Whether supports or springs between a body and the ground exchange forces."""
-    return isinstance(body, Oscillator) or (isinstance(body, ElasticBody) and body.clamped)
-
-
 def _resultant(body: Body, force: Array) -> Array:
     """Sum of the forces on the owned unknowns of a body along each direction, (d,), N."""
-    if isinstance(body, ElasticBody):
-        return np.asarray(force.reshape(-1, body.dimension).sum(axis=0))
+    if not isinstance(body, DenseBody):
+        return body.resultant(force)
     sums = np.zeros(body.dimension)
     sums[: len(force)] = force  # a platform moves along x, in space along y, too
     return sums
@@ -81,11 +75,11 @@ def with_impulses(system: System, forces: GroundForces, change: Array, dt: float
     """The forces with what holds supports while velocities change by impulses (m/s) in a step."""
     nodal, total = forces.nodal.copy(), forces.total.copy()
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, ElasticBody) and body.clamped:  # on all ranks alike: collective
+        if not isinstance(body, DenseBody) and body.clamped:  # on all ranks alike: collective
             impulse = np.zeros(body.size)
             impulse[body.fixed] = body.inertia(change[own])[body.fixed]
             nodal[own] += impulse / dt
-            total += _resultant(body, impulse) / dt
+            total += body.resultant(impulse) / dt
     return GroundForces(nodal, total)
 
 
@@ -95,6 +89,6 @@ def standing_forces(system: System, state: State, gravity: Array) -> GroundForce
     weight = gravity @ system.directional_mass
     nodal[system.fixed] = -state.held[system.fixed] - weight[system.fixed]
     for body, own in zip(system.bodies, system.slices, strict=True):
-        if _stands_on_ground(body):
-            total += _resultant(body, nodal[own] if isinstance(body, ElasticBody) else state.p[own])
+        if stands_on_ground(body):
+            total += _resultant(body, state.p[own] if isinstance(body, DenseBody) else nodal[own])
     return GroundForces(nodal, total)

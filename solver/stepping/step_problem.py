@@ -215,7 +215,7 @@ class StepProblem:
             parts.append(points.links[number].interface.augmented(surface, kinematics))
             off = None if self._asleep[number] else self._beyond_edge(number, kinematics)
             if off is not None and off.any():
-                if beyond is self._left_out:
+                if beyond is None or beyond is self._left_out:
                     beyond = np.zeros(points.count, dtype=bool) if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
         y = joined(parts)

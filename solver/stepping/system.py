@@ -13,6 +13,8 @@ import scipy.sparse as sp
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse
+from solver.bodies.oscillator import Oscillator
+from solver.bodies.reduced.body import ReducedBody
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
@@ -22,8 +24,9 @@ from solver.stepping.elastic_response import ElasticResponse
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse
 from solver.types import Array
 
-Body = ElasticBody | DenseBody
-"""A part of the scene that moves: meshed, or of a few unknowns. Both offer the same methods."""
+Body = ElasticBody | ReducedBody | DenseBody
+"""A part of the scene that moves: meshed, reduced, or of a few unknowns. All offer the same
+methods."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +60,8 @@ class System:
             [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
         )
 
-        self.stands_on_ground = any(isinstance(b, ElasticBody) and b.clamped for b in bodies)
-        """Whether a meshed body is held by supports or springs: the ground has forces then."""
+        self.stands_on_ground = any(map(stands_on_ground, bodies))
+        """Whether supports or springs hold one of the bodies: the ground has forces then."""
 
         self.tied = tuple(
             (body, own)
@@ -96,6 +99,11 @@ class System:
         if body is None:
             return np.eye(self.dimension)
         return self.bodies[body].rotation(u[self.slices[body]])
+
+
+def stands_on_ground(body: Body) -> bool:
+    """Whether supports or springs between a body and the ground exchange forces."""
+    return isinstance(body, Oscillator) or (not isinstance(body, DenseBody) and body.clamped)
 
 
 def _is_tied(body: Body, at_rest: Array) -> bool:

@@ -68,6 +68,11 @@ SCENES = {
     "meshed, damped steps": COARSE + SHAKEN + STEPS + "damped_steps = 8\n",
     "meshed, theta": TILTED + "[contact]\ntheta = 1\nfriction = 0.2\n" + SHAKEN + STEPS,
     "meshed, on a frame": COARSE + FRAME + SHAKEN + STEPS.replace("0.3", "0.2"),
+    "meshed, on a reduced frame": COARSE
+    + FRAME
+    + "modes = 4\n"
+    + SHAKEN
+    + STEPS.replace("0.3", "0.1"),
     "mixed, on platform": COARSE + UPPER + OSCILLATOR + SHAKEN + STEPS,
 }  # fmt: skip
 

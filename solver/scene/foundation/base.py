@@ -88,6 +88,11 @@ class Foundation(Checked):
         return None
 
     @property
+    def reduced_modes(self) -> int | Literal["auto"] | None:
+        """Number of modes of its mesh that steps go on with; None: all unknowns."""
+        return None
+
+    @property
     def is_meshed(self) -> bool:
         """Whether it deforms as a body."""
         return bool(self.mesh_label)

@@ -130,6 +130,9 @@ class FrameSpec(Foundation):
     """`[foundation.cells]`. Default: its defaults."""
     degree: Literal[1, 2] = 2
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
+    modes: Count | Literal["auto"] | None = None
+    """Fixed-interface modes that steps go on with, beside nodes below blocks and at supports: so
+    many, or "auto": as many as their error asks for. Default: all unknowns of the mesh."""
     damping_ratio: DampingRatio | None = None
     """xi of its first sway mode, by damping that is proportional to its stiffness. Default: see
     `damping`."""
@@ -165,6 +168,11 @@ class FrameSpec(Foundation):
     def moves_as_a_whole(self) -> bool:
         """The deck sways on its columns."""
         return True
+
+    @property
+    def reduced_modes(self) -> int | Literal["auto"] | None:
+        """Number of modes of its mesh that steps go on with; None: all unknowns."""
+        return self.modes
 
     @property
     def sway_damping_ratio(self) -> float | None:

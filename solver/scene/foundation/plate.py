@@ -27,7 +27,7 @@ from solver.scene.foundation.base import (
     thickness_of,
 )
 from solver.scene.material import Material, Plane
-from solver.scene.ranges import Cell, Cells, Dimension, NotNegative, Positive, Ratio
+from solver.scene.ranges import Cell, Cells, Count, Dimension, NotNegative, Positive, Ratio
 
 #: Numbers of cells of a plate where a scene says nothing.
 PLATE_CELLS: dict[Dimension, Cells] = {2: (24, 4), 3: (12, 12, 2)}
@@ -72,6 +72,10 @@ class PlateSpec(Foundation):
     damping: DampingSpec | None = None
     """Its own Rayleigh damping, a table as `[damping]`; not where all of it is fixed. Default: that
     of `[damping]`."""
+    modes: Count | Literal["auto"] | None = None
+    """Fixed-interface modes that steps go on with, beside nodes below blocks and at supports: so
+    many, or "auto": as many as their error asks for; not where all of it is fixed. Default: all
+    unknowns of the mesh."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
     """What holds the plate, as described above."""
     meshed: bool = False
@@ -91,6 +95,8 @@ class PlateSpec(Foundation):
         exactly_one(self, "mass", "mass_ratio", "density")
         if self.support == "fixed" and self.damping is not None:
             raise not_applicable("damping", "a plate that is not held everywhere")
+        if self.support == "fixed" and self.modes is not None:
+            raise not_applicable("modes", "a plate that is not held everywhere")
         if self.support != "fixed" and self.meshed:
             raise not_applicable("meshed", 'a plate with support = "fixed" only: others always are')
         if self.on_spring:
@@ -111,6 +117,11 @@ class PlateSpec(Foundation):
     def on_spring(self) -> bool:
         """Whether it is on rollers."""
         return self.support == "rollers"
+
+    @property
+    def reduced_modes(self) -> int | Literal["auto"] | None:
+        """Number of modes of its mesh that steps go on with; None: all unknowns."""
+        return self.modes
 
     @property
     def sway_damping_ratio(self) -> float | None:

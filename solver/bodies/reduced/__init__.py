@@ -1,0 +1,1 @@
+"""Meshed foundations reduced to the nodes that are touched or supported, and some modes."""
