@@ -121,6 +121,8 @@ class Layer:
         """
         self.comm, self.local, self.position, self.nodes = comm, local, position, nodes
         self.size = size = len(nodes)
+        self.direct = comm.size == 1
+        """Whether its nodes are read and written where the owned ones stand."""
         if comm.size == 1:
             self.index = np.empty(size, dtype=np.int64)
             self.index[position] = local
@@ -130,18 +132,18 @@ class Layer:
 
     def numbers(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Where nodes of the layer stand in what `reached` and `room` give."""
-        return self.index[nodes] if self.comm.size == 1 else nodes
+        return self.index[nodes] if self.direct else nodes
 
     def reached(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of all nodes, (n, ...), from those of the owned ones; on one rank without a copy.
+        """Values of all nodes, (n, ...), from those of the owned ones; without a copy if `direct`.
 
-        On several ranks they are those of the layer.
+        Else they are those of the layer.
         """
-        return values if self.comm.size == 1 else self.gather(values)
+        return values if self.direct else self.gather(values)
 
     def room(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where to add what belongs to owned nodes, (n, ...); `put` then takes it over."""
-        return target if self.comm.size == 1 else np.zeros((self.size, *target.shape[1:]))
+        return target if self.direct else np.zeros((self.size, *target.shape[1:]))
 
     def put(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:
         """Add to a target what `room` gave for it, where it is not the target itself."""

@@ -73,7 +73,7 @@ class ElasticBody:
         self.fixed = self._held(supports)
         self._assemble()
         self.spring_matrix = None if spring is None else spring.matrix(self.space)
-        self.delay = 0.0 if spring is None else spring.delay
+        self.has_spring, self.delay = spring is not None, 0.0 if spring is None else spring.delay
         self._measure_inertia()
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
@@ -245,11 +245,6 @@ class ElasticBody:
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from: those at the end of this one."""
         return u
-
-    @property
-    def has_spring(self) -> bool:
-        """Whether a spring holds it to the ground."""
-        return self.spring_matrix is not None
 
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""

@@ -24,7 +24,7 @@ class ReducedLayer(Layer):
                 same.
             size: Number of nodes on the face.
         """
-        self.comm, self.size = comm, size
+        self.comm, self.size, self.direct = comm, size, False
         self._places, self._rows = places, rows
         others = np.ones(size, dtype=np.bool_)
         others[places] = False
@@ -63,7 +63,8 @@ class _PartOfLayer(Layer):
 
     def __init__(self, whole: Layer, chosen: NDArray[np.int64]):
         """Take the layer and the places of the nodes in it."""
-        self._whole, self._chosen, self.size = whole, chosen, len(chosen)
+        self._whole, self._chosen = whole, chosen
+        self.size, self.direct = len(chosen), False
 
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Their values."""
