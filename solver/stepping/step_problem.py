@@ -215,8 +215,8 @@ class StepProblem:
             parts.append(points.links[number].interface.augmented(surface, kinematics))
             off = None if self._asleep[number] else self._beyond_edge(number, kinematics)
             if off is not None and off.any():
-                if beyond is None or beyond is self._left_out:
-                    beyond = np.zeros(points.count, dtype=bool) if beyond is None else beyond.copy()
+                none = np.zeros(points.count, dtype=np.bool_)
+                beyond = none if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
         y = joined(parts)
         if self._beds is not None:
