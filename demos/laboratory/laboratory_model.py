@@ -59,7 +59,7 @@ from solver.pictures.style import (
     save,
     zero_line,
 )
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 from solver.run.folders import open_folder
 from solver.run.rescale import rescaled
 from solver.scene.scaling import Scale
@@ -198,10 +198,9 @@ def _drawn(runs: list[Run]) -> Figure:
     model = chosen[-1][1]
     time, lean = model.history["time_s"], np.abs(model.history["block.angle_rad"])
     instants = [Instant(0.0, "at rest"), Instant(float(time[np.argmax(lean)]), "leans most")]
-    foundation = model.scene.foundation
-    draw_deformed(
-        above, model.folder / FIELDS, instants, dimension=3, floor=-(foundation.depth or 0.0)
-    )
+    foundation, fields = model.scene.foundation, model.fields
+    assert fields is not None
+    draw_deformed(above, fields, instants, dimension=3, floor=-(foundation.depth or 0.0))
     panels = below.subplots(3, len(chosen), sharex=True, sharey="row", squeeze=False)
     for column, (pair, own, prototype) in zip(panels.T, chosen, strict=True):
         _draw_pair(column, own, prototype)

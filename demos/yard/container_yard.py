@@ -58,7 +58,7 @@ from solver.build.foundation import natural_period
 from solver.parallel import on_first_rank
 from solver.pictures.style import BLUE, GREY, ORANGE, RED, new_figure, save
 from solver.pictures.surfaces import FieldFiles, polygons
-from solver.results.runs import FIELDS, Run
+from solver.results.runs import Run
 from solver.run.folders import open_folder
 
 HERE = Path(__file__).resolve().parent
@@ -288,8 +288,9 @@ def _drawn(runs: list[Run]) -> Figure:
 
 def _draw_stack(axes: Any, run: Run) -> None:
     """The deck and its stack where the stack has moved farthest."""
-    history, scene = run.history, run.scene
-    files = FieldFiles(run.folder / FIELDS, 2)
+    history, scene, fields = run.history, run.scene, run.fields
+    assert fields is not None
+    files = FieldFiles(fields, 2)
     column = "angle_rad" if fate(run) in ("rock", "fall") else "slip_m"
     moved = np.max([np.abs(history[f"{block.name}.{column}"]) for block in scene.blocks], axis=0)
     (index,) = files.nearest([float(history["time_s"][np.argmax(moved)])])

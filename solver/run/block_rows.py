@@ -23,7 +23,8 @@ from solver.types import Array, Mask
 def touch(force: Array, place: Array, may_touch: Mask, level: float, touching: Mask) -> int:
     """Fill in the closed points, or else the lowest and all that are within `level` of it (m).
 
-    Returns their number. Points are given by their forces and places, (points, d).
+    Where no point may touch, these are all. Returns their number. Points are given by their forces
+    and places, (points, d).
     """
     count, lowest = 0, math.inf
     for p in range(len(force)):
@@ -34,7 +35,8 @@ def touch(force: Array, place: Array, may_touch: Mask, level: float, touching: M
     if count:
         return count
     for p in range(len(force)):
-        touching[p] = may_touch[p] and place[p, 0] <= lowest + level
+        height = place[p, 0] if may_touch[p] else math.inf
+        touching[p] = height <= lowest + level
         count += touching[p]
     return count
 

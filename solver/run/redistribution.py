@@ -97,10 +97,10 @@ class Redistribution:
         bodies = enumerate(zip(*pieces, strict=True))
         return np.concatenate([self.body(number, piece) for number, piece in bodies])
 
-    def fields(self, saved: Sequence[Any], names: Sequence[str]) -> Any:
-        """A dataclass as of the first rank, with vectors of these names as they are on this one."""
+    def fields(self, saved: Sequence[Any], names: Sequence[str]) -> dict[str, Array]:
+        """Vectors of these names as they are on this rank, from what all ranks of then saved."""
         vectors = {name: [getattr(one, name) for one in saved] for name in names}
-        return replace(saved[0], **{name: self.system(own) for name, own in vectors.items()})
+        return {name: self.system(own) for name, own in vectors.items()}
 
 
 def _rows(body: Body, places: Sequence[Array]) -> Indices | None:
@@ -124,11 +124,15 @@ def redistributed(system: System, parts: Sequence[dict[str, Any]]) -> dict[str, 
         SceneError: It was another mesh.
     """
     moved, first = Redistribution(system, [part["owned"] for part in parts]), parts[0]
-    state: State = moved.fields([part["state"] for part in parts], HELD_APART)
+    apart = moved.fields([part["state"] for part in parts], HELD_APART)
+    state: State = replace(first["state"], **apart)
     judge = first["judge"]
     if judge is not None:
-        past: Past = moved.fields([part["judge"][0] for part in parts], PAST_APART)
-        judge = past, judge[1]
+        past: Past = judge[0]
+        judge = (
+            past._replace(**moved.fields([part["judge"][0] for part in parts], PAST_APART)),
+            judge[1],
+        )
     steppers = [part["stepper"] for part in parts]
     solve = dict(steppers[0]["solve"])
     if solve["strained_at"] is not None:

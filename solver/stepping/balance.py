@@ -16,7 +16,7 @@ from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Body, System
 from solver.types import Array
 
-RESIDUAL_TOLERANCE = 1e-8
+RESIDUAL_TOLERANCE = 1e-9
 """Residual that counts as zero, over the loads. It is a stress that balances itself: net forces
 vanish with the first correction, whatever the tangent."""
 

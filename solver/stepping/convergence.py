@@ -54,9 +54,9 @@ class Convergence:
     """A residual no longer falls where it stays above this part of the one before; found with a
     rigid block on a light stiff one, whose residual fell slowly, but fell, and was taken for
     round-off."""
-    expected: float = 1.0
-    """After several corrections the last one has to be expected to leave no more than this many
-    absolute tolerances, by the rate at which the one before it shrank the residual. That rate
+    expected: float = 0.1
+    """After several corrections the last one has to be expected to leave no more than this part
+    of the absolute tolerance, by the rate at which the one before it shrank the residual. That rate
     overstates what is left, by 2 to 50 times in the demo; but unlike the residual itself it is far
     above round-off, so that one and several ranks take the same number of corrections, and their
     histories differ by no more than round-off."""

@@ -73,7 +73,7 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
         ),  # round-off stays
         ([1.0, 2e-8, 1.9e-8], 0.0, IterationVerdict.ITERATING),  # too much for round-off
         ([1.0, 1.3e-8, 1e-8], 0.0, IterationVerdict.ITERATING),
-        ([1.0, 3e-5, 1e-10], 0.0, IterationVerdict.SMALL_RESIDUAL),  # 9e-10 expected
+        ([1.0, 9e-6, 1e-10], 0.0, IterationVerdict.SMALL_RESIDUAL),  # 8e-11 expected
         ([1.0, 1e-4, 1e-10], 0.0, IterationVerdict.ITERATING),  # 1e-8 expected: one more is certain
         ([1e-6, 1e3], 0.0, IterationVerdict.GROWING),
         (
