@@ -97,7 +97,7 @@ class Redistribution:
         bodies = enumerate(zip(*pieces, strict=True))
         return np.concatenate([self.body(number, piece) for number, piece in bodies])
 
-    def fields(self, saved: Sequence[Any], names: Sequence[str]) -> dict[str, Array]:
+    def fields(self, saved: Sequence[Any], names: Sequence[str]) -> dict[str, Any]:
         """Vectors of these names as they are on this rank, from what all ranks of then saved."""
         vectors = {name: [getattr(one, name) for one in saved] for name in names}
         return {name: self.system(own) for name, own in vectors.items()}
