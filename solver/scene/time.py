@@ -99,18 +99,18 @@ class TimeSpec(Checked):
         """
         if not is_open(self.step):
             if self.largest is not None and self.step <= stiffest < self.largest:
-                return replace(self, largest=max(_rounded(stiffest), self.step))
+                return replace(self, largest=max(rounded_down(stiffest), self.step))
             return self
         longest = min(self.end / FEWEST_STEPS, period / STEPS_A_PERIOD)
         if frequency > 0:
             share = STEP_OF_RIGID_SCENES if is_rigid else LONGEST_STEP
             longest = min(longest, share / frequency)
         if is_rigid:
-            return replace(self, step=self._whole(_rounded(longest)))
+            return replace(self, step=self._whole(rounded_down(longest)))
         if self.largest is not None:
             longest = self.largest
         elif longest < stiffest:
-            longest = _rounded(longest)
+            longest = rounded_down(longest)
         longest = self._whole(min(longest, stiffest))
         return replace(self, step=longest / 4, largest=longest, adaptive=True)
 
@@ -120,7 +120,7 @@ class TimeSpec(Checked):
         return float(f"{self.end / steps:.12g}")
 
 
-def _rounded(step: float) -> float:
+def rounded_down(step: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above a step."""
     power = 10.0 ** math.floor(math.log10(step) + 1e-9)
     digit = next(digit for digit in (5, 2, 1) if digit * power <= step * (1 + 1e-9))

@@ -58,6 +58,16 @@ def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
     assert demo.FRICTIONS == (0.1, 0.2, 0.3, 0.4)
 
 
+def test_the_plate_is_the_platform_meshed(demo: ModuleType) -> None:
+    scene, meshed = load_scene(demo.SCENE), load_scene(demo.PLATE)
+    plate = meshed.foundation
+    assert (plate.kind, plate.support, plate.width, plate.height) == ("elastic", "rollers", 3, 0.3)
+    assert meshed.blocks == scene.blocks
+    assert meshed.carried_mass / meshed.platform().mass == pytest.approx(2.0)
+    for of in ("mass_ratio", "period", "damping_ratio"):
+        assert getattr(plate, of) == getattr(scene.foundation, of)
+
+
 def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> None:
     assert demo.show(folder) == 0
     output = capsys.readouterr()
@@ -70,6 +80,15 @@ def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> No
     for row in rows:
         ratio = float(row[demo.DRIFT]) / float(row[demo.EXACT])
         assert float(row[demo.RATIO]) == pytest.approx(ratio) == pytest.approx(1.0, abs=2e-3)
+
+
+def test_a_meshed_plate_drifts_like_the_oscillator(demo: ModuleType, tmp_path: Path) -> None:
+    """One motion, under which the block slides, with default steps."""
+    words = ["--plate", "--count", "1", "-q", "-j", "2", "--set", "block.cells=[3,2]"]
+    assert demo.main([*words, "-o", str(tmp_path / "plate")]) == 0
+    rows = demo.read_table(tmp_path / "plate" / "suite.csv")
+    assert max(float(row["block.peak_slip_m"]) for row in rows) > 1e-3
+    assert [float(row[demo.RATIO]) for row in rows] == pytest.approx([1.0] * 4, abs=1e-3)
 
 
 def _broken(rows: Any, demo: ModuleType) -> None:

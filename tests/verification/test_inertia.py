@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from rockslip import load_scene
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.synthetic.suite_motion import synthetic_motion
 from solver.excitation.synthetic.table1 import table1_suite
+from solver.reference.answer import reference_history
 from solver.reference.friction import Resistance, coulomb
 from solver.reference.platform_sampled import sampled_sliding_on_platform
 from solver.reference.sliding_peaks import Stretches, fixed_drifts, slider_peaks
@@ -23,6 +25,7 @@ from solver.study.inertia.cells import Cell, Structure, cells_of, chosen
 from solver.study.inertia.findings import Finding, Line
 from solver.study.inertia.portion import grid
 from solver.study.inertia.runs import block_tasks, closed_tasks, content_of, ladder, run_task
+from solver.study.suite.case import scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
 
 pytestmark = pytest.mark.serial
@@ -222,15 +225,19 @@ def test_points_of_the_grid_are_near_enough() -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "frictions"),
-    [(3, "0.1"), pytest.param(10, "0.1,0.2,0.3", marks=pytest.mark.slow)],
+    ("count", "period", "frictions"),
+    [
+        (3, 0.5, "0.1"),
+        pytest.param(10, 0.5, "0.1,0.2,0.3", marks=pytest.mark.slow),
+        pytest.param(10, 0.25, "0.1,0.3", marks=pytest.mark.slow),
+    ],
 )
-def test_rigid_blocks_agree(count: int, frictions: str) -> None:
-    """The engine of rigid blocks, under the same motions, within 0.003."""
-    tables = load_scene(SCENE, ["time.step=2.5e-3"]).to_dict()
-    tables.pop("motion", None)
+def test_rigid_blocks_agree(count: int, period: float, frictions: str) -> None:
+    """The engine of rigid blocks in the steps of the map, under the same motions, within 0.003."""
+    tables = tomllib.loads(SCENE.read_text())
+    assert "step" not in tables["time"]
     scene = load_scene(SCENE)
-    cells = cells_of(scene, chosen([f"friction={frictions}"])).cells
+    cells = cells_of(scene, chosen([f"period={period}", f"friction={frictions}"])).cells
     motions = suite(count)
     own, steps = cells[0].structure, ladder([cell.friction for cell in cells])
     tasks = closed_tasks({own: steps}, motions, tables, SCENE.parent, {})
@@ -243,3 +250,24 @@ def test_rigid_blocks_agree(count: int, frictions: str) -> None:
         closed = line.finding(cell)
         assert rigid.arithmetic.value == pytest.approx(closed.arithmetic.value, abs=0.003)
         assert rigid.shear_over_fixed == pytest.approx(closed.shear_over_fixed, abs=2e-3)
+
+
+LOCKED = SCENE.parents[1] / "inertia" / "locked_stack.toml"
+
+
+@pytest.mark.slow
+def test_a_locked_stack_rocks_as_its_equations_say() -> None:
+    """Four containers in the steps of the map, against the Runge-Kutta integration."""
+    tables, scene = tomllib.loads(LOCKED.read_text()), load_scene(LOCKED)
+    (cell,) = cells_of(scene, chosen(["period=0.5"])).cells
+    *_, motion = suite(12)
+    (task,) = block_tasks(cell, [motion], tables, LOCKED.parent, "rigid")
+    drift, _, slip, angle, fell = next(iter(run_task(task)["runs"].values()))
+    (block,) = scene.blocks
+    assert block.width / block.height < cell.friction  # it rocks before it slides
+    assert (slip, fell) == (pytest.approx(0.0, abs=1e-9), 0.0)
+    resolved, ground = scene_of(task.case)
+    exact = reference_history(resolved, ground=ground)
+    assert angle > math.radians(0.5)
+    assert angle == pytest.approx(np.abs(exact["block.angle_rad"]).max(), rel=2e-3)
+    assert drift == pytest.approx(np.abs(exact["platform.drift_m"]).max(), rel=1e-3)
