@@ -18,6 +18,10 @@ from solver.scene import Scene
 #: Rows that become text in one go.
 CHUNK = 256
 
+#: Rows of memory that are taken in one go. A table that doubles would be copied, and its old
+#: copies stay with the process.
+BLOCK = 4096
+
 
 def structure_of(scene: Scene) -> Structure | None:
     """What the structure of a scene has; None where what carries the blocks is no structure."""
@@ -55,7 +59,7 @@ class History:
         self._index = {name: i for i, name in enumerate(self.columns)}
         if len(self._index) != len(self.columns):
             raise ValueError("two columns have the same name")
-        self._rows: NDArray[np.float64] = np.empty((256, len(self.columns)))
+        self._blocks: list[NDArray[np.float64]] = []
         self._length = 0
         self._written = 0
         if file is not None:
@@ -74,33 +78,36 @@ class History:
 
     def __getitem__(self, column: str) -> NDArray[np.float64]:
         """One column, over all rows."""
-        values: NDArray[np.float64] = self._rows[: self._length, self._index[column]]
-        return values.copy()
+        values, place = np.empty(self._length), self._index[column]
+        for first, block in zip(range(0, self._length, BLOCK), self._blocks, strict=False):
+            part = values[first : first + BLOCK]
+            part[:] = block[: len(part), place]
+        return values
 
     def append(self, row: Sequence[float] | NDArray[np.float64]) -> None:
         """Add a row: one value for each column, in their order."""
         # numpy would spread a single value over the row.
         if len(row) != len(self.columns):
             raise ValueError(f"got {len(row)} values for {len(self.columns)} columns")
-        self._reserve(1)
-        self._rows[self._length] = row
+        self._room()[0] = row
         self._length += 1
 
     def extend(self, rows: NDArray[np.float64]) -> None:
         """Add many rows at once, (n, number of columns)."""
         if rows.ndim != 2 or rows.shape[1] != len(self.columns):
             raise ValueError(f"got rows of shape {rows.shape} for {len(self.columns)} columns")
-        self._reserve(len(rows))
-        self._rows[self._length : self._length + len(rows)] = rows
-        self._length += len(rows)
+        while len(rows):
+            room = self._room()[: len(rows)]
+            room[:] = rows[: len(room)]
+            self._length += len(room)
+            rows = rows[len(room) :]
 
-    def _reserve(self, more: int) -> None:
-        """Make room for more rows; doubling keeps the copies few."""
-        needed = self._length + more
-        if needed > len(self._rows):
-            room = np.empty((max(needed, 2 * len(self._rows)), len(self.columns)))
-            room[: self._length] = self._rows[: self._length]
-            self._rows = room
+    def _room(self) -> NDArray[np.float64]:
+        """The free rows of the last block, at least one."""
+        number, used = divmod(self._length, BLOCK)
+        if number == len(self._blocks):
+            self._blocks.append(np.empty((BLOCK, len(self.columns))))
+        return self._blocks[number][used:]
 
     def flush(self) -> None:
         """Write the rows that are not in the file yet."""
@@ -109,7 +116,9 @@ class History:
         line = ",".join(["%.17g"] * len(self.columns)) + "\n"
         with self.file.open("ab", buffering=0) as stream:
             while self._written < self._length:
-                part = self._rows[self._written : min(self._written + CHUNK, self._length)]
+                number, first = divmod(self._written, BLOCK)
+                last = min(first + CHUNK, self._length - number * BLOCK)
+                part = self._blocks[number][first:last]
                 text = (line * len(part) % tuple(part.ravel().tolist())).encode()
                 before = stream.tell()
                 try:

@@ -11,7 +11,7 @@ import pytest
 from rockslip import History, parse_scene
 from solver.errors import SceneError
 from solver.history.columns import columns
-from solver.history.history import scene_columns
+from solver.history.history import BLOCK, scene_columns
 
 
 def test_columns_follow_the_interface() -> None:
@@ -149,3 +149,21 @@ def test_a_line_that_was_being_written_is_left_out(tmp_path: Path) -> None:
     """A run that is killed may leave half a line."""
     (tmp_path / "history.csv").write_text("time_s,a\n0,1\n1,2\n2")
     assert History.read(tmp_path / "history.csv")["time_s"].tolist() == [0.0, 1.0]
+
+
+def test_rows_of_many_blocks_are_those_that_came(tmp_path: Path) -> None:
+    """One by one and many at once, in memory, in the file, and gone on with."""
+    rows = np.random.default_rng(1).standard_normal((3 * BLOCK + 700, 2))
+    history, first = History(["time_s", "b"], tmp_path / "history.csv"), 0
+    for count in (1, BLOCK - 2, 1, 1, BLOCK + 300, len(rows)):
+        history.extend(rows[first : first + count])
+        first += count
+        history.flush()
+    again = History.resumed(history.columns, tmp_path / "history.csv", BLOCK + 10)
+    for row in rows[BLOCK + 10 :]:
+        again.append(row)
+    again.flush()
+    for table in (history, again, History.read(tmp_path / "history.csv")):
+        assert len(table) == len(rows)
+        assert np.array_equal(table["time_s"], rows[:, 0])
+        assert np.array_equal(table["b"], rows[:, 1])
