@@ -1,12 +1,15 @@
-"""The history of a run: one row a step, kept in memory and, if asked for, in a CSV file."""
+"""The history of a run: one row a step, and, if asked for, a CSV file of them."""
 
 from __future__ import annotations
 
 import csv
 import math
 import os
+import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +52,9 @@ class History:
     """A table that grows by rows; `history["time_s"]` is one of its columns.
 
     Rows reach the file by `flush`, with all their digits (%.17g), so that a history which is read
-    back is the same to the last bit. What is not known is nan.
+    back is the same to the last bit. What is not known is nan. Rows that have reached the file lie
+    in a nameless file beside it until they are read, so that long runs take no more memory than
+    short ones; without a file all rows are kept in memory.
     """
 
     def __init__(self, columns: Sequence[str], file: Path | None = None):
@@ -60,6 +65,8 @@ class History:
         if len(self._index) != len(self.columns):
             raise ValueError("two columns have the same name")
         self._blocks: list[NDArray[np.float64]] = []
+        self._shelf: IO[bytes] | None = None
+        self._shelved = 0
         self._length = 0
         self._written = 0
         if file is not None:
@@ -132,6 +139,26 @@ class History:
                     self._written += text.count(b"\n", 0, kept)
                     raise OSError(error.errno, error.strerror, str(self.file)) from error
                 self._written += len(part)
+
+        self._shelve()
+
+    def _shelve(self) -> None:
+        """Take full blocks that are in the file out of memory; they are read from disk again."""
+        assert self.file is not None
+        full = self._written // BLOCK
+        try:
+            if self._shelf is None and self._shelved < full:
+                self._shelf = tempfile.TemporaryFile(dir=self.file.parent)
+            while self._shelf is not None and self._shelved < full:
+                block = self._blocks[self._shelved]
+                self._shelf.write(block.tobytes())
+                self._shelf.flush()
+                place, shape = self._shelved * block.nbytes, block.shape
+                on_disk = np.memmap(self._shelf, np.float64, "r", place, shape)
+                self._blocks[self._shelved] = on_disk
+                self._shelved += 1
+        except OSError:  # no space for a second copy: the rows stay in memory
+            self._shelved = sys.maxsize
 
     @classmethod
     def resumed(cls, columns: Sequence[str], file: Path, rows: int) -> History:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import math
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -167,3 +169,30 @@ def test_rows_of_many_blocks_are_those_that_came(tmp_path: Path) -> None:
         assert len(table) == len(rows)
         assert np.array_equal(table["time_s"], rows[:, 0])
         assert np.array_equal(table["b"], rows[:, 1])
+
+
+def test_without_space_for_a_second_copy_rows_stay_in_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", full)
+    rows = np.random.default_rng(2).standard_normal((2 * BLOCK + 3, 2))
+    history = History(["time_s", "b"], tmp_path / "history.csv")
+    for part in (rows[:BLOCK], rows[BLOCK:]):
+        history.extend(part)
+        history.flush()
+    assert np.array_equal(history["b"], rows[:, 1])
+    assert np.array_equal(History.read(tmp_path / "history.csv")["b"], rows[:, 1])
+    assert not any(isinstance(block, np.memmap) for block in history._blocks)
+
+
+def test_rows_that_are_in_the_file_take_no_memory(tmp_path: Path) -> None:
+    rows = np.random.default_rng(3).standard_normal((2 * BLOCK + 3, 2))
+    history = History(["time_s", "b"], tmp_path / "history.csv")
+    history.extend(rows)
+    history.flush()
+    assert [isinstance(block, np.memmap) for block in history._blocks] == [True, True, False]
+    assert [file.name for file in tmp_path.iterdir()] == ["history.csv"]
+    assert np.array_equal(history["b"], rows[:, 1])
