@@ -63,7 +63,7 @@ class ReducedFacts(NamedTuple):
     delay: float
     """Dashpots over springs to the ground, s."""
     dimension: int
-    """Of space."""
+    """Dimension d of space, 2 or 3."""
     unknowns: int
     """Numbers on rank 0, d of each node and of each group of amplitudes."""
     springs: bool
@@ -159,11 +159,11 @@ class ReducedBody:
         return u + dt * v
 
     def turned(self, force: Array, vector: Array) -> Array:
-        """The same: it does not turn."""
+        """The force itself, since the body does not turn."""
         return force
 
     def rotation(self, u: Array) -> Array:
-        """None: the identity, (d, d)."""
+        """The identity, (d, d), since the body does not turn."""
         return self.identity
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:

@@ -22,10 +22,10 @@ INSENSITIVE = 0.01
 """Where D changes by less than this part between lambda = 0 and 1, lambda is not reported."""
 
 RESAMPLES, SEED = 1000, 19
-"""Of the bootstrap."""
+"""Number of suites that the bootstrap draws, and the seed that it draws them by."""
 
 QUANTILES = (0.05, 0.95)
-"""Of an interval of 90 %."""
+"""Quantiles that bound an interval of 90 %."""
 
 
 def grid() -> Array:
