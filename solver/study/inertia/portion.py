@@ -96,7 +96,7 @@ class Portion:
     low: float | None
     """Lower end of the interval of 90 %."""
     high: float | None
-    """Its upper end."""
+    """Upper end of that interval."""
     without: float
     """Share of the resampled suites that have none."""
 
