@@ -138,7 +138,7 @@ class ReducedBody:
         return self.parts.shapes.expanded(y)
 
     def resultant(self, force: Array) -> Array:
-        """Sum of forces on the owned unknowns, (d,): what they do to the body as a whole."""
+        """Sum of the forces on the owned unknowns along each direction, (d,), N: on the nodes."""
         return np.asarray(force.reshape(-1, self.dimension)[: self.kept].sum(axis=0))
 
     def inertia(self, vector: Array) -> Array:
