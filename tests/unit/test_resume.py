@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib
+import inspect
 import json
 import os
 import pickle
@@ -23,7 +24,7 @@ from scenes import BLOCK
 from rockslip import History, Scene, parse_scene, simulate
 from solver.cli import main
 from solver.errors import SceneError
-from solver.run.checkpoint import NAME, TYPES, Checkpoint, Schedule, write_checkpoint
+from solver.run.checkpoint import FORMAT, NAME, TYPES, Checkpoint, Schedule, write_checkpoint
 from solver.scene import scene_to_toml
 
 pytestmark = pytest.mark.serial
@@ -190,9 +191,24 @@ def test_types_that_runs_save_exist() -> None:
     """The list goes with the modules; numpy's are those of numpy 2."""
     pytest.importorskip("dolfinx")
     for module, names in TYPES.items():
-        if not module.startswith("numpy."):
+        if not module.startswith("numpy"):
             found = importlib.import_module(module)
             assert [name for name in names if not isinstance(getattr(found, name), type)] == []
+
+
+def test_the_format_goes_with_the_fields_of_the_types() -> None:
+    """Where this fails, raise FORMAT: a checkpoint with other fields is refused, never misread."""
+    pytest.importorskip("dolfinx")
+    types = [
+        getattr(importlib.import_module(module), name)
+        for module, names in TYPES.items()
+        if not module.startswith("numpy")
+        for name in names
+    ]
+    fields = "\n".join(f"{one.__name__} {[*inspect.signature(one).parameters]}" for one in types)
+    assert (FORMAT, hashlib.sha256(fields.encode()).hexdigest()[:16]) == (3, "20af78353d87108d"), (
+        fields
+    )
 
 
 class TestRefused:
@@ -239,7 +255,7 @@ class TestRefused:
             header, own = json.loads(str(table["header"])), table["rank0"]
         for key, value, said in (
             ("rockslip", "0.0.1", "of another version of rockslip"),
-            ("format", 1, "in another format"),
+            ("format", 2, "in another format"),
             ("ranks", 1, ""),
         ):
             strange = json.dumps(header | {key: value})
