@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from processes import outside_mpirun
-from scenes import BLOCK
+from scenes import BLOCK, OSCILLATOR, UPPER
 
 from rockslip import History, Scene, parse_scene, simulate
 from solver.cli import main
@@ -34,17 +34,6 @@ COARSE = BLOCK + "\ncells = [3, 6]\n"
 TILTED = COARSE + "tilt_deg = 1.0\n"
 SHAKEN = '[motion]\nkind = "sine"\namplitude_g = 0.5\nperiod = 0.3\n'
 STEPS = "[time]\nend = 0.3\nstep = 0.001\n"
-UPPER = """
-[[block]]
-name = "upper"
-on = "block"
-width = 0.25
-height = 0.5
-thickness = 0.75
-mass = 250.0
-model = "rigid"
-"""
-OSCILLATOR = '[foundation]\nkind = "oscillator"\nmass_ratio = 0.5\nperiod = 0.4\n'
 
 FRAME = """
 [foundation]
@@ -206,9 +195,8 @@ def test_the_format_goes_with_the_fields_of_the_types() -> None:
         for name in names
     ]
     fields = "\n".join(f"{one.__name__} {[*inspect.signature(one).parameters]}" for one in types)
-    assert (FORMAT, hashlib.sha256(fields.encode()).hexdigest()[:16]) == (3, "20af78353d87108d"), (
-        fields
-    )
+    digest = hashlib.sha256(fields.encode()).hexdigest()[:16]
+    assert (FORMAT, digest) == (3, "20af78353d87108d"), fields
 
 
 class TestRefused:
