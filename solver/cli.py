@@ -175,6 +175,7 @@ def run_scene(options: argparse.Namespace) -> int:
             _start_petsc(given.own_words())
             import_module("dolfinx")
         if given.solver:  # without a mesh they are of no use, but a misspelt one is refused as well
+            import_module("solver.compat")  # PETSc takes SIGPIPE over, and this takes it back
             from solver.stepping.nonlinear import check_options
 
             check_options(options.petsc_options)

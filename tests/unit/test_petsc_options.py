@@ -116,6 +116,17 @@ def test_without_a_mesh_the_others_are_of_no_use(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
+def test_without_a_mesh_a_reader_may_go_away(tmp_path: Path) -> None:
+    """PETSc, which checks the options, does not end the run where a pipe is closed."""
+    run(tmp_path, model="rigid")
+    words = f"{sys.executable} -m solver run scene.toml --force -- -rockslip_snes_monitor"
+    piped = ["bash", "-o", "pipefail", "-c", f"{words} | true"]
+    done = subprocess.run(
+        piped, cwd=tmp_path, env=outside_mpirun(), capture_output=True, text=True, timeout=300
+    )
+    assert (done.returncode, "PETSC ERROR" in done.stderr) == (0, False), done.stderr
+
+
 def test_own_options_keep_their_values() -> None:
     options = parse_options(["-log_view", ":file.txt", "-snes_max_it", "-3", "-info"])
     assert options.own_words() == ["-log_view", ":file.txt", "-info"]
