@@ -14,7 +14,7 @@ from demos.verdict import Results, verdict
 from rockslip import Scene, read_run, simulate
 from solver.cli import INTERRUPTED
 from solver.errors import RockslipError
-from solver.parallel import on_first_rank
+from solver.parallel import abort_on_exceptions, on_first_rank
 from solver.results.runs import Run
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
@@ -72,8 +72,9 @@ def conclude(
 ) -> int:
     """Work on all ranks, show and judge on the first; returns the exit code, on every rank.
 
-    What goes wrong is said in one line.
+    What goes wrong is said in one line; an error of the program itself ends all ranks.
     """
+    abort_on_exceptions(comm)
     code = 0
     try:
         made = work()

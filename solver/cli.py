@@ -158,7 +158,7 @@ def run_scene(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise not_installed(error) from error
     abort_on_exceptions(comm)
-    own = parse_options(options.petsc_options).own_words()  # refused before anything is written
+    given = parse_options(options.petsc_options)  # refused before anything is written
     if options.scene is None and options.resume is None:
         raise missing_key("SCENE", "or --resume DIR (see rockslip run --help)")
     path = _resumed_scene(options) if options.resume else options.scene
@@ -172,8 +172,13 @@ def run_scene(options: argparse.Namespace) -> int:
         from solver.run.simulate import simulate
 
         if not scene.is_rigid:
-            _start_petsc(own, options.petsc_options)
+            _start_petsc(given.own_words())
             import_module("dolfinx")
+        if given.solver:  # without a mesh they are of no use, but a misspelt one is refused as well
+            import_module("solver.compat")  # PETSc takes SIGPIPE over, and this takes it back
+            from solver.stepping.nonlinear import check_options
+
+            check_options(options.petsc_options)
     except ImportError as error:
         raise not_installed(error) from error
     folder = options.resume or options.output or Path(_stem(path) + ".out")
@@ -216,16 +221,12 @@ def _resumed_scene(options: argparse.Namespace) -> Path:
     return Path(options.resume) / "scene.toml"
 
 
-def _start_petsc(own: Sequence[str], words: Sequence[str]) -> None:
-    """Start PETSc with its own options, and refuse those that its solvers do not know."""
-    if own:  # it reads them when it starts
+def _start_petsc(own: Sequence[str]) -> None:
+    """Start PETSc with its own options, which it reads when it starts."""
+    if own:
         import petsc4py
 
         petsc4py.init(["rockslip", *own])
-    if words:
-        from solver.stepping.nonlinear import check_options
-
-        check_options(words)
 
 
 def check_scene(options: argparse.Namespace) -> int:

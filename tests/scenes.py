@@ -9,7 +9,22 @@ mass = 503.0
 young = 5.0e10
 poisson = 0.2"""
 
-#: The same released at three degrees; without a [time].
+#: A rigid block on it, half as high; further keys of it may follow.
+UPPER = """
+[[block]]
+name = "upper"
+on = "block"
+width = 0.25
+height = 0.5
+thickness = 0.75
+mass = 250.0
+model = "rigid"
+"""
+
+#: What both may stand on.
+OSCILLATOR = '[foundation]\nkind = "oscillator"\nmass_ratio = 0.5\nperiod = 0.4\n'
+
+#: The paper's block released at three degrees; without a [time].
 GRANITE = f"""
 title = "A block of granite"
 {BLOCK}

@@ -87,7 +87,7 @@ from rockslip import Scene, load_scene, read_run
 from solver.pictures import pictures, style
 from solver.pictures.deformed import draw_deformed
 from solver.pictures.instants import instants
-from solver.reference.housner import RockingReference, housner
+from solver.reference.housner import RockingReference, housner, housner_restitution
 from solver.results.report import report
 from solver.results.runs import Run
 
@@ -145,8 +145,15 @@ def impacts(run: Run) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mean_restitution(run: Run) -> float:
-    """Geometric mean of the restitutions of the first four impacts, as far as they are known."""
-    return float(np.exp(np.nanmean(np.log(impacts(run)[1][:4]))))
+    """Geometric mean of the restitutions of the first four impacts, as far as they are known.
+
+    Where none is, it is Housner's: that makes no difference to the first impact.
+    """
+    ratios = impacts(run)[1][:4]
+    known = np.log(ratios[np.isfinite(ratios)])
+    if not len(known):
+        return housner_restitution(run.scene.blocks[0].shape)
+    return float(np.exp(known.mean()))
 
 
 def table(run: Run, reference: RockingReference, matched: RockingReference) -> str:
@@ -268,15 +275,17 @@ def checks(run: Run, matched: RockingReference) -> list[tuple[bool, str]]:
     times, restitutions = impacts(run)
     exact = matched.impacts[:5]
     results = []
-    if len(times) < len(exact) or not len(exact):
+    if not len(times):
+        results.append((False, f"no impact until {run.scene.time.end:g} s"))
+    elif len(times) < len(exact) or not len(exact):
         results.append((False, f"{len(times)} impacts, a rigid block has {len(exact)} or more"))
     for k, (time, expected) in enumerate(zip(times, exact, strict=False), start=1):
         good = abs(time / expected - 1) <= 0.002
         results.append((good, f"impact {k} at {time:.4f} s, {expected:.4f} s within 0.2 %"))
     known = restitutions[:4][np.isfinite(restitutions[:4])]
-    spread = float(np.ptp(known))
+    spread = float(np.ptp(known)) if len(known) else np.inf
     energy, block = run.summary["energy"], run.summary["blocks"]["block"]
-    slip, material = 1e3 * block["residual_slip_m"], energy["loss_share"]["damping"]
+    slip, material = 1e3 * block["residual_slip_m"], energy["loss_share"].get("damping", 0.0)
     gain, ledger = energy["largest_gain_fraction"], energy["ledger_error_fraction"]
     completed = run.summary["status"] == "completed"
     return [

@@ -163,10 +163,15 @@ def table(runs: list[Run], answers: dict[float, PlatformReference]) -> str:
         if model == MODELS[0]:
             row = f"{1e3 * exact[0]:14.3f} {1e3 * exact[1]:22.3f}"
             lines.append(f"{friction_of(run):<9g} reference{row}")
-        drift_row = f"{1e3 * drift:14.3f} {drift / exact[0] - 1:+8.3%}"
-        slip_row = f"{1e3 * slip:13.3f} {slip / exact[1] - 1:+8.3%}"
+        drift_row = f"{1e3 * drift:14.3f} {_off(drift, exact[0])}"
+        slip_row = f"{1e3 * slip:13.3f} {_off(slip, exact[1])}"
         lines.append(f"{'':9} {model:9}{drift_row} {slip_row}")
     return "\n".join(lines)
+
+
+def _off(value: float, exact: float) -> str:
+    """How far a number is from that of the reference; a hyphen where that is 0."""
+    return f"{value / exact - 1:+8.3%}" if exact else f"{'-':>8}"
 
 
 # -
@@ -273,7 +278,9 @@ def checks(runs: list[Run], answers: dict[float, PlatformReference]) -> list[tup
 
 
 def _within(name: str, value: float, exact: float, band: float) -> tuple[bool, str]:
-    """Whether a length (m) agrees with the reference."""
+    """Whether a length (m) agrees with the reference, once that has any."""
+    if not exact:
+        return False, f"{name}: 0 until the end, too early to compare"
     good = abs(value / exact - 1) <= band
     return good, f"{name} {1e3 * value:.3f} mm, {1e3 * exact:.3f} mm within {band:.1%}"
 

@@ -51,6 +51,7 @@ class DenseBody(ABC):
         self.own = slice(0, self.unknowns if comm.rank == 0 else 0)
         self.size = self.own.stop
         self.diagonal, self.stiffness, self.dashpot = mass, stiffness, dashpot
+        self._translations = translations[:, self.own]
         self.directional_mass = (translations * mass)[:, self.own]
         self.mass = float(mass[0])
         self.fixed = np.empty(0, dtype=np.int32)
@@ -67,6 +68,10 @@ class DenseBody(ABC):
     def inertia(self, vector: Array) -> Array:
         """M x."""
         return self.diagonal[self.own] * vector
+
+    def resultant(self, force: Array) -> Array:
+        """Sum of the forces on the owned unknowns along each direction, (d,), N."""
+        return np.asarray(self._translations @ force)
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Prepare for a step or an equilibrium: a body without strain needs no preparation."""

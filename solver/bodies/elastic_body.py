@@ -259,7 +259,7 @@ class ElasticBody:
         return force
 
     def resultant(self, force: Array) -> Array:
-        """Sum of forces on the owned unknowns, (d,)."""
+        """Sum of the forces on the owned unknowns along each direction, (d,), N."""
         return np.asarray(force.reshape(-1, self.dimension).sum(axis=0))
 
     def dashpot(self, velocity: Array) -> Array:

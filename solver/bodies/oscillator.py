@@ -35,7 +35,7 @@ class Oscillator(DenseBody):
         self._unturned = np.empty(0), np.eye(dimension)
 
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
-        """It does not move vertically, and does not turn."""
+        """The motion along the ground: it does not move vertically, and does not turn."""
         motion = np.zeros((2, self.dimension))
         motion[0, :-1], motion[1, :-1] = self.replicate(u), self.replicate(v)
         return RigidMotion(motion[0], motion[1], *self._unturned)

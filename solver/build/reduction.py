@@ -45,7 +45,7 @@ class Footprint(NamedTuple):
     high: Array
     """Largest ones, m."""
     mass: float
-    """Of the block and of all that stand on it, kg."""
+    """Mass of the block and of all that stand on it, kg."""
 
 
 class Reduced(NamedTuple):
@@ -173,7 +173,7 @@ def _storeys(full: Storeys, kept: Indices, shapes: Shapes) -> Storeys:
 
 
 def _footprints(scene: Scene) -> list[Footprint]:
-    """Of all blocks that stand on the foundation, as if nothing were tilted."""
+    """Footprints of all blocks that stand on the foundation, as if nothing were tilted."""
     placed = poses(scene, upright=True)
     found = []
     for block in scene.blocks:

@@ -41,7 +41,7 @@ class Storeys(NamedTuple):
     """The parts of a frame that a history tells of; a plate on rollers has none."""
 
     feet: Sequence[Foot] = ()
-    """Those of its columns: from -x to +x, in space round it from (-x, -y) by (+x, -y)."""
+    """Feet of its columns: from -x to +x, in space round it from (-x, -y) by (+x, -y)."""
     floors: Sequence[Any] = ()
     """Rows of the mean horizontal motion of the top of each deck, from the lowest upwards, by the
     owned unknowns: sparse or dense matrices, (d - 1, owned d)."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -12,11 +11,10 @@ from solver.fields.hdf_file import NAME, Cells, HdfBody, HdfFile
 from solver.fields.pvd import FieldsBefore, PvdIndex
 from solver.fields.rigid_writer import CELL_TYPES, RigidFieldWriter
 from solver.scene import Scene
-from solver.scene.material import Material
 from solver.types import Array
 
 if TYPE_CHECKING:
-    from dolfinx import fem
+    from solver.fields.writer import BodyFunctions
 
 
 class RigidWriter(Protocol):
@@ -42,13 +40,7 @@ class Destination(Protocol):
     def rigid(self, name: str, corners: Array) -> RigidWriter:
         """A writer for the next body, which is rigid, with its corners in its own frame, m."""
 
-    def meshed(
-        self,
-        name: str,
-        nodal: Mapping[str, fem.Function],
-        material: Material | None,
-        thickness: float = 1.0,
-    ) -> MeshedWriter:
+    def meshed(self, name: str, functions: BodyFunctions) -> MeshedWriter:
         """A writer for the next body, which is meshed; collective."""
 
     def begin(self) -> None:
@@ -90,25 +82,12 @@ class Pieces:
             file, corners, index=self._index, part=part, name=name, writes=self._writes
         )
 
-    def meshed(
-        self,
-        name: str,
-        nodal: Mapping[str, fem.Function],
-        material: Material | None,
-        thickness: float = 1.0,
-    ) -> MeshedWriter:
+    def meshed(self, name: str, functions: BodyFunctions) -> MeshedWriter:
         """A writer for the next body, which is meshed; collective."""
         from solver.fields.writer import FieldWriter
 
-        return FieldWriter(
-            self._before.file(self._folder, name),
-            nodal=nodal,
-            material=material,
-            thickness=thickness,
-            index=self._index,
-            part=self._next(),
-            name=name,
-        )
+        file, part = self._before.file(self._folder, name), self._next()
+        return FieldWriter(file, functions, index=self._index, part=part, name=name)
 
     def begin(self) -> None:
         """The index is there already."""
@@ -135,18 +114,11 @@ class OneFile:
         )
         return _RigidBody(None if self._file is None else self._file.body(name, cells))
 
-    def meshed(
-        self,
-        name: str,
-        nodal: Mapping[str, fem.Function],
-        material: Material | None,
-        thickness: float = 1.0,
-    ) -> MeshedWriter:
+    def meshed(self, name: str, functions: BodyFunctions) -> MeshedWriter:
         """A writer for the next body, which is meshed; collective."""
         from solver.fields.hdf_writer import HdfFieldWriter
-        from solver.fields.writer import BodyFunctions
 
-        return HdfFieldWriter(self._file, name, BodyFunctions(nodal, material, thickness))
+        return HdfFieldWriter(self._file, name, functions)
 
     def begin(self) -> None:
         """Begin the file, or go on in it."""

@@ -18,6 +18,7 @@ from solver.fields.ground import platform_corners
 from solver.fields.nodal_contact import nodal_contact
 from solver.fields.paraview import write_script
 from solver.fields.pvd import FieldsBefore
+from solver.fields.writer import BodyFunctions
 from solver.scene import Scene
 from solver.stepping.state import State
 from solver.types import Array
@@ -103,7 +104,8 @@ class MeshedFields:
             "friction": self._friction,
             "contact_state": self._state,
         }
-        self._writer = files.meshed(body.name, nodal, body.material, body.thickness)
+        functions = BodyFunctions(nodal, body.material, body.thickness)
+        self._writer = files.meshed(body.name, functions)
 
     def write(self, time: float) -> None:
         """Write the fields as they are."""
@@ -159,7 +161,7 @@ class HeldFields:
     def __init__(self, space: fem.FunctionSpace, files: Destination):
         """Take the space of the plate's displacements, all zero."""
         nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
-        self._writer = files.meshed("plate", nodal, None)
+        self._writer = files.meshed("plate", BodyFunctions(nodal, None))
 
     def write(self, time: float) -> None:
         """Write the plate."""

@@ -16,13 +16,13 @@ class NodeState(IntEnum):
     """How a node stands to what carries its body, as files of fields have it."""
 
     AWAY = 0
-    """Not on a face that may touch."""
+    """A node that is not on a face that may touch."""
     OPEN = 1
-    """On such a face, without a force."""
+    """A node on such a face, without a force."""
     SLIPS = 2
-    """Pressed, and slipped in the last step."""
+    """A node that is pressed, and slipped in the last step."""
     STICKS = 3
-    """Pressed, and did not."""
+    """A node that is pressed, and did not slip."""
 
 
 class NodalContact(NamedTuple):

@@ -79,7 +79,7 @@ class BodyFunctions:
     """The fields of a meshed body as functions: those at the nodes as given, and its stress."""
 
     def __init__(
-        self, nodal: Mapping[str, fem.Function], material: Material | None, thickness: float
+        self, nodal: Mapping[str, fem.Function], material: Material | None, thickness: float = 1.0
     ):
         """Take the functions at the nodes, all of one degree, by the names of their fields.
 
@@ -123,22 +123,18 @@ class FieldWriter:
     def __init__(
         self,
         file: Path,
+        functions: BodyFunctions,
         *,
-        nodal: Mapping[str, fem.Function],
-        material: Material | None,
-        thickness: float = 1.0,
         index: PvdIndex | None = None,
         part: int = 0,
         name: str = "",
     ):
         """Open the files, named after `file`: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
 
-        When the writer is closed this file lists them, too: the body alone. `BodyFunctions` has
-        what the functions, the material and the thickness mean. The index lists the pieces of all
-        bodies as they are written, by number and name of the body; None: `file` does.
+        When the writer is closed this file lists them, too: the body alone. The index lists the
+        pieces of all bodies as they are written, by number and name of the body; None: `file` does.
         """
-        self._functions = BodyFunctions(nodal, material, thickness)
-        comm = self._functions.mesh.comm
+        self._functions, comm = functions, functions.mesh.comm
         self._rank = comm.rank
         self._writer = io.VTKFile(comm, file, "w")
         self._index = PvdIndex(file, writes=comm.rank == 0) if index is None else index

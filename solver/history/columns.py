@@ -20,7 +20,7 @@ def _energies(kind: str) -> tuple[str, ...]:
 
 
 STORED_ENERGIES = _energies("stored")
-"""Their sum is `energy.total_J`."""
+"""Energies whose sum is `energy.total_J`."""
 
 DISSIPATED_ENERGIES = _energies("dissipated")
 """What has been dissipated since the start, each from its own formula."""

@@ -1,7 +1,7 @@
 """The bodies as they stand, with their stress, drawn from the files of the fields.
 
 In space they are seen from the front, a little from the right and from above, without perspective:
-the faces of their surfaces, those behind drawn first.
+the faces of their surfaces, those behind drawn first (`drawing_order`).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from solver.fields.ground import floor_level
+from solver.pictures.drawing_order import drawing_order
 from solver.pictures.instants import Instant, instants
 from solver.pictures.style import WIDTH, new_figure
 from solver.pictures.surfaces import FieldFiles, polygons
@@ -73,15 +74,17 @@ def read_snapshots(
 def _snapshot(files: FieldFiles, index: int, dimension: int, floor: float) -> Snapshot:
     """The bodies at one of the times of the files."""
     surfaces = files.read(index)
-    faces = [face for surface in surfaces for face in polygons(surface)]
+    outlines = [polygons(surface) for surface in surfaces]
+    faces = [face for own in outlines for face in own]
     stress = np.concatenate([np.asarray(s.cell_data["von_mises"], float) for s in surfaces])
     places = np.concatenate(faces)
     if dimension == 3:
         slack = 1e-6 * float(np.ptp(places))
         above = [k for k, face in enumerate(faces) if face[:, 2].max() >= floor - slack]
         faces, stress = [seen_from_front(faces[k]) for k in above], stress[above]
-        # Nearer to the eye is later; the third coordinate has served then.
-        order = np.argsort([float(face[:, 2].mean()) for face in faces])
+        # The third coordinate, towards the eye, has served then.
+        bodies = np.repeat(np.arange(len(outlines)), [len(own) for own in outlines])
+        order = drawing_order(faces, bodies[above])
         faces, stress = [faces[i] for i in order], stress[order]
     return Snapshot(
         time_s=float(files.times[index]),

@@ -12,7 +12,7 @@ from solver.types import Array
 
 
 class PvdGrids:
-    """Those of `fields.pvd` and the files that it lists."""
+    """Grids of the bodies in the files that `fields.pvd` lists."""
 
     def __init__(self, file: Path):
         """Read the index."""
@@ -33,7 +33,10 @@ class PvdGrids:
 
 
 class HdfGrids:
-    """Those of `fields.vtkhdf`; the VTK of Debian 13 does not read several bodies with time."""
+    """Grids of the bodies in `fields.vtkhdf`, read by h5py.
+
+    The VTK of Debian 13 does not read several bodies with time.
+    """
 
     def __init__(self, file: Path):
         """Read the times and the names."""

@@ -27,7 +27,7 @@ def draw_floors(spectra: dict[str, Array]) -> Figure:
 
 
 def write_floors(spectra: dict[str, Array], folder: Path) -> Path:
-    """The same as `floor_spectra.csv`: periods and a column for the ground and each floor."""
+    """Write `floor_spectra.csv`: periods, and a column for the ground and for each floor."""
     names = ["period_s", *(f"{name.replace(' ', '_')}_m_s2" for name in spectra)]
     table = np.column_stack([PERIODS, *spectra.values()])
     file = folder / "floor_spectra.csv"

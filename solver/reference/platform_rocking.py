@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,36 +94,31 @@ def rocking_on_platform(
         span=(end, step),
     )
     recorder = Recorder(output_times(end, step), size=4)
-    impacts: list[float] = []
-    peaks: list[float] = []
-    time, state, overturned = 0.0, np.array([tilt, 0.0, drift, 0.0]), False
-    while time < end:
-        side = pair.side(time, state)
-        phase = pair.swing(side, time, state) if side else pair.stand(time, state)
-        recorder.move(time, phase.t[-1], phase.sol)
-        time, state = float(phase.t[-1]), phase.y[:, -1].copy()
-        if not side:
-            continue
-        peaks.extend(found[0] for found in phase.y_events[2])
-        if len(phase.t_events[0]):
-            impacts.append(time)
-            left = ratio * state[1]
-            state = pair.turned(state, 0.0, 0.0 if rests(shape, gravity, left) else left)
-        elif len(phase.t_events[1]):
-            overturned, state = True, pair.turned(state, side * math.pi / 2, 0.0)
+    events = pair.follow(np.array([tilt, 0.0, drift, 0.0]), ratio, recorder)
     turning, under = pair.accelerations(recorder.time, recorder.states)
     return RockingOnPlatformReference(
         time=recorder.time,
         angle=recorder.states[:, 0],
         angular_velocity=recorder.states[:, 1],
-        impacts=np.array(impacts),
-        peaks=np.array(peaks),
-        overturned=overturned,
+        impacts=np.array(events.impacts),
+        peaks=np.array(events.peaks),
+        overturned=events.overturned,
         angular_acceleration=turning,
         drift=recorder.states[:, 2],
         drift_velocity=recorder.states[:, 3],
         drift_acceleration=under,
     )
+
+
+class _Events(NamedTuple):
+    """What happens to a block."""
+
+    impacts: list[float]
+    """Times, s."""
+    peaks: list[float]
+    """Angles at which swings turn round, rad."""
+    overturned: bool
+    """Whether it falls over, after which it lies."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +133,28 @@ class _Pair:
     vertical: Acceleration
     span: tuple[float, float]
     """End and longest step, s."""
+
+    def follow(self, state: Array, restitution: float, recorder: Recorder) -> _Events:
+        """Go from event to event, from a state at time 0 to the end, recording all of it."""
+        impacts: list[float] = []
+        peaks: list[float] = []
+        time, overturned = 0.0, False
+        while time < self.span[0]:
+            side = self.side(time, state)
+            phase = self.swing(side, time, state) if side else self.stand(time, state)
+            recorder.move(time, phase.t[-1], phase.sol)
+            time, state = float(phase.t[-1]), phase.y[:, -1].copy()
+            if not side:
+                continue
+            peaks.extend(found[0] for found in phase.y_events[2])
+            if len(phase.t_events[0]):
+                impacts.append(time)
+                left = restitution * state[1]
+                halts = rests(self.shape, self.gravity, left)
+                state = self.turned(state, 0.0, 0.0 if halts else left)
+            elif len(phase.t_events[1]):
+                overturned, state = True, self.turned(state, side * math.pi / 2, 0.0)
+        return _Events(impacts, peaks, overturned)
 
     def _arms(self, angle: float, side: float) -> tuple[float, float]:
         """How far the centre moves along x, and upwards, while the block turns by a radian, m."""

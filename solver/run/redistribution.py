@@ -29,7 +29,7 @@ HELD_APART = ("u", "v", "p", "held")
 """Fields of a state that are vectors of the owned unknowns."""
 
 PAST_APART = ("u", "mean", "change")
-"""Those of the past that errors of steps are judged by."""
+"""Fields of the past that errors of steps are judged by, which are such vectors."""
 
 
 class Owned(NamedTuple):

@@ -58,7 +58,7 @@ class PortCompliance:
     """What unit forces at some ports of a body move."""
 
     ports: Indices
-    """Their numbers."""
+    """Numbers of the ports."""
     matrix: Array
     """Compliance among them, (m d, m d), m/N."""
     responses: Array | None

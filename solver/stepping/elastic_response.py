@@ -77,7 +77,7 @@ class _ReadRows(NamedTuple):
 
     @classmethod
     def of(cls, port: InterfaceDofs, d: int) -> _ReadRows:
-        """Those of a group of ports."""
+        """The rows of a group of ports."""
         rows = sp.csr_matrix(port.read_rows)
         index = rows.indices.astype(np.int64)
         column = port.layer.numbers(index // d) * d + index % d
@@ -236,5 +236,5 @@ class ElasticResponse:
         add_motion(motion, strain, at.shift, vectors)
 
     def owned(self, at: ElasticConfiguration, motion: Array) -> Array:
-        """A motion in space."""
+        """A motion of the owned unknowns, from the frame of the body back into space."""
         return (motion @ at.rotation.T).ravel()

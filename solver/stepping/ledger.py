@@ -90,7 +90,7 @@ class StepEnds(NamedTuple):
     mean: Array
     """du/dt, m/s."""
     impulsive: Sequence[Array | None]
-    """Of each body what `impulsive_force` gives, N."""
+    """What `impulsive_force` gives of each body, N; None: it has none."""
     residual: Array
     """What the iteration left out of balance, N."""
 

@@ -24,7 +24,7 @@ class ContactModel:
     local: LocalProblem
     """Solver of local problems."""
     softening: Softening | None
-    """Of rigid points; None where there are none."""
+    """How rigid points give way; None where there are none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,13 +47,13 @@ class PetscOptions:
     """Names and values of options, without the hyphen; a value of None: there is none."""
 
     solver: dict[str, str | None] = field(default_factory=dict)
-    """Of the nonlinear solver, with their prefix."""
+    """Options of the nonlinear solver, with their prefix."""
     own: dict[str, str | None] = field(default_factory=dict)
-    """PETSc's own."""
+    """PETSc's own options."""
 
     @property
     def late(self) -> dict[str, str | None]:
-        """Those of the solver that are read at the end of a solve."""
+        """Options of the solver that are read at the end of a solve."""
         views = {f"{PREFIX}{name}" for name in VIEWS}
         return {name: value for name, value in self.solver.items() if name in views}
 

@@ -15,7 +15,7 @@ from solver.bodies.dense_body import DenseBody
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
 from solver.stepping.step import Step
-from solver.stepping.system import Body, System, stands_on_ground
+from solver.stepping.system import System, stands_on_ground
 from solver.types import Array
 
 
@@ -58,17 +58,8 @@ def ground_forces(
     for body, own in zip(system.bodies, system.slices, strict=True):
         if stands_on_ground(body):
             drag = body.drag(ends.mean[own])
-            total += _resultant(body, moving[own] if drag is None else moving[own] - drag)
+            total += body.resultant(moving[own] if drag is None else moving[own] - drag)
     return new, GroundForces(nodal, total)
-
-
-def _resultant(body: Body, force: Array) -> Array:
-    """Sum of the forces on the owned unknowns of a body along each direction, (d,), N."""
-    if not isinstance(body, DenseBody):
-        return body.resultant(force)
-    sums = np.zeros(body.dimension)
-    sums[: len(force)] = force  # a platform moves along x, in space along y, too
-    return sums
 
 
 def with_impulses(system: System, forces: GroundForces, change: Array, dt: float) -> GroundForces:
@@ -90,5 +81,5 @@ def standing_forces(system: System, state: State, gravity: Array) -> GroundForce
     nodal[system.fixed] = -state.held[system.fixed] - weight[system.fixed]
     for body, own in zip(system.bodies, system.slices, strict=True):
         if stands_on_ground(body):
-            total += _resultant(body, state.p[own] if isinstance(body, DenseBody) else nodal[own])
+            total += body.resultant(state.p[own] if isinstance(body, DenseBody) else nodal[own])
     return GroundForces(nodal, total)

@@ -253,5 +253,5 @@ class DenseResponse:
         motion += weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
 
     def owned(self, at: DenseConfiguration, motion: Array) -> Array:
-        """Those of all unknowns that this rank owns."""
+        """The part of a motion that this rank owns."""
         return motion[self.body.own]

@@ -4,6 +4,7 @@ Its neighbours (python3, docker, podman, buildah, ...) are small scripts in a fo
 PATH; each writes down how it was called.
 """
 
+import re
 import shlex
 import shutil
 import signal
@@ -336,3 +337,11 @@ def test_a_link_to_the_script_finds_the_repository(machine: Machine) -> None:
     link.symlink_to(REPOSITORY / "in-env")
     done = machine.in_env("sh", "-c", 'echo "$PYTHONPATH"', script=link)
     assert done.stdout == f"{REPOSITORY}\n"
+
+
+def test_both_stages_of_the_image_set_the_same_variables() -> None:
+    """A stage from scratch takes none over, so that they stand in the Dockerfile twice."""
+    text = (REPOSITORY / "Dockerfile").read_text(encoding="utf-8")
+    blocks = re.findall(r"^ENV (LANG=(?:.*\\\n)*.*)$", text, re.MULTILINE)
+    assert len(blocks) == 2
+    assert blocks[0].split() == blocks[1].split()

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from processes import outside_mpirun
-from scenes import BLOCK
+from scenes import BLOCK, UPPER
 
 from rockslip import parse_scene, simulate
 from solver.cli import main
@@ -28,17 +28,9 @@ pyvista = pytest.importorskip("pyvista")
 pytestmark = pytest.mark.serial
 
 RIGID = BLOCK.replace("[[block]]", '[[block]]\nmodel = "rigid"') + "\ntilt_deg = 1.0\n"
-UPPER = """
-[[block]]
-name = "Steps"
-on = "block"
-width = 0.25
-height = 0.5
-thickness = 0.75
-mass = 250.0
-model = "rigid"
-"""
-MIXED = BLOCK + "\ncells = [3, 6]\n" + UPPER
+#: Named like a group that files of VTK have.
+STEPS = UPPER.replace("upper", "Steps")
+MIXED = BLOCK + "\ncells = [3, 6]\n" + STEPS
 TIME = "[time]\nend = 0.1\nstep = 0.002\n[output]\n"
 
 
@@ -81,7 +73,7 @@ def assert_same(one: Any, other: Any) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "ranks"),
-    [(RIGID + UPPER, 1), (MIXED, 1), pytest.param(MIXED, 2, marks=pytest.mark.mpi)],
+    [(RIGID + STEPS, 1), (MIXED, 1), pytest.param(MIXED, 2, marks=pytest.mark.mpi)],
     ids=["rigid", "mixed", "mixed, two ranks"],
 )
 def test_the_same_fields(tmp_path: Path, text: str, ranks: int) -> None:

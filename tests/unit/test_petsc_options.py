@@ -16,11 +16,12 @@ from solver.stepping.petsc_options import parse_options
 pytestmark = pytest.mark.serial
 
 
-def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+def run(folder: Path, *words: str, model: str = "elastic") -> subprocess.CompletedProcess[str]:
     """Three steps with options for PETSc."""
     pytest.importorskip("dolfinx")
     (folder / "scene.toml").write_text(GRANITE + "[time]\nend = 0.003\nstep = 0.001\n")
-    command = [sys.executable, "-m", "solver", "run", "scene.toml", "-q", "--force", "--", *words]
+    command = [sys.executable, "-m", "solver", "run", "scene.toml", "-q", "--force"]
+    command += ["--set", f'block.model="{model}"', "--", *words]
     return subprocess.run(
         command, cwd=folder, env=outside_mpirun(), capture_output=True, text=True, timeout=300
     )
@@ -50,6 +51,7 @@ def test_these_work(tmp_path: Path, words: str, said: str, count: int | None) ->
     assert "not used" not in done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("model", ["elastic", "rigid"])
 @pytest.mark.parametrize(
     ("words", "parts"),
     [
@@ -60,9 +62,9 @@ def test_these_work(tmp_path: Path, words: str, said: str, count: int | None) ->
     ],
 )
 def test_unknown_ones_are_refused_before_anything_is_written(
-    tmp_path: Path, words: str, parts: list[str]
+    tmp_path: Path, words: str, parts: list[str], model: str
 ) -> None:
-    done = run(tmp_path, *words.split())
+    done = run(tmp_path, *words.split(), model=model)
     assert done.returncode == 2, done.stderr
     assert done.stderr.count("\n") == 1
     for part in parts:
@@ -107,6 +109,22 @@ def test_those_that_ask_for_products_all_the_same_end_the_run(
     assert done.returncode == 2, done.stderr
     assert done.stderr.count("\n") == 1
     assert said in done.stderr and words in done.stderr
+
+
+def test_without_a_mesh_the_others_are_of_no_use(tmp_path: Path) -> None:
+    done = run(tmp_path, "-rockslip_snes_monitor", "-log_view", model="rigid")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_without_a_mesh_a_reader_may_go_away(tmp_path: Path) -> None:
+    """PETSc, which checks the options, does not end the run where a pipe is closed."""
+    run(tmp_path, model="rigid")
+    words = f"{sys.executable} -m solver run scene.toml --force -- -rockslip_snes_monitor"
+    piped = ["bash", "-o", "pipefail", "-c", f"{words} | true"]
+    done = subprocess.run(
+        piped, cwd=tmp_path, env=outside_mpirun(), capture_output=True, text=True, timeout=300
+    )
+    assert (done.returncode, "PETSC ERROR" in done.stderr) == (0, False), done.stderr
 
 
 def test_own_options_keep_their_values() -> None:

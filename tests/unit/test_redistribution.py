@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import BLOCK
+from scenes import BLOCK, OSCILLATOR, UPPER
 
 pytest.importorskip("dolfinx")
 
@@ -31,18 +31,8 @@ pytestmark = pytest.mark.serial
 SCENE = f"""
 {BLOCK}
 cells = [3, 4]
-[[block]]
-name = "upper"
-on = "block"
-width = 0.25
-height = 0.5
-thickness = 0.75
-mass = 250.0
-model = "rigid"
-[foundation]
-kind = "oscillator"
-mass_ratio = 0.5
-period = 0.4
+{UPPER}
+{OSCILLATOR}
 [time]
 end = 0.1
 step = 0.001

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib
+import inspect
 import json
 import os
 import pickle
@@ -18,12 +19,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from processes import outside_mpirun
-from scenes import BLOCK
+from scenes import BLOCK, OSCILLATOR, UPPER
 
 from rockslip import History, Scene, parse_scene, simulate
 from solver.cli import main
 from solver.errors import SceneError
-from solver.run.checkpoint import NAME, TYPES, Checkpoint, Schedule, write_checkpoint
+from solver.run.checkpoint import FORMAT, NAME, TYPES, Checkpoint, Schedule, write_checkpoint
 from solver.scene import scene_to_toml
 
 pytestmark = pytest.mark.serial
@@ -33,17 +34,6 @@ COARSE = BLOCK + "\ncells = [3, 6]\n"
 TILTED = COARSE + "tilt_deg = 1.0\n"
 SHAKEN = '[motion]\nkind = "sine"\namplitude_g = 0.5\nperiod = 0.3\n'
 STEPS = "[time]\nend = 0.3\nstep = 0.001\n"
-UPPER = """
-[[block]]
-name = "upper"
-on = "block"
-width = 0.25
-height = 0.5
-thickness = 0.75
-mass = 250.0
-model = "rigid"
-"""
-OSCILLATOR = '[foundation]\nkind = "oscillator"\nmass_ratio = 0.5\nperiod = 0.4\n'
 
 FRAME = """
 [foundation]
@@ -190,9 +180,23 @@ def test_types_that_runs_save_exist() -> None:
     """The list goes with the modules; numpy's are those of numpy 2."""
     pytest.importorskip("dolfinx")
     for module, names in TYPES.items():
-        if not module.startswith("numpy."):
+        if not module.startswith("numpy"):
             found = importlib.import_module(module)
             assert [name for name in names if not isinstance(getattr(found, name), type)] == []
+
+
+def test_the_format_goes_with_the_fields_of_the_types() -> None:
+    """Where this fails, raise FORMAT: a checkpoint with other fields is refused, never misread."""
+    pytest.importorskip("dolfinx")
+    types = [
+        getattr(importlib.import_module(module), name)
+        for module, names in TYPES.items()
+        if not module.startswith("numpy")
+        for name in names
+    ]
+    fields = "\n".join(f"{one.__name__} {[*inspect.signature(one).parameters]}" for one in types)
+    digest = hashlib.sha256(fields.encode()).hexdigest()[:16]
+    assert (FORMAT, digest) == (3, "20af78353d87108d"), fields
 
 
 class TestRefused:
@@ -239,7 +243,7 @@ class TestRefused:
             header, own = json.loads(str(table["header"])), table["rank0"]
         for key, value, said in (
             ("rockslip", "0.0.1", "of another version of rockslip"),
-            ("format", 1, "in another format"),
+            ("format", 2, "in another format"),
             ("ranks", 1, ""),
         ):
             strange = json.dumps(header | {key: value})

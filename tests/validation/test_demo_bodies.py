@@ -112,6 +112,24 @@ def test_it_runs_on_two_ranks(script: str, tmp_path: Path) -> None:
     assert list((tmp_path / "output" / script.split("/", maxsplit=1)[0]).glob("*.png"))
 
 
+EARLY = {
+    "free_rocking.free_rocking": "no impact until 0.02 s",
+    "foundation.block_on_foundation": "no impact until 0.02 s",
+    "platform.block_on_platform": "final slip: 0 until the end, too early to compare",
+    "frame.block_on_frame": "too little to compare",
+}
+
+
+@pytest.mark.parametrize("demo", list(EARLY))
+def test_what_ends_too_early_is_said_in_a_line(demo: str, tmp_path: Path, capsys: Captured) -> None:
+    """Before any impact or slip there is nothing to compare: checks fail, in one line."""
+    module_of("frame")
+    program = importlib.import_module(f"demos.{demo}")
+    assert program.main(["--output", str(tmp_path / "out"), "--set", "time.end=0.02"]) == 1
+    said = [line for line in capsys.readouterr().err.splitlines() if "check failed" in line]
+    assert len(said) == 1 and EARLY[demo] in said[0]
+
+
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
 def test_it_runs_as_another_user() -> None:
     """Who may not write into the repository finds the results in the current folder."""

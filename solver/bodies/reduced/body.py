@@ -63,7 +63,7 @@ class ReducedFacts(NamedTuple):
     delay: float
     """Dashpots over springs to the ground, s."""
     dimension: int
-    """Of space."""
+    """Dimension d of space, 2 or 3."""
     unknowns: int
     """Numbers on rank 0, d of each node and of each group of amplitudes."""
     springs: bool
@@ -138,7 +138,7 @@ class ReducedBody:
         return self.parts.shapes.expanded(y)
 
     def resultant(self, force: Array) -> Array:
-        """Sum of forces on the owned unknowns, (d,): what they do to the body as a whole."""
+        """Sum of the forces on the owned unknowns along each direction, (d,), N: on the nodes."""
         return np.asarray(force.reshape(-1, self.dimension)[: self.kept].sum(axis=0))
 
     def inertia(self, vector: Array) -> Array:
@@ -159,11 +159,11 @@ class ReducedBody:
         return u + dt * v
 
     def turned(self, force: Array, vector: Array) -> Array:
-        """The same: it does not turn."""
+        """The force itself, since the body does not turn."""
         return force
 
     def rotation(self, u: Array) -> Array:
-        """None: the identity, (d, d)."""
+        """The identity, (d, d), since the body does not turn."""
         return self.identity
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:

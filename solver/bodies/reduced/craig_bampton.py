@@ -57,7 +57,7 @@ class Bound(NamedTuple):
     frequency: float
     """Highest frequency of the motion, rad/s."""
     part: float
-    """That force over mass times acceleration of floor or nodes touched, for motions of this
+    """Force left out over mass times acceleration of floor or nodes touched, for motions of this
     frequency and below; infinite where the first mode left out is not faster."""
 
 
@@ -82,7 +82,7 @@ class LeftOut(NamedTuple):
     compliance: Array
     """q_p.K_ii^-1 q_p, (patterns,), kg s2."""
     mass: float
-    """Of the whole body, kg."""
+    """Mass of the whole body, kg."""
     frequency: float
     """Highest frequency of the motion, rad/s."""
 

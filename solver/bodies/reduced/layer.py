@@ -67,7 +67,7 @@ class _PartOfLayer(Layer):
         self.size, self.direct = len(chosen), False
 
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Their values."""
+        """Values of the chosen nodes."""
         return self._whole.gather(values)[self._chosen]
 
     def add(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:

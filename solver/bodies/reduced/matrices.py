@@ -72,7 +72,7 @@ class ReducedMatrices(NamedTuple):
     stiffness: Array
     """K about the equilibrium, (n, n), N/m."""
     undeformed: Array
-    """That of the undeformed body, which damping goes with; empty without such damping."""
+    """K_0 of the undeformed body, which damping goes with, (n, n), N/m; empty without damping."""
     spring: Array
     """Springs to the ground, (n, n), N/m; empty where there are none."""
     constant: Array

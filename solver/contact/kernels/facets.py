@@ -29,7 +29,11 @@ FACETS_TRIED = 4
 """Facets around a point, the nearest ones first, among which its foot is looked for."""
 
 FARTHER = 0.5
-"""Part of a facet: one that is farther than the nearest one by more is not tried."""
+"""Part of a facet: one that is farther than the nearest one by more is not tried.
+
+Taken as spanned by two edges, a facet misses points on it by no more than its last corner is off
+the parallelogram of the others: by strains, a few per cent of a facet.
+"""
 
 
 @compiled

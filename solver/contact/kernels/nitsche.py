@@ -21,8 +21,8 @@ class SurfaceRows(NamedTuple):
     numbers: Indices
     """The point that each evaluation belongs to, and the nodes that it reaches, (e, 1 + k)."""
     table: Array
-    """Of each evaluation one after another, (e, 1 + k + k d + d d d): its weight in the averages of
-    its point, the shape functions N of the nodes, their derivatives, 1/m, and D with
+    """Numbers of each evaluation, one after another, (e, 1 + k + k d + d d d): its weight in the
+    averages of its point, the shape functions N of the nodes, their derivatives, 1/m, and D with
     S N = D (2 E), Pa."""
     reference: Array
     """Positions of the points in the undeformed body, (p, d), m."""

@@ -84,7 +84,7 @@ def _set(*path: str) -> Setter:
 
 
 def _fixed(*values: float) -> Chosen:
-    """The same values for all scenes."""
+    """Values that do not depend on the scene."""
     return lambda scene, block: values
 
 

@@ -36,7 +36,7 @@ class HorizonCase:
 
     @property
     def name(self) -> str:
-        """Its own in the study; also the name of its file."""
+        """What the study calls it, and no other case; also the name of its file."""
         return f"{self.engine or 'scene'},scale={self.scale:.8g}"
 
     def scene(self) -> Scene:

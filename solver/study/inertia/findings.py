@@ -81,9 +81,9 @@ class Line:
     peaks: Array
     """Peak drift, base shear, slip for each friction, (n, frictions, 3)."""
     bare: Array
-    """The same of the empty structure, (n, 3)."""
+    """Peak drift, base shear, slip of the empty structure, (n, 3)."""
     weights: Array
-    """Of the resampled suites."""
+    """Weights of the motions in the resampled suites."""
     found: dict[bool, list[Portion]] = field(default_factory=dict)
     """lambda along the ladder by arithmetic (False) and geometric (True) means."""
 

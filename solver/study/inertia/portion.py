@@ -22,10 +22,10 @@ INSENSITIVE = 0.01
 """Where D changes by less than this part between lambda = 0 and 1, lambda is not reported."""
 
 RESAMPLES, SEED = 1000, 19
-"""Of the bootstrap."""
+"""Number of suites that the bootstrap draws, and the seed that it draws them by."""
 
 QUANTILES = (0.05, 0.95)
-"""Of an interval of 90 %."""
+"""Quantiles that bound an interval of 90 %."""
 
 
 def grid() -> Array:
@@ -96,7 +96,7 @@ class Portion:
     low: float | None
     """Lower end of the interval of 90 %."""
     high: float | None
-    """Its upper end."""
+    """Upper end of that interval."""
     without: float
     """Share of the resampled suites that have none."""
 

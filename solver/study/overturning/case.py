@@ -45,7 +45,7 @@ class OverturningCase:
 
     @property
     def name(self) -> str:
-        """Its own in the study; also the name of its file."""
+        """What the study calls it, and no other case; also the name of its file."""
         e = "" if self.restitution is None else f",e={self.restitution:g}"
         beside = "".join(f",{amplitude:.8g}" for amplitude, _, _ in self.rigid)
         return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}{beside}"

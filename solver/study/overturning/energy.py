@@ -29,7 +29,7 @@ class Upright:
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
-        """Of the only block of a scene; e is Housner's where it has none of its own."""
+        """The energies of a scene's only block; e is Housner's where it has none of its own."""
         block = scene.blocks[0]
         shape, gravity = block.shape, scene.gravity
         weight = shape.weight(gravity)

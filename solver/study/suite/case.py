@@ -41,7 +41,7 @@ class SuiteCase:
     """Case of a suite, as one process is given it."""
 
     name: str
-    """Its own in the suite; also the name of its file."""
+    """What the suite calls it, and no other case; also the name of its file."""
     motion: SuiteMotion
     """The motion."""
     varied: tuple[tuple[str, str], ...]

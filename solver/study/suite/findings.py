@@ -20,7 +20,7 @@ Group = tuple[tuple[str, str], ...]
 """Varied keys and their values, as text."""
 
 QUANTILES = (0.16, 0.5, 0.84)
-"""Of the peaks: the median, and one standard deviation to both sides."""
+"""Quantiles of the peaks: the median, and one standard deviation to both sides."""
 
 
 @dataclass(frozen=True, slots=True)

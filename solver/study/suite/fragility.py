@@ -11,7 +11,7 @@ import numpy as np
 from solver.types import Array
 
 CONFIDENCE = 0.95
-"""Of all intervals."""
+"""Probability that an interval holds what it is for."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,11 +30,11 @@ class SuiteMotion:
     """One motion of a suite."""
 
     name: str
-    """Its own in the suite."""
+    """What the suite calls it, and no other of its motions."""
     table: Mapping[str, Any]
     """What stands in `[motion]`."""
     digest: str = ""
-    """Of the file, "" where there is none or it cannot be read."""
+    """Digest of the file; empty where there is none or it cannot be read."""
 
 
 def find_motions(
