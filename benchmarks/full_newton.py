@@ -1,0 +1,284 @@
+"""Steps of the program against the same steps by a textbook semi-smooth Newton method.
+
+    ./in-env python3 benchmarks/full_newton.py [--cases 2-D-5k 2-D-50k 3-D-50k] [--steps 12]
+
+Writes `benchmarks/full_newton.csv`, a row for each case: a block that rocks on one corner or edge
+and lands on the other after 5 ms, in fixed steps of 1 ms. Both ways solve the same equations from
+the same guesses to the same residual; `benchmarks/newton/` has the other one: in each iteration the
+tangent is assembled by dolfinx and factorized by MUMPS (nested dissection). Times are medians of
+the steps, without what is done once: factorizations and W of the program, the mass of both. It ends
+with an error where displacements (over the largest way of the step) or forces (over the largest)
+differ by more than 1e-6 in any step. One process, one thread; 3 minutes on an idle machine, 3 GB.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import os
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+
+from benchmarks.newton.solve import FullNewton
+from benchmarks.rows import write_table
+from rockslip import Scene, parse_scene
+from solver.bodies.factorization import Factorization
+from solver.build.assembly import build, initial_state
+from solver.stepping.compliance import Compliance
+from solver.stepping.contact_solve import ContactSolve
+from solver.types import Array
+
+TABLE = Path(__file__).with_suffix(".csv")
+CASES: dict[str, tuple[int, ...]] = {
+    "2-D-5k": (36, 70),
+    "2-D-50k": (114, 228),
+    "3-D-50k": (17, 17, 52),
+}
+STEP = 1e-3
+SPIN = -0.5
+"""Of the block towards its landing, rad/s."""
+LANDING = 5e-3
+"""When it lands, s."""
+AGREEMENT = 1e-6
+"""What steps of both ways may differ by."""
+
+
+def scene_of(cells: tuple[int, ...]) -> Scene:
+    """A block that turns about its right corner or edge and is about to land on the left one."""
+    d, width, height = len(cells), 1.0, cells[-1] / cells[0]
+    tilt = -SPIN * LANDING
+    # From the corner to the centre; a block turns clockwise about what it stands on.
+    arm = np.array([-width, height]) / 2
+    turned = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]]) @ arm
+    velocity = SPIN * np.array([turned[1], -turned[0]])
+    block: dict[str, Any] = {
+        "width": width,
+        "height": height,
+        "cells": list(cells),
+        "tilt_deg": math.degrees(tilt),
+        "angular_velocity": SPIN if d == 2 else [0.0, SPIN, 0.0],
+        "velocity": [velocity[0], *[0.0] * (d - 2), velocity[1]],
+        **{"young": 5e9, "poisson": 0.2, "density": 2000.0},
+    }
+    if d == 3:
+        block["thickness"] = width
+    return parse_scene(
+        {
+            "dimension": d,
+            "block": [block],
+            "contact": {"friction": 0.6},
+            "time": {"end": 1.0, "step": STEP},
+        }
+    )
+
+
+class Spent(NamedTuple):
+    """Seconds of the processor and of the clock."""
+
+    cpu: float
+    wall: float
+
+    @classmethod
+    def now(cls) -> Spent:
+        """What has been spent since whenever."""
+        return cls(time.process_time(), time.perf_counter())
+
+    def less(self, other: Spent) -> Spent:
+        """The difference."""
+        return Spent(self.cpu - other.cpu, self.wall - other.wall)
+
+    def plus(self, other: Spent) -> Spent:
+        """The sum."""
+        return Spent(self.cpu + other.cpu, self.wall + other.wall)
+
+
+NOTHING = Spent(0.0, 0.0)
+
+
+class Clock:
+    """Time spent in some methods while it is set up.
+
+    Attributes:
+        spent: By name.
+    """
+
+    def __init__(self) -> None:
+        """Start from nothing."""
+        self.spent: dict[str, Spent] = {}
+
+    @contextmanager
+    def measuring(self, **methods: tuple[type, str]) -> Iterator[None]:
+        """Measure these methods meanwhile."""
+        originals = [(of, method, getattr(of, method)) for of, method in methods.values()]
+        for name, (of, method, original) in zip(methods, originals, strict=True):
+            setattr(of, method, self._measured(name, original))
+        try:
+            yield
+        finally:
+            for of, method, original in originals:
+                setattr(of, method, original)
+
+    def _measured(self, name: str, original: Callable[..., Any]) -> Callable[..., Any]:
+        """The same that adds its time to that of a name."""
+
+        def measured(*arguments: Any, **options: Any) -> Any:
+            begin = Spent.now()
+            try:
+                return original(*arguments, **options)
+            finally:
+                took = Spent.now().less(begin)
+                self.spent[name] = self.spent.get(name, NOTHING).plus(took)
+
+        return measured
+
+    def of(self, *names: str) -> Spent:
+        """The time of some names together."""
+        total = NOTHING
+        for name in names:
+            total = total.plus(self.spent.get(name, NOTHING))
+        return total
+
+
+class StepTaken(NamedTuple):
+    """A step and what it took, without what is done once."""
+
+    u: Array
+    way: float
+    """Largest displacement in it, m."""
+    force: Array
+    iterations: int
+    time: Spent
+    solve: Spent
+    """Of its nonlinear solve alone."""
+
+
+class Run(NamedTuple):
+    """A run one way."""
+
+    steps: list[StepTaken]
+    unknowns: int
+    factorizations: Spent
+    compliance: Spent
+    newton: FullNewton | None
+
+
+def run(scene: Scene, steps: int, *, full: bool) -> Run:
+    """Step a scene by the program's solve or by the full Newton method."""
+    assembly = build(scene)
+    stepper, clock, taken = assembly.stepper, Clock(), list[StepTaken]()
+    state, _ = initial_state(scene, assembly)
+    newton = FullNewton(stepper.system, stepper.links) if full else None
+    if newton is not None:
+        stepper._solve = newton  # type: ignore[assignment]
+    once = "factorizations", "W"
+    with clock.measuring(
+        factorizations=(Factorization, "__init__"),
+        W=(Compliance, "_compute"),
+        solve=(FullNewton if full else ContactSolve, "solve"),
+    ):
+        for _ in range(steps):
+            begin, before, solved = Spent.now(), clock.of(*once), clock.of("solve")
+            new, exchange = stepper.advance(state, STEP)
+            took = Spent.now().less(begin)
+            apart = clock.of(*once).less(before)
+            solve = clock.of("solve").less(solved)
+            taken.append(
+                StepTaken(
+                    new.u,
+                    float(np.abs(new.u - state.u).max()),
+                    new.contacts[0].force,
+                    exchange.iterations,
+                    took.less(apart),
+                    solve if full else solve.less(apart),
+                )
+            )
+            state = new
+    return Run(taken, stepper.system.unknowns, clock.of(once[0]), clock.of(once[1]), newton)
+
+
+def agreement(one: Run, other: Run) -> tuple[float, float]:
+    """Largest differences of displacements, over ways, and of forces, over forces, of any step."""
+    apart, forces = 0.0, 0.0
+    for a, b in zip(one.steps, other.steps, strict=True):
+        apart = max(apart, float(np.abs(a.u - b.u).max()) / a.way)
+        largest = float(np.abs(a.force).max()) or 1.0
+        forces = max(forces, float(np.abs(a.force - b.force).max()) / largest)
+    return apart, forces
+
+
+def changes(found: Run) -> int:
+    """Steps in which points open or close."""
+    closed = [step.force[:, 0] > 0 for step in found.steps]
+    return sum(bool(np.any(a != b)) for a, b in itertools.pairwise(closed))
+
+
+def milliseconds(spent: list[Spent], what: str) -> float:
+    """Median of some times."""
+    return 1e3 * statistics.median(getattr(each, what) for each in spent)
+
+
+def row(name: str, steps: int) -> dict[str, Any]:
+    """Both ways of a case, and how they agree."""
+    scene = scene_of(CASES[name])
+    ours, textbook = (run(scene, steps, full=full) for full in (False, True))
+    apart, forces = agreement(ours, textbook)
+    if max(apart, forces) > AGREEMENT:
+        sys.exit(f"{name}: displacements differ by {apart:.1e}, forces by {forces:.1e}")
+    newton = textbook.newton
+    assert newton is not None
+    count = [sum(step.iterations for step in found.steps) for found in (ours, textbook)]
+    table: dict[str, Any] = {
+        "case": name,
+        "dimension": len(CASES[name]),
+        "unknowns": ours.unknowns,
+        "steps": steps,
+        "steps_with_changes": changes(ours),
+        "corrections_a_step": f"{count[0] / steps:.2f}",
+        "newton_iterations_a_step": f"{count[1] / steps:.2f}",
+    }
+    for which, of in (("step", "time"), ("solve", "solve")):
+        for what in ("cpu", "wall"):
+            mine, theirs = (
+                milliseconds([getattr(step, of) for step in found.steps], what)
+                for found in (ours, textbook)
+            )
+            table[f"{which}_{what}_ms"] = f"{mine:.4g}"
+            table[f"{which}_{what}_ms_full_newton"] = f"{theirs:.4g}"
+            table[f"{which}_{what}_ratio"] = f"{theirs / mine:.3g}"
+    for part, seconds in newton.seconds.items():
+        table[f"{part}_ms_an_iteration"] = f"{1e3 * seconds / count[1]:.4g}"
+    return table | {
+        "once_factorizations_s": f"{ours.factorizations.cpu:.3g}",
+        "once_W_s": f"{ours.compliance.cpu:.3g}",
+        "once_analysis_full_newton_s": f"{newton.analysed:.3g}",
+        "displacements_differ_by": f"{apart:.1e}",
+        "forces_differ_by": f"{forces:.1e}",
+    }
+
+
+def main() -> int:
+    """Run the cases and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
+    parser.add_argument("--steps", type=int, default=12)
+    parser.add_argument("--to", type=Path, default=TABLE, help="another file")
+    options = parser.parse_args()
+    run(scene_of((4, 8)), 8, full=False), run(scene_of((4, 8)), 8, full=True)  # what compiles
+    run(scene_of((2, 2, 5)), 8, full=False), run(scene_of((2, 2, 5)), 8, full=True)
+    for found in write_table(options.to, (row(name, options.steps) for name in options.cases)):
+        print(", ".join(f"{key} {value}" for key, value in found.items()))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
