@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.full_newton import agreement, changes, run, scene_of
+from benchmarks.full_newton import SOFT, agreement, changes, run, scene_of
 from benchmarks.newton.contact_terms import PointLaw
 from benchmarks.newton.solve import FullNewton
 from solver.build.assembly import build, initial_state
@@ -14,7 +14,7 @@ from solver.stepping.step import balance_of, extrapolated
 @pytest.mark.parametrize(("cells", "steps"), [((6, 12), 14), ((3, 2, 7), 12)])
 def test_steps_agree_with_a_full_newton_method(cells: tuple[int, ...], steps: int) -> None:
     """A landing: points close, stick, slip and open; both ways stop at the same residual."""
-    ours, textbook = (run(scene_of(cells), steps, full=full) for full in (False, True))
+    ours, textbook = (run(scene_of(cells, 1.0, SOFT), steps, full=full) for full in (False, True))
     displacements, forces = agreement(ours, textbook)
     assert displacements < 1e-9
     assert forces < 1e-8
@@ -26,7 +26,7 @@ def test_steps_agree_with_a_full_newton_method(cells: tuple[int, ...], steps: in
 @pytest.mark.parametrize("cells", [(3, 4), (2, 2, 3)])
 def test_the_tangent_is_the_derivative_of_the_residual(cells: tuple[int, ...]) -> None:
     """In a strained, turned state in which points stick, slip and are open."""
-    scene, random = scene_of(cells), np.random.default_rng(1)
+    scene, random = scene_of(cells, 1.0, SOFT), np.random.default_rng(1)
     assembly = build(scene)
     stepper = assembly.stepper
     state, _ = initial_state(scene, assembly)
