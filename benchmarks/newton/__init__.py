@@ -1,0 +1,1 @@
+"""A step solved by a textbook semi-smooth Newton method, to compare with."""
