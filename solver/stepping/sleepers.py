@@ -54,7 +54,7 @@ class Sleepers:
         """The points of interfaces that sleep; None where there are none."""
         if not any(self.asleep):
             return None
-        return np.repeat(self.asleep, [len(memory.force) for memory in self._memories])
+        return self._points.of_interfaces(tuple(self.asleep))
 
     def _reach(self, number: int) -> float:
         """How far from contact an interface has to be to be left out, m."""

@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.contact.kernels.candidates import candidates, free_values
+from solver.contact.memory import Memory
+from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
 from solver.stepping.balance import Balance
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
@@ -93,9 +95,7 @@ class StepProblem:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
         pairs = zip(model.points.carriers, memories, strict=True)
-        self._beyond_before = [
-            None if memory.clear else each.beyond_edge(memory.kinematics) for each, memory in pairs
-        ]
+        self._beyond_before = [_beyond_edge(each, memory) for each, memory in pairs]
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch()
         self.sleepers = Sleepers(model.system, model.points, balance, self._beyond_edge)
@@ -314,3 +314,9 @@ class StepProblem:
             force, bounds = self.force[own], self.friction.bounds[number]
             found.append(Contact(surface, kinematics, force, bounds, sleepers.clear(number)))
         return found
+
+
+def _beyond_edge(carrier: Carrier, memory: Memory) -> Mask | None:
+    """Points that a step begins with beyond the edge of their carrier; None: there are none."""
+    beyond = None if memory.clear else carrier.beyond_edge(memory.kinematics)
+    return beyond if beyond is not None and beyond.any() else None
