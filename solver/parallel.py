@@ -56,6 +56,13 @@ def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.f
     return total
 
 
+def global_max(comm: MPI.Intracomm, values: list[float]) -> list[float]:
+    """The largest value on any rank, of each of several."""
+    if comm.size == 1:
+        return values
+    return [max(each) for each in zip(*comm.allgather(values), strict=True)]
+
+
 def any_rank(comm: Comm, flag: bool) -> bool:
     """True on every rank where `flag` is true on one."""
     if isinstance(comm, Single) or comm.size == 1:

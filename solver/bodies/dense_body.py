@@ -109,6 +109,10 @@ class DenseBody(ABC):
         ratio = self.dashpot / self.stiffness if self.stiffness else 0.0
         return scheme.weights(dt, spring_damping=ratio)
 
+    def way(self, change: Array) -> float:
+        """The farthest that any of its points moves by a change of the owned unknowns, m."""
+        return float(np.linalg.norm(change))
+
     def tangent(self, weights: TangentWeights) -> Array:
         """Diagonal of the tangent."""
         return weights.mass * self.diagonal + weights.spring * self.stiffness

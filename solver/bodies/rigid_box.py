@@ -67,6 +67,11 @@ class RigidBox(DenseBody):
         self.corners: Array = corners - corners.mean(axis=0) + centre
         self._radius = float(np.linalg.norm(corners[0] - corners.mean(axis=0)))
 
+    def way(self, change: Array) -> float:
+        """At most the way of its centre, and that of a corner by the turn."""
+        d = self.dimension
+        return float(np.linalg.norm(change[:d]) + self._radius * np.linalg.norm(change[d:]))
+
     @property
     def bottom(self) -> Array:
         """The corners of the bottom, counterclockwise seen from above, (2 or 4, d), m."""

@@ -184,7 +184,7 @@ def _contacts(
         bottom = _bottom(member)
         area = (bottom.facet / 2) ** (scene.dimension - 1)
         area *= member.spec.thickness if scene.dimension == 2 else 1.0
-        edge = Interface(rim(carrier.points), bottom, law, bed=bed, corner_area=area)
+        edge = Interface(rim(carrier.points), bottom, law, bed=bed, corner_area=area, of_edge=True)
         contacts.append(FixedContactPair(edge, body=on, on=member.number))
         if scene.dimension == 3:
             crossings = _crossings(bottom, carrier)

@@ -18,9 +18,10 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.oscillator import Oscillator
 from solver.bodies.reduced.body import ReducedBody
 from solver.bodies.reduced.reduction import Reduction
-from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
+from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face
+from solver.contact.held_face import HeldFace
 from solver.contact.plane_target import Carrier, Plane
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec, stiffness_damping
@@ -81,13 +82,13 @@ class FoundationBody:
         frame = level_frame(self.dimension)
         if self.surface is not None:
             surface = self.surface
-            points: FacePoints = FixedPoints(surface.positions)
+            shape = surface.nodes, frame, surface.cell, surface.degree
             if isinstance(self.body, ElasticBody | ReducedBody):
-                points = NodePoints(self.body, surface.layer, surface.positions)
-            return Face(points, surface.nodes, frame, surface.cell, surface.degree)
+                return Face(NodePoints(self.body, surface.layer, surface.positions), *shape)
+            return HeldFace(FixedPoints(surface.positions), *shape)
         if self.width is not None:
             corners, facets, cell = self._fixed(self.width)
-            return Face(FixedPoints(corners), facets, frame, cell)
+            return HeldFace(FixedPoints(corners), facets, frame, cell)
         if isinstance(self.body, Oscillator):
             platform = RigidPoints(self.body, np.zeros((1, self.dimension)))
             return Plane.level(self.dimension, platform)

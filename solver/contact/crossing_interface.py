@@ -97,6 +97,11 @@ class CrossingInterface(Interface):
         y[:, 0] -= self.crossings.rest
         return y
 
+    def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
+        """How far the one outline is within the other, m; negative where it is not."""
+        assert kinematics.carrier is not None
+        return self.crossings.depth_inside(surface.position, kinematics.carrier.position)
+
     def inside(self, memory: Memory) -> Mask:
         """Pairs that cross at this instant, not only at some time in its step."""
         assert memory.kinematics.carrier is not None

@@ -133,7 +133,7 @@ class Crossings(FacetCarrier):
         frame = self.frame
         present: Mask = np.zeros(self.count, dtype=np.bool_)
         nothing = np.zeros(self.count)
-        if not self._inside(*middle):
+        if self.depth_inside(*middle) <= 0.0:
             frame, framed = self._turned(*middle)
             self.meeting = Meeting(frame, framed, nothing)
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
@@ -145,14 +145,17 @@ class Crossings(FacetCarrier):
         self.meeting = Meeting(frame, present, rest, kinematics)
         return kinematics
 
-    def _inside(self, edge: Array, face: Array) -> bool:
-        """Whether all of the upper face is far within the lower one, as on a plate."""
+    def depth_inside(self, edge: Array, face: Array) -> float:
+        """How much farther than need be the upper face is within the lower one, as on a plate, m.
+
+        By positions of the nodes of both outlines; nothing crosses where that is positive.
+        """
         chords = self.lower.chords(face)
         inwards = crossed(crossed(chords[0], chords[1]), chords)
         inwards /= np.linalg.norm(inwards, axis=1)[:, None]
         corners = edge[self.upper.corners] @ inwards.T
         borders = np.sum(face[self.lower.corners] * inwards, axis=1)
-        return bool(np.min(corners - borders) > FAR_INSIDE * self._length)
+        return float(np.min(corners - borders)) - FAR_INSIDE * self._length
 
     def _turned(self, edge: Array, face: Array) -> tuple[Array, Mask]:
         """Frames that have turned with the edges, and which pairs have one."""

@@ -24,6 +24,7 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
     changes = [
         changed_forces(before.force, after.force, before.past, after.past, alone)
         for before, after, alone in zip(old, new, rigid, strict=True)
+        if not after.clear  # far from contact at both ends
     ]
     least = TOTAL_SHARE * sum(carried for _, carried in changes)
     return any(shaken > max(INTERFACE_SHARE * carried, least) for shaken, carried in changes)

@@ -27,6 +27,7 @@ from solver.contact.body_points import (
 )
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
+from solver.contact.kernels.apart import least_distance
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
 from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.memory import Dissipation, Memory
@@ -79,6 +80,7 @@ class Interface:
         count: int | None = None,
         bed: Bed | None = None,
         corner_area: float = 0.0,
+        of_edge: bool = False,
     ):
         """Set up.
 
@@ -91,9 +93,12 @@ class Interface:
                 them.
             bed: Springs and dashpots between points and carrier.
             corner_area: What points without an area count for in it, m2.
+            of_edge: Whether the points are the edge of what carries a block, which presses on the
+                bottom of that: far from there nobody asks where they are.
         """
         self.points, self.carrier, self.law = points, carrier, law
         self._laws = FrictionLaws.of([law])
+        self._of_edge = of_edge
         self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
         self.weight: Array = np.zeros(self.count)
@@ -209,6 +214,12 @@ class Interface:
         if self.law.constant:
             return self._constant_bounds
         return bounds_followed(self._laws, past, self.area, mu, speed, slips)
+
+    def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
+        """At least how far an edge is from the face that it may press on, m; 0 for other points."""
+        if not self._of_edge or kinematics.carrier is None:
+            return 0.0
+        return least_distance(surface.position, kinematics.carrier.position)
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""

@@ -24,6 +24,9 @@ class Memory:
             opposes the carrier; no point that came round the carrier's edge.
         past: What they remember of their friction (`solver.law.friction.PAST`), (points, PAST).
         compression: Of the bed below them, (points,), m; 0 where there is none.
+        clear: How far the points and their carrier may move, together, before anybody has to look
+            where they are, m: an interface far from contact. Until then all else stays as it was
+            when that was done last. 0 where every step looks.
     """
 
     surface: SurfaceState
@@ -33,6 +36,7 @@ class Memory:
     may_touch: Mask
     past: Array
     compression: Array
+    clear: float = 0.0
 
     @property
     def slipped(self) -> Mask:
@@ -52,7 +56,7 @@ class Memory:
         return replace(self, **kept)
 
 
-KINEMATICS = ("surface", "kinematics")
+KINEMATICS = ("surface", "kinematics", "clear")
 """Fields of a memory that say where points are; all others follow from the past alone."""
 
 REMEMBERED = tuple(field.name for field in fields(Memory) if field.name not in KINEMATICS)

@@ -81,6 +81,8 @@ class ContactKinematics(NamedTuple):
     """Where the points stand; None on a plane."""
     own_projection: EdgeInterpolation | None = None
     """Where they are among the nodes of their own body; None where they are those nodes."""
+    beyond_edge: Mask | None = None
+    """Points beyond an end of a face that stands still, (m,); feet know it of others."""
 
 
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:

@@ -108,6 +108,7 @@ class BlockObserver:
     def write(self, state: State, row: Array) -> None:
         """Fill in the columns of the block, all of `row`."""
         own, *edges = self._member.contacts
+        edges = [number for number in edges if not state.contacts[number].clear]
         memory = state.contacts[own]
         if self._link.interface is not self._interface:
             self._take_interface()

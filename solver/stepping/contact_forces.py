@@ -21,12 +21,18 @@ class Contact(NamedTuple):
         kinematics: Their gaps and tangential positions.
         force: Point forces f, (points, d), N.
         bounds: Bounds of friction at all points.
+        clear: As in its memory: how far it may move before anybody has to look at it, m.
     """
 
     surface: SurfaceState
     kinematics: ContactKinematics
     force: Array
     bounds: Bounds
+    clear: float = 0.0
+
+    def is_unseen(self, before: Memory) -> bool:
+        """Whether the step did not even look where it is: it stays as it was remembered before."""
+        return self.surface is before.surface
 
 
 class ContactIncrement(NamedTuple):

@@ -94,6 +94,8 @@ class ContactSolve:
             before = outcome.iterations
             u, outcome = self._solver.solve(problem, u, tolerance)
             outcome = outcome._replace(iterations=outcome.iterations + before)
+        if outcome.converged and problem.sleepers.overran:
+            outcome = outcome._replace(converged=False, reason="bodies move too far in one step")
         contacts = problem.contacts() if outcome.converged else []
         return StepSolution(u, contacts, self._solver.residual, outcome, problem.held)
 

@@ -24,10 +24,10 @@ from solver.contact.kernels.turned import (
     point_vectors,
     read_points,
 )
-from solver.contact.projection import ContactKinematics, Interpolation
+from solver.contact.projection import Interpolation
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance, InterfaceDofs
-from solver.stepping.response import BodyRole, CandidateSet
+from solver.stepping.response import BodyRole, CandidateSet, Kinematics
 from solver.types import Array, Indices
 
 TURNED = 1e-5
@@ -161,10 +161,12 @@ class ElasticResponse:
         free: Array,
         moved: Array,
         frames: Sequence[Array],
-        kinematics: Sequence[ContactKinematics],
+        kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
+            if kinematics[side.interface] is None:
+                continue
             nodes, frame = port.layer.reached(free).reshape(-1), frames[side.interface]
             each = frame[None] if frame.ndim == 2 else frame
             spots = side.spots(kinematics)

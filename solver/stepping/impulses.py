@@ -84,8 +84,9 @@ class VelocityImpulses:
             self._responses.append(response_of(system, number, links, factor))
         # The mass of a meshed body commutes with rotations: on planes that do not turn G M^-1 G^T
         # does not change while the same points are closed.
-        self._constant = not any(link.interface.carrier.turns for link in links) and not any(
-            isinstance(body, DenseBody) and body.turns for body in system.bodies
+        turns = any(isinstance(body, DenseBody) and body.turns for body in system.bodies)
+        self._changes = joined(
+            [np.full(link.interface.count, turns or link.interface.carrier.turns) for link in links]
         )
         self._kept: MassOperator | None = None
 
@@ -184,7 +185,7 @@ class VelocityImpulses:
     def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:
         """The operator of the closed points; the last one where nothing else can have changed."""
         key = closed.tobytes()
-        if self._constant and self._kept is not None and self._kept.key == key:
+        if self._kept is not None and self._kept.key == key and not self._changes[closed].any():
             return self._kept
         frames = self._points.frames_at(closed)
         near = CandidateSet(closed, frames, [contact.kinematics for contact in contacts])
@@ -205,6 +206,9 @@ class VelocityImpulses:
         system, parts = self.system, []
         for link, contact in zip(self.links, contacts, strict=True):
             interface, kinematics = link.interface, contact.kinematics
+            if contact.clear:
+                parts.append(np.zeros_like(contact.force))
+                continue
             velocity = interface.points.velocity(
                 system.part(u, link.body), system.part(v, link.body)
             )

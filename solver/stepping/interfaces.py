@@ -144,10 +144,16 @@ class Interfaces:
             exchanged = before - self.energy(faces, contacts)
         links, part = self.links(faces), self._system.part
         ahead = state.u
-        if any(link.interface.carrier.turns for link in links):
+        if any(
+            link.interface.carrier.turns and not memory.clear
+            for link, memory in zip(links, contacts, strict=True)
+        ):
             ahead = state.u + 0.5 * dt * state.v
         found = []
         for link, memory, rotation in zip(links, contacts, self.rotations_of(state), strict=True):
+            if memory.clear:
+                found.append(memory)
+                continue
             if isinstance(link.interface, CrossingInterface):
                 u, carrier_u = part(ahead, link.body), part(ahead, link.carrier)
                 prepared = link.interface.prepare(memory, u, carrier_u)

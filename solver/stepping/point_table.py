@@ -73,10 +73,18 @@ class PointTable:
         self.steady = all(law.constant for law in laws)
         self.decays = any(law.decays for law in laws)
         self._turns = any(carrier.turns for carrier in self.carriers)
+        self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
         self.reach = REACH * self.size
         self.round_off = GAP_ROUND_OFF * self.size
+
+    def of_interfaces(self, chosen: tuple[bool, ...]) -> Mask:
+        """The points of some interfaces, (points,); to be read only."""
+        if chosen not in self._of_interfaces:
+            counts = [link.interface.count for link in self.links]
+            self._of_interfaces[chosen] = np.repeat(chosen, counts)
+        return self._of_interfaces[chosen]
 
     @property
     def frames(self) -> list[Array]:

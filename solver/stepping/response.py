@@ -27,6 +27,9 @@ from solver.types import Array, Indices
 Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
 
+Kinematics = Sequence[ContactKinematics | None]
+"""Those of all interfaces; None for one that a step leaves out."""
+
 
 @dataclass(frozen=True, slots=True)
 class BodyRole:
@@ -58,9 +61,11 @@ class BodyRole:
         """Numbers of the points of its interface among those of all."""
         return slice(self.first, self.first + self.count)
 
-    def spots(self, kinematics: Sequence[ContactKinematics]) -> Interpolation | None:
+    def spots(self, kinematics: Kinematics) -> Interpolation | None:
         """Where the contact points are among the body's own; None where they are the same."""
         own = kinematics[self.interface]
+        if own is None:
+            return None
         return own.foot if self.carries else own.own_projection
 
 
@@ -75,7 +80,7 @@ class CandidateSet(NamedTuple):
 
     number: Indices
     frames: Array
-    kinematics: Sequence[ContactKinematics]
+    kinematics: Kinematics
 
     def members(self, sides: Sequence[BodyRole]) -> list[tuple[int, Indices, Indices]]:
         """For each side that has any: its number, places of its points here, their own numbers."""
@@ -113,7 +118,7 @@ class Response(Protocol[Configuration, Coupling]):
         free: Array,
         moved: Array,
         frames: Sequence[Array],
-        kinematics: Sequence[ContactKinematics],
+        kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
 
@@ -207,7 +212,7 @@ class DenseResponse:
         self,
         at: DenseConfiguration,
         number: int,
-        kinematics: Sequence[ContactKinematics],
+        kinematics: Kinematics,
         own: slice | Indices = slice(None),
     ) -> Array:
         """Rows of the points of a side's interface in what this body does to them."""
@@ -224,10 +229,12 @@ class DenseResponse:
         free: Array,
         moved: Array,
         frames: Sequence[Array],
-        kinematics: Sequence[ContactKinematics],
+        kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
+            if kinematics[side.interface] is None:
+                continue
             rows = self._at(at, number, kinematics)
             moved[side.own] += in_frames(rows @ free, frames[side.interface])
 

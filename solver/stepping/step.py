@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from solver.contact.memory import Dissipation, Memory
@@ -130,6 +131,8 @@ def inertia_force(
             p[own] += impulse * drag
     p -= impulse * step.load
     for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
+        if c.is_unseen(memory):
+            continue
         add_contact_forces(
             system,
             link,
@@ -150,8 +153,11 @@ def remembered(
     """Memories of all interfaces after a step of length dt (s), and what it lost in all of them."""
     memories, lost = [], []
     for link, before, c in zip(links, old, contacts, strict=True):
+        if c.is_unseen(before):
+            memories.append(replace(before, clear=c.clear))
+            continue
         after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
-        memories.append(after[0])
+        memories.append(replace(after[0], clear=c.clear) if c.clear else after[0])
         lost.append(after[1])
     total = Dissipation(
         friction=sum(each.friction for each in lost),

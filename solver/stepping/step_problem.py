@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.contact.kernels.candidates import candidates, free_values
+from solver.contact.memory import Memory
+from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
 from solver.stepping.balance import Balance
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
@@ -28,8 +30,9 @@ from solver.stepping.delassus import (
 )
 from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel, Tangents
-from solver.stepping.point_table import REACH, EdgeWatch, Observed, joined
-from solver.stepping.response import CandidateSet
+from solver.stepping.point_table import EdgeWatch, Observed, joined
+from solver.stepping.response import CandidateSet, Kinematics
+from solver.stepping.sleepers import Sleepers
 from solver.types import Array, Indices, Mask
 
 MOST_FRICTION_ROUNDS = 50
@@ -42,9 +45,6 @@ STEADYING = 0.99
 """Part of their difference that forces of rigid points keep from step to step where no motion tells
 it (two corners that push against each other): with nothing to hold them back such forces grow until
 their round-off shows, so they become even step by step."""
-
-ASLEEP_REACHES = 5
-"""An interface farther from contact than this many times the reach of its points is left out."""
 
 
 class Iterate(NamedTuple):
@@ -95,18 +95,16 @@ class StepProblem:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
         pairs = zip(model.points.carriers, memories, strict=True)
-        self._beyond_before = [each.beyond_edge(memory.kinematics) for each, memory in pairs]
+        self._beyond_before = [_beyond_edge(each, memory) for each, memory in pairs]
         self._beds = model.points.beds(memories, balance.step)
         self._edges = EdgeWatch()
-        self._looked: dict[int, Observed] = {}  # sleeping interfaces at the end of the step
-        self._asleep = [not balance.static and self._far(k) for k in range(len(memories))]
-        self._left_out = self._of_sleeping()
+        self.sleepers = Sleepers(model.system, model.points, balance, self._beyond_edge)
         self._number = 0
-        for carrier, asleep in zip(model.points.carriers, self._asleep, strict=True):
+        for carrier, asleep in zip(model.points.carriers, self.sleepers.asleep, strict=True):
             if carrier.turns and not asleep:
                 self._number = number
         self._iterate = Iterate(guess, ())
-        self._kinematics: list[ContactKinematics] = []  # of all interfaces at the iterate
+        self._kinematics: Kinematics = []  # at the iterate
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.forces = 0.0
@@ -117,8 +115,9 @@ class StepProblem:
         balance = self._balance
         residual = balance.smooth_residual(self._system, u)
         seen: list[Observed] = []
+        asleep = self.sleepers.asleep
         for number, memory in enumerate(balance.contact):
-            if self._asleep[number]:
+            if asleep[number]:
                 seen.append((memory.surface, memory.kinematics))
             else:
                 seen.append(self._points.observe(number, u))
@@ -127,7 +126,10 @@ class StepProblem:
             self.held = residual[self._system.fixed]
             residual[self._system.fixed] = 0.0
         self._iterate = Iterate(u, seen)
-        self._kinematics = [kinematics for _, kinematics in seen]
+        self._kinematics = [
+            None if left_out else kinematics
+            for (_, kinematics), left_out in zip(seen, asleep, strict=True)
+        ]
         return residual
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
@@ -210,10 +212,12 @@ class StepProblem:
         as beyond an edge.
         """
         points, parts = self._points, []
-        beyond = self._left_out
+        beyond = self.sleepers.points
         for number, (surface, kinematics) in enumerate(self._iterate.seen):
             parts.append(points.links[number].interface.augmented(surface, kinematics))
-            off = None if self._asleep[number] else self._beyond_edge(number, kinematics)
+            off = None
+            if not self.sleepers.asleep[number]:
+                off = self._beyond_edge(number, kinematics)
             if off is not None and off.any():
                 none = np.zeros(points.count, dtype=np.bool_)
                 beyond = none if beyond is None else beyond.copy()
@@ -222,12 +226,6 @@ class StepProblem:
         if self._beds is not None:
             y[:, 0] += self._beds.offset
         return y, self._edges.settled(beyond)
-
-    def _of_sleeping(self) -> Mask | None:
-        """The points of interfaces that sleep; None where there are none."""
-        if not any(self._asleep):
-            return None
-        return np.repeat(self._asleep, [len(memory.force) for memory in self._balance.contact])
 
     def _beyond_edge(self, number: int, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of their carrier, where it has one.
@@ -303,47 +301,22 @@ class StepProblem:
                 break
         return force
 
-    def _far(self, number: int) -> bool:
-        """Whether an interface need not be looked at in this step: far from contact at its start.
-
-        Only those without tractions can sleep: the theta term acts on open points, too.
-        """
-        interface, memory = self._points.links[number].interface, self._balance.contact[number]
-        if interface.theta or memory.force.any():
-            return False
-        far = ASLEEP_REACHES * REACH * interface.size
-        return self._clearance(number, memory.kinematics) > far
-
-    def _clearance(self, number: int, kinematics: ContactKinematics) -> float:
-        """Smallest gap of an interface's points that may touch, m."""
-        beyond = self._beyond_edge(number, kinematics)
-        may_touch = self._balance.contact[number].may_touch
-        may = may_touch if beyond is None else may_touch & ~beyond
-        gaps = kinematics.place[may, 0]
-        return float(gaps.min()) if len(gaps) else np.inf
-
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, or points break loose in it."""
-        return self._wake(u) or self.friction.break_loose(self.force)
-
-    def _wake(self, u: Array) -> bool:
-        """Whether interfaces that were left out have come into contact after all."""
-        woken = False
-        for number, asleep in enumerate(self._asleep):
-            if asleep:
-                self._looked[number] = seen = self._points.observe(number, u)
-                if self._clearance(number, seen[1]) < 0:
-                    self._asleep[number], woken = False, True
-        if woken:
-            self._left_out = self._of_sleeping()
-        return woken
+        return self.sleepers.wake(u) or self.friction.break_loose(self.force)
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""
-        points, found = self._points, []
-        for number, (own, bounds) in enumerate(zip(points.own, self.friction.bounds, strict=True)):
-            surface, kinematics = self._iterate.seen[number]
-            if self._asleep[number]:
-                surface, kinematics = self._looked[number]
-            found.append(Contact(surface, kinematics, self.force[own], bounds))
+        found, sleepers = [], self.sleepers
+        for number, own in enumerate(self._points.own):
+            asleep = sleepers.asleep[number]
+            surface, kinematics = sleepers.seen(number) if asleep else self._iterate.seen[number]
+            force, bounds = self.force[own], self.friction.bounds[number]
+            found.append(Contact(surface, kinematics, force, bounds, sleepers.clear(number)))
         return found
+
+
+def _beyond_edge(carrier: Carrier, memory: Memory) -> Mask | None:
+    """Points that a step begins with beyond the edge of their carrier; None: there are none."""
+    beyond = None if memory.clear else carrier.beyond_edge(memory.kinematics)
+    return beyond if beyond is not None and beyond.any() else None

@@ -60,6 +60,10 @@ class System:
             [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
         )
 
+        self._ports: dict[tuple[Interface, SurfacePoints, bool], InterfaceDofs] = {}
+        self._unturned: Array = np.eye(self.dimension)
+        self._unturned.flags.writeable = False
+
         self.stands_on_ground = any(map(stands_on_ground, bodies))
         """Whether supports or springs hold one of the bodies: the ground has forces then."""
 
@@ -70,6 +74,15 @@ class System:
         )
         """Bodies on which springs or dashpots to the ground act, or damping like these, and where
         their unknowns are."""
+
+    def ports(
+        self, points: SurfacePoints, interface: Interface, *, tractions: bool
+    ) -> InterfaceDofs:
+        """Rows between points of a meshed body and its nodes: made once, for all tangents."""
+        key = interface, points, tractions
+        if key not in self._ports:
+            self._ports[key] = ports_of(points, interface, tractions=tractions)
+        return self._ports[key]
 
     def part(self, vector: Array, body: int | None) -> Array | None:
         """The unknowns of one body; None for the ground."""
@@ -97,7 +110,7 @@ class System:
     def rotation(self, u: Array, body: int | None) -> Array:
         """The rotation of a body, (d, d); the identity for the ground."""
         if body is None:
-            return np.eye(self.dimension)
+            return self._unturned
         return self.bodies[body].rotation(u[self.slices[body]])
 
 
@@ -147,7 +160,7 @@ def response_of(
         return DenseResponse(member, factor, sides)
     assert not isinstance(factor, np.ndarray)
     ports = [
-        ports_of(side.points, links[side.interface].interface, tractions=tractions)
+        system.ports(side.points, links[side.interface].interface, tractions=tractions)
         for side in sides
     ]
     inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from solver.law.compiled import compiled
-from solver.types import Array
+from solver.types import Array, Mask
 
 
 @compiled
@@ -23,3 +23,27 @@ def places(position: Array, origin: Array, shift: Array, frame: Array, place: Ar
             apart = position[p, j] - (origin[j] + shift[j])
             for i in range(len(frame)):
                 place[p, i] += frame[i, j] * apart
+
+
+@compiled
+def places_within(
+    position: Array,
+    origin: Array,
+    frame: Array,
+    low: Array,
+    high: Array,
+    place: Array,
+    beyond: Mask,
+) -> None:
+    """As `places`, on a plane that stands still, and which points are beyond its ends.
+
+    The ends are the least and the greatest tangential positions on it, (d-1,), m.
+    """
+    place[:] = 0.0
+    for p in range(len(place)):
+        beyond[p] = False
+        for i in range(len(frame)):
+            for j in range(len(frame)):
+                place[p, i] += frame[i, j] * (position[p, j] - origin[j])
+            if i > 0 and not low[i - 1] <= place[p, i] <= high[i - 1]:
+                beyond[p] = True
