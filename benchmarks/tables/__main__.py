@@ -1,6 +1,8 @@
 """Make the tables and pictures that are older than the code that they speak of.
 
-    ./in-env python3 -m benchmarks.tables [NAME ...] [--list | --harmless WHY | --made-by COMMIT]
+    ./in-env python3 -m benchmarks.tables [NAME ...] [--list]
+    ./in-env python3 -m benchmarks.tables [NAME ...] --harmless WHY | --known-stale WHY
+    ./in-env python3 -m benchmarks.tables NAME ... --made-by COMMIT
 
 The cheapest come first. Each is recorded as soon as it is made, so that a second call goes on where
 the first was stopped; studies of `rockslip` go on within. Tables of times want a machine that does
@@ -31,12 +33,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.list:
         sys.stdout.write(_told(names, states(EVIDENCE, made, changes), made))
     elif options.harmless:
-        tables = [(n, made[n].code, digests(EVIDENCE[n].code)) for n in names if n in made]
-        if not options.names:  # what is known to be older stays so
-            tables = [entry for entry in tables if entry[0] not in accepted.known_stale()]
-        more = accepted.state_harmless(options.harmless, tables, changes)
-        accepted.write(more)
-        print(f"{len(more) - len(changes)} changes stated")
+        known = [] if options.names else accepted.known_stale()
+        there = [name for name in names if name in made and name not in known]
+        tables = [(name, made[name].code, digests(EVIDENCE[name].code)) for name in there]
+        stated = accepted.state_harmless(options.harmless, tables, changes)
+        accepted.write(stated)
+        print(f"{len(stated) - len(changes)} changes stated")
+    elif options.known_stale:
+        found, known = states(EVIDENCE, made, changes), accepted.known_stale()
+        more = {n: options.known_stale for n in names if found[n].stale and n not in known}
+        accepted.write_known_stale(known | more)
+        PAGE.write_text(page(made, accepted.known_stale()), encoding="utf-8")
+        print(f"known to be older: {', '.join(more) or 'no more'}")
     elif options.made_by:
         for name in options.names:
             adopt(name, EVIDENCE[name], options.made_by)
@@ -58,6 +66,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("names", nargs="*", metavar="NAME", help="also what is not older; default: all that are")
     add("--list", action="store_true", help="what there is, what it took, and why one is older")
     add("--harmless", metavar="WHY", help="state that what has changed is not seen in these")
+    add("--known-stale", metavar="WHY", help="name those that are older as known to be so")
     add("--made-by", metavar="COMMIT", help="record the files as made by the code of a commit")
     add("--page", action="store_true", help="write docs/tables.md only")
     options = parser.parse_args(arguments)

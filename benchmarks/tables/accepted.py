@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -19,6 +19,12 @@ HARMLESS_HEAD = """\
 #
 # which takes the digests as they were accepted last and as they are now. Changes that follow on
 # each other make a chain. What no record needs any more is removed when a table is made.
+"""
+
+STALE_HEAD = """\
+# Tables and pictures that are known to be older than the code, and why nothing is done about it
+# yet. `./in-env python3 -m benchmarks.tables --known-stale WHY` adds those that are; a table that
+# is made anew is taken out.
 """
 
 
@@ -119,3 +125,10 @@ def write(changes: Sequence[Change], file: Path = HARMLESS) -> None:
     entries = [{**asdict(change), "tables": list(change.tables)} for change in changes]
     text = tomli_w.dumps({"change": entries}) if entries else ""
     file.write_text(f"{HARMLESS_HEAD}\n{text}", encoding="utf-8")
+
+
+def write_known_stale(known: Mapping[str, str], file: Path = KNOWN_STALE) -> None:
+    """Write which tables are known to be older than the code."""
+    import tomli_w
+
+    file.write_text(f"{STALE_HEAD}\n{tomli_w.dumps(dict(known))}", encoding="utf-8")

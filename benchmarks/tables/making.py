@@ -52,6 +52,9 @@ def make(name: str, evidence: Evidence) -> None:
     for kept, left in evidence.files.items():
         if kept != left:
             shutil.copyfile(own / left, ROOT / kept)
+    known = accepted.known_stale()
+    if known.pop(name, ""):
+        accepted.write_known_stale(known)
     keep(
         name,
         Made(
