@@ -249,7 +249,7 @@ EVIDENCE: dict[str, Evidence] = {
         commands=(
             "rockslip study overturning demos/overturning/scene.toml --pulses one_sine "
             "--frequencies 3,5,6 --restitution 0.86,0.88,0.9,0.92,0.94,0.96,0.98 "
-            f"-o {OWN}",
+            f"--rounds 0 -o {OWN}",
         ),
         code=("demos/overturning/scene.toml", "solver/study/overturning", *RIGID, *MOTION),
         files={f"{PICTURES}/overturning_restitution.png": "restitution.png"},

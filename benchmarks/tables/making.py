@@ -61,7 +61,7 @@ def make(name: str, evidence: Evidence) -> None:
             version=VERSION,
             date=dt.datetime.now(dt.UTC).date().isoformat(),
             machine=machine(),
-            commit=_commit(),
+            commit=_commit(evidence),
             minutes=0.0 if resumed else round(minutes, 2),
             wall_minutes=0.0 if resumed else round(wall, 2),
             load=round(load, 1),
@@ -138,13 +138,14 @@ def _processor_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _commit() -> str:
-    """The commit that is checked out, with + where tracked files differ; empty without git."""
+def _commit(evidence: Evidence) -> str:
+    """The commit that is checked out, with + where the sources differ; empty without git."""
     try:
-        text = _git("describe", "--always", "--exclude", "*", "--dirty=+").decode().strip()
+        at = _git("rev-parse", "--short", "HEAD").decode().strip()
+        dirty = _git("status", "--porcelain", "--", *evidence.code)
     except (OSError, subprocess.CalledProcessError):
         return ""
-    return text
+    return f"{at}{'+' if dirty else ''}"
 
 
 def _git(*words: str) -> bytes:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.tables import accepted, making, record
+from benchmarks.tables.__main__ import main
 from benchmarks.tables.accepted import Change, changed, needed, state_harmless
 from benchmarks.tables.listed import EVIDENCE, Evidence
 from benchmarks.tables.page import PAGE, page
@@ -133,6 +134,27 @@ def test_changes_are_read_as_they_are_written(tmp_path: Path) -> None:
     changes = [change("a", "1", "2", "one", "two")]
     accepted.write(changes, tmp_path / "harmless.toml")
     assert accepted.harmless(tmp_path / "harmless.toml") == changes
+
+
+def test_what_is_known_to_be_older_is_read_as_it_is_written(tmp_path: Path) -> None:
+    known = {"one": "to be made anew"}
+    accepted.write_known_stale(known, tmp_path / "known_stale.toml")
+    assert accepted.known_stale(tmp_path / "known_stale.toml") == known
+
+
+def test_list_names_every_table_and_what_is_older(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert {line.split()[0] for line in lines if line[0] != " "} >= set(EVIDENCE)
+    for name, why in accepted.known_stale().items():
+        at = next(n for n, line in enumerate(lines) if line.split()[0] == name)
+        assert "older" in lines[at] and "(known)" in lines[at]
+        assert f"    known: {why}" in lines[at:]
+
+
+def test_a_name_that_is_not_listed_is_refused() -> None:
+    with pytest.raises(SystemExit):
+        main(["nothing"])
 
 
 def made(**other: object) -> Made:
