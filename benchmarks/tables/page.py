@@ -27,6 +27,7 @@ A test fails if the code that decides the numbers of a table has changed since i
 Comments and docstrings do not count, nor do changes that `benchmarks/tables/harmless.toml`
 states with a reason, nor the tables that are named here as older ones.
 Times belong to their machine; tables of times may be one release old.
+Tables of keys and columns are written by `make docs-tables`, and have a test of their own.
 """
 
 
