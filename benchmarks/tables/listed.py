@@ -239,11 +239,12 @@ EVIDENCE: dict[str, Evidence] = {
     ),
     "overturning": Evidence(
         commands=(
-            f"rockslip study overturning demos/overturning/scene.toml --restitution 0.936 -o {OWN}",
+            "rockslip study overturning demos/overturning/scene.toml --restitution 0.936 "
+            f"--ode 1,2,3,4,5,6,8 --elastic 2,4,6 -o {OWN}",
         ),
-        code=("demos/overturning/scene.toml", "solver/study/overturning", *RIGID, *MOTION),
+        code=("demos/overturning/scene.toml", "solver/study/overturning", *ALL, *MOTION, *ANSWER),
         files={f"{PICTURES}/overturning.png": "overturning.png"},
-        minutes=3,
+        minutes=15,
     ),
     "overturning_restitution": Evidence(
         commands=(
