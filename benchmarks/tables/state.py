@@ -44,7 +44,7 @@ class State:
         times = ", times of a busy machine" if self.busy else ""
         if self.stale:
             return f"older{times}"
-        return f"{'harmless changes' if self.harmless else 'of today'}{times}"
+        return f"{'harmless changes' if self.harmless else 'up to date'}{times}"
 
 
 def state(
