@@ -99,7 +99,9 @@ def limit(values: Sequence[Array]) -> Limit:
     )
 
 
-def references(scene: Scene, trials: Sequence[Trial], every: float) -> dict[str, Reference]:
+def references(
+    scene: Scene, trials: Sequence[Trial], every: float, answered_by: Scene | None = None
+) -> dict[str, Reference]:
     """The best reference there is for each measure of a scene.
 
     A rigid-body answer, where there is one and the finest run moved as it does; of an elastic
@@ -110,11 +112,12 @@ def references(scene: Scene, trials: Sequence[Trial], every: float) -> dict[str,
         scene: The scene as it is.
         trials: What was run.
         every: Between two samples of an angle, s.
+        answered_by: The scene whose rigid-body answer it is; None: this one.
     """
     ladder = ladder_of(trials, "step")
     if len(ladder) < 2:
         return {}
-    exact = _rigid_answer(scene, ladder[-1], every)
+    exact = _rigid_answer(answered_by or scene, ladder[-1], every)
     found = {}
     for measure in ladder[-1].outcome.measures:
         own = own_limit(trials, measure)

@@ -50,6 +50,7 @@ def study(
     longest: float = 60.0,
     target: float = 0.01,
     others: Sequence[Beside] = (),
+    answered_by: Scene | None = None,
     tell: Tell = lambda line: None,
 ) -> Findings:
     """Run a scene over its ladders, one run after the other, and judge every run.
@@ -63,6 +64,8 @@ def study(
         longest: Runs that would take longer than this are left out, s.
         target: Relative error that is aimed at.
         others: Points of other programs.
+        answered_by: A scene whose rigid-body answer is that of this one in what is wanted, such as
+            one in the plane.
         tell: Is told of every run.
     """
     plain = replace(scene, output=replace(scene.output, fields="none", history_every=1))
@@ -71,7 +74,7 @@ def study(
     trials, left_out = climb(
         made, repeat=repeat, longest=longest, tell=lambda trial: tell(_line(trial))
     )
-    found = references(plain, trials, every)
+    found = references(plain, trials, every, answered_by)
     if not found:
         got = f"{sum(t.outcome.completed for t in trials)} completed runs in which nothing moves"
         raise SceneError("time.step", got, "two completed runs or more of a block that moves")

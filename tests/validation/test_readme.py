@@ -239,6 +239,8 @@ def test_what_is_not_run_is_there(command: str) -> None:
     if words[0] == "make":
         targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
         assert words[1] in targets
+    elif words[:2] == ["python3", "-m"]:
+        assert (ROOT / words[2].replace(".", "/") / "__main__.py").is_file()
     elif words[0] == "python3":
         assert (ROOT / next(word for word in words if word.endswith(".py"))).is_file()
     elif words[0] in ("paraview", "pvpython"):
