@@ -47,6 +47,10 @@ GMRES_TOLERANCES = (1e-3, 1e-9)
 otherwise. Points of a stiff body share its rigid motions, so that forces may be far from right
 where it is small; with the first alone Newton's method then wanders."""
 
+GOOD_STEPS, STALE = 3, 2.0
+"""Steps of GMRES that good factors need at most, and what all steps beyond these may cost before
+the factors are made anew: so many times as much as new ones."""
+
 PATIENCE = 8
 """Newton steps that need not make the error smaller."""
 
@@ -103,7 +107,7 @@ class _Factors:
         """Factorize the matrix of the equations of a Newton step, by numbers of the points."""
         from scipy.linalg import lu_factor
 
-        self.rows = _numbered(equations_, points)
+        self.rows, self.used = _numbered(equations_, points), 0
         matrix, _ = equations(*equations_)
         # The transposed one, which lies as LAPACK has it, is overwritten without a copy.
         self._lu = lu_factor(matrix.T, overwrite_a=True, check_finite=False)
@@ -118,6 +122,7 @@ class _Factors:
         diagonal = equations_.diagonal()
 
         def apply(right: Array) -> Array:
+            self.used += 1
             result, whole = right / diagonal, np.zeros(len(self.rows))
             whole[there] = right[here]
             result[here] = lu_solve(self._lu, whole, trans=1, check_finite=False)[there]
@@ -139,6 +144,7 @@ class ManyPoints:
         """Start without factors."""
         self._factors: _Factors | None = None
         self._points: Indices = np.empty(0, np.int64)
+        self._wasted = 0
         self.factorizations = 0
         """How many were needed so far."""
 
@@ -221,13 +227,14 @@ class ManyPoints:
         start = force[step.rows]
         residual = step.residual(start)
         most = min(max(GMRES_STEPS[0], len(start) // 40), GMRES_STEPS[1])
-        found = None
-        if self._factors is not None:
-            apply = self._factors.preconditioner(step, self._points)
+        found, factors = None, self._factors
+        if factors is not None and self._wasted <= STALE * most:
+            apply, before = factors.preconditioner(step, self._points), factors.used
             found = gmres(step.image, apply, residual, most, tolerance)
+            self._wasted += max(0, factors.used - before - GOOD_STEPS)
         if found is None:
-            self._factors = None  # before the room for others is taken
-            self._factors = _Factors(step, self._points)
+            self._factors = factors = None  # before the room for others is taken
+            self._factors, self._wasted = _Factors(step, self._points), 0
             self.factorizations += 1
             apply = self._factors.preconditioner(step, self._points)
             found = gmres(step.image, apply, residual, most, tolerance)
