@@ -20,12 +20,12 @@ from solver.law.newton import (
     best_step,
     equations,
     error_of,
-    forces_of,
     left_over,
     lengths,
     project,
     trial_of,
     unknowns,
+    write_forces,
 )
 from solver.types import Array, Indices
 
@@ -82,10 +82,12 @@ class _Equations(NamedTuple):
 
     def forces(self, x: Array, *, change: bool = False) -> Array:
         """All forces by the unknowns, or their change by one of these."""
-        return forces_of(self.local, self.trial, self.states, self.rows, x, 0.0 if change else 1.0)
+        found, constants = np.empty_like(self.trial), 0.0 if change else 1.0
+        write_forces(self.local, self.trial, self.states, self.rows, x, constants, found)
+        return found
 
     def residual(self, x: Array) -> Array:
-        """B - A x."""
+        """What x leaves of the right-hand side, b - A x."""
         return -left_over(*self, x, self.local.W @ self.forces(x), 1.0)
 
     def image(self, x: Array) -> Array:

@@ -180,14 +180,20 @@ def equations(
 
 
 @compiled
-def forces_of(
-    local: Local, trial: Array, states: Indices, rows: Indices, x: Array, constants: float
-) -> Array:
-    """All forces by the unknowns x of the equations: friction of sliding in the plane follows them.
+def write_forces(
+    local: Local,
+    trial: Array,
+    states: Indices,
+    rows: Indices,
+    x: Array,
+    constants: float,
+    f: Array,
+) -> None:
+    """Write all forces by the unknowns x of the equations; sliding in the plane follows from them.
 
     With 1 for `constants` they are these forces, with 0 their change by a change x.
     """
-    f = np.zeros_like(local.q)
+    f[:] = 0.0
     for a in range(len(rows)):
         f[rows[a]] = x[a]
     for i in range(len(states)):
@@ -195,7 +201,6 @@ def forces_of(
             slope, intercept = line(local.bounds, i, trial[2 * i])
             sign = 1.0 if states[i] > 0 else -1.0
             f[2 * i + 1] = (slope * f[2 * i] + constants * intercept) * sign
-    return f
 
 
 @compiled
@@ -211,7 +216,7 @@ def left_over(
 ) -> Array:
     """A x - b of `equations` without their matrix, or A x with 0 for `constants`.
 
-    `moved` is W times the forces of `forces_of`, m; the other arguments are those of `equations`.
+    `moved` is W times the forces of `write_forces`, m; other arguments are those of `equations`.
     """
     d, value = local.d, np.empty(len(rows))
     for a in range(len(rows)):
@@ -235,7 +240,7 @@ def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) 
     matrix, right = equations(local, r, trial, states, rows)
     if not solve_dense(matrix, right):
         return False
-    f[:] = forces_of(local, trial, states, rows, right, 1.0)
+    write_forces(local, trial, states, rows, right, 1.0, f)
     return True
 
 
