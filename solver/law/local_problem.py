@@ -22,6 +22,8 @@ from solver.types import Array, Indices
 OUTCOMES = ("Newton", "touching", *RESCUES, "velocity solve left out")
 #: Linear solves of Newton's method, and two more for each point.
 ROUNDS = 20
+#: Rows of a problem of many points up to which these methods are tried, too.
+RESCUED_ROWS = 600
 
 
 class NoContactSolution(Exception):
@@ -123,21 +125,23 @@ class LocalProblem:
             np.eye(dimension).reshape(1, dimension, 1, -1), ones, ones, Bounds.uniform(0.5, 1)
         )
         self.counts = new_counts()
-        self._many = ManyPoints()
-        self.impulses = ManyPoints()
-        """Solver of the impulses of many points."""
+        self.forget()
 
     def forget(self) -> None:
         """Keep nothing from problem to problem, so that the next one does not depend on them."""
-        self._many, self.impulses = ManyPoints(), ManyPoints()
+        self._many, self._impulses = ManyPoints(), ManyPoints()
 
     @property
     def rescues(self) -> Counter[str]:
         """How many problems needed what besides Newton's method."""
         return named(self.counts)
 
-    def solve(self, W: Array, q: Array, start: Array, bounds: Bounds) -> Array:
+    def solve(
+        self, W: Array, q: Array, start: Array, bounds: Bounds, points: Indices | None = None
+    ) -> Array:
         """Forces (m, d) for compliance W (m, d, m, d), free values q (m, d) and a guess (m, d).
+
+        By their numbers, (m,), many points are known again in the next problem.
 
         Raises:
             NoContactSolution: Where every method failed.
@@ -145,10 +149,30 @@ class LocalProblem:
         m, force = len(start), np.ascontiguousarray(start).copy()
         whole, free = np.ascontiguousarray(W), np.ascontiguousarray(q)
         if force.size > MANY_ROWS:
-            flat = whole.reshape(force.size, force.size), free.ravel()
-            settled = self._many.solve(force.shape[1], *flat, bounds, force.reshape(-1))
+            settled = self._settle(self._many, whole, free, bounds, force, points)
         else:
             settled = not m or solve_points(whole, free, *bounds, force, self.counts)
         if not settled:
             raise NoContactSolution(f"the local contact problem of {m} points did not settle")
         return force
+
+    def impulses(
+        self, W: Array, q: Array, bounds: Bounds, p: Array, points: Indices | None
+    ) -> bool:
+        """Solve for the impulses of many points, (m, d); p is the guess and becomes the answer."""
+        return self._settle(self._impulses, W, q, bounds, p, points)
+
+    def _settle(
+        self,
+        many: ManyPoints,
+        W: Array,
+        q: Array,
+        bounds: Bounds,
+        f: Array,
+        points: Indices | None,
+    ) -> bool:
+        """By the solver of many points, then by the methods for few of them."""
+        flat = W.reshape(f.size, f.size), q.reshape(-1)
+        if many.solve(f.shape[1], *flat, bounds, f.reshape(-1), points):
+            return True
+        return f.size <= RESCUED_ROWS and solve_points(W, q, *bounds, f, self.counts)

@@ -15,18 +15,21 @@ import numpy as np
 from solver.law.friction import TOUCHING_SLOPE, Bounds
 from solver.law.newton import (
     EXACT,
-    OPEN,
     STICK,
     Local,
     best_step,
+    equations,
     error_of,
+    left_over,
     lengths,
     project,
     trial_of,
+    unknowns,
+    write_forces,
 )
 from solver.types import Array, Indices
 
-MANY_ROWS = 600
+MANY_ROWS = 300
 """Rows of a local problem from which on it is solved here."""
 
 ROUNDS = 40
@@ -35,139 +38,105 @@ ROUNDS = 40
 HALVINGS = 12
 """Halvings of a step by the line search."""
 
-GMRES_STEPS = (40, 150)
+GMRES_STEPS = (10, 150)
 """Fewest and most steps of GMRES after which the equations are factorized anew: in between, the
-hundredth part of their number, which take about as long as the factors."""
+fortieth part of their number, which take about as long as the factors."""
 
-GMRES_TOLERANCES = (1e-3, 1e-8)
-"""What GMRES leaves of the residual of a Newton step while states change and where they stay."""
+GMRES_TOLERANCES = (1e-3, 1e-9)
+"""What GMRES leaves of the residual of a Newton step: while steps do well and states change, and
+otherwise. Points of a stiff body share its rigid motions, so that forces may be far from right
+where it is small; with the first alone Newton's method then wanders."""
+
+GOOD_STEPS, STALE = 3, 2.0
+"""Steps of GMRES that good factors need at most, and what all steps beyond these may cost before
+the factors are made anew: so many times as much as new ones."""
+
+PATIENCE = 8
+"""Newton steps that need not make the error smaller."""
 
 PROXIMAL_ROUNDS = 30
 """Problems with a proximal term that are tried."""
 
 
 class _Equations(NamedTuple):
-    """The equations of a Newton step for the forces of closed points: A x = b.
-
-    With P(tau) = l e of a point that slips, of derivative e dl + (l/|tau|)(I - e e^T) dtau.
+    """The equations of a Newton step, A x = b, as `solver.law.newton.equations` has them.
 
     Attributes:
         local: The problem.
-        rows: Rows of closed points among all, (n,).
-        scale: r of these rows.
-        slip: Which points slip: places of their normal rows among `rows`, (k,).
-        e: Directions of their friction, (k, d - 1).
-        slope: dl/df_n, (k,).
-        intercept: l - slope f_n, (k,), N.
-        share: l/|tau|, (k,).
+        r: Its lengths, (m, 2).
+        trial: f - r y, at which they are linearised, (d m,), N.
+        states: Of the points, (m,).
+        rows: Rows of the unknowns x among all, (n,).
     """
 
     local: Local
+    r: Array
+    trial: Array
+    states: Indices
     rows: Indices
-    scale: Array
-    slip: Indices
-    e: Array
-    slope: Array
-    intercept: Array
-    share: Array
 
     @classmethod
     def at(cls, local: Local, r: Array, trial: Array, states: Indices) -> _Equations:
-        """The equations, linearised at f - r y."""
-        d, bounds = local.d, local.bounds
-        closed = np.flatnonzero(states != OPEN)
-        rows = (closed[:, None] * d + np.arange(d)).ravel()
-        scale = np.column_stack([r[closed, :1]] + [r[closed, 1:]] * (d - 1)).ravel()
-        which = np.flatnonzero(states[closed] != STICK) if d > 1 else np.empty(0, np.int64)
-        points = closed[which]
-        tau = trial.reshape(-1, d)[points, 1:]
-        normal, size = trial.reshape(-1, d)[points, 0], np.linalg.norm(tau, axis=1)
-        grows = bounds.slope * normal < bounds.cohesion[points]
-        slope = np.where(grows, bounds.mu[points] + bounds.slope, bounds.mu[points])
-        intercept = np.where(grows, 0.0, bounds.cohesion[points])
-        limit, length = slope * normal + intercept, np.where(size > 0, size, 1.0)
-        e = tau / length[:, None]
-        return cls(local, rows, scale, which * d, e, slope, intercept, limit / length)
+        """Those for the forces of closed points."""
+        return cls(local, r, trial, states, unknowns(local, states))
 
-    @property
-    def tangential(self) -> Indices:
-        """Places of the tangential rows of points that slip, (k, d - 1)."""
-        return np.asarray(self.slip[:, None] + np.arange(1, self.local.d))
+    def forces(self, x: Array, *, change: bool = False) -> Array:
+        """All forces by the unknowns, or their change by one of these."""
+        found, constants = np.empty_like(self.trial), 0.0 if change else 1.0
+        write_forces(self.local, self.trial, self.states, self.rows, x, constants, found)
+        return found
 
-    def across(self, vectors: Array) -> Array:
-        """(l/|tau|)(I - e e^T) x of points that slip, (k, d - 1) or (k, d - 1, n)."""
-        e = self.e.reshape(self.e.shape + (1,) * (vectors.ndim - 2))
-        share = self.share.reshape((-1,) + (1,) * (vectors.ndim - 1))
-        along = np.sum(e * vectors, axis=1, keepdims=True)
-        return np.asarray(share * (vectors - e * along))
-
-    def right(self) -> Array:
-        """The right-hand side b."""
-        value = -self.scale * self.local.q[self.rows]
-        if len(self.slip):
-            t = self.tangential
-            value[t] = self.e * self.intercept[:, None] + self.across(value[t])
-        return value
+    def residual(self, x: Array) -> Array:
+        """What x leaves of the right-hand side, b - A x."""
+        return -left_over(*self, x, self.local.W @ self.forces(x), 1.0)
 
     def image(self, x: Array) -> Array:
         """A x."""
-        force = np.zeros(len(self.local.q))
-        force[self.rows] = x
-        value = self.scale * (self.local.W @ force)[self.rows]
-        if len(self.slip):
-            t = self.tangential
-            along = self.e * (self.slope * x[self.slip])[:, None]
-            value[t] = x[t] - along - self.across(x[t] - value[t])
-        return value
-
-    def matrix(self) -> Array:
-        """A."""
-        A = self.local.W[np.ix_(self.rows, self.rows)]
-        A *= self.scale[:, None]
-        if len(self.slip):
-            t, k = self.tangential, np.arange(len(self.slip))
-            A[t] = self.across(A[t])
-            d = self.local.d
-            own = np.eye(d - 1) - self.across(np.tile(np.eye(d - 1), (len(k), 1, 1)))
-            for i in range(d - 1):
-                A[t[:, i], self.slip] -= self.slope * self.e[:, i]
-                for j in range(d - 1):
-                    A[t[:, i], t[:, j]] += own[:, i, j]
-        return A
+        return left_over(*self, x, self.local.W @ self.forces(x, change=True), 0.0)
 
     def diagonal(self) -> Array:
-        """Diagonal of A, that of slipping points taken as 1."""
-        value = self.scale * self.local.W[self.rows, self.rows]
-        value[self.tangential] = 1.0
+        """Diagonal of A, that of slipping points in space taken as 1."""
+        point, way = np.divmod(self.rows, self.local.d)
+        value = self.r[point, np.minimum(way, 1)] * self.local.W[self.rows, self.rows]
+        value[(way > 0) & (self.states[point] != STICK)] = 1.0
         return value
 
 
 class _Factors:
     """LU factors of the equations of a Newton step, for those of later ones."""
 
-    def __init__(self, equations: _Equations):
-        """Factorize the matrix of the equations of a Newton step."""
+    def __init__(self, equations_: _Equations, points: Indices):
+        """Factorize the matrix of the equations of a Newton step, by numbers of the points."""
         from scipy.linalg import lu_factor
 
-        self.rows = equations.rows
-        self._lu = lu_factor(equations.matrix(), overwrite_a=True, check_finite=False)
+        self.rows, self.used = _numbered(equations_, points), 0
+        matrix, _ = equations(*equations_)
+        # The transposed one, which lies as LAPACK has it, is overwritten without a copy.
+        self._lu = lu_factor(matrix.T, overwrite_a=True, check_finite=False)
 
-    def preconditioner(self, equations: _Equations) -> Any:
+    def preconditioner(self, equations_: _Equations, points: Indices) -> Any:
         """What nearly solves other equations; point by point where the factors know none."""
         from scipy.linalg import lu_solve
 
         _, here, there = np.intersect1d(
-            equations.rows, self.rows, assume_unique=True, return_indices=True
+            _numbered(equations_, points), self.rows, assume_unique=True, return_indices=True
         )
-        diagonal = equations.diagonal()
+        diagonal = equations_.diagonal()
 
         def apply(right: Array) -> Array:
+            self.used += 1
             result, whole = right / diagonal, np.zeros(len(self.rows))
             whole[there] = right[here]
-            result[here] = lu_solve(self._lu, whole, check_finite=False)[there]
+            result[here] = lu_solve(self._lu, whole, trans=1, check_finite=False)[there]
             return result
 
         return apply
+
+
+def _numbered(equations_: _Equations, points: Indices) -> Indices:
+    """The unknowns by numbers of their points, which are the same in other problems, too."""
+    point, way = np.divmod(equations_.rows, equations_.local.d)
+    return np.asarray(points[point] * equations_.local.d + way)
 
 
 class ManyPoints:
@@ -176,11 +145,25 @@ class ManyPoints:
     def __init__(self) -> None:
         """Start without factors."""
         self._factors: _Factors | None = None
+        self._points: Indices = np.empty(0, np.int64)
+        self._wasted = 0
         self.factorizations = 0
         """How many were needed so far."""
 
-    def solve(self, d: int, W: Array, q: Array, bounds: Bounds, f: Array) -> bool:
-        """As `solver.law.local_problem.solve`: f is the guess and becomes the answer."""
+    def solve(
+        self,
+        d: int,
+        W: Array,
+        q: Array,
+        bounds: Bounds,
+        f: Array,
+        points: Indices | None = None,
+    ) -> bool:
+        """As `solver.law.local_problem.solve`: f is the guess and becomes the answer.
+
+        By their numbers, (m,), points are known again in problems of other points.
+        """
+        self._points = np.arange(len(bounds.mu)) if points is None else points
         local = Local(d, W, q, bounds)
         if d > 1 and not (np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0)):
             local = Local(1, np.ascontiguousarray(W[::d, ::d]), q[::d].copy(), bounds)
@@ -212,7 +195,8 @@ class ManyPoints:
     def _newton(self, local: Local, r: Array, f: Array, halvings: int) -> bool:
         """Newton's method from f; whether it settled. If not, f stays as it is."""
         force, nearest, states = f.copy(), np.empty_like(f), np.empty(len(r), np.int64)
-        error, seen, before = np.inf, np.full_like(states, -9), np.full_like(states, -9)
+        error, least, since, careful = np.inf, np.inf, 0, False
+        before = np.full_like(states, -9)
         for k in range(ROUNDS + 1):
             last, trial = error, trial_of(local, r, force)
             project(local, trial, nearest, states)
@@ -221,41 +205,42 @@ class ManyPoints:
             if error <= EXACT or (k > 0 and error <= 1.0 and error > 0.5 * last):
                 f[:] = force if error <= EXACT and k == 0 else nearest
                 return True
-            if not error < np.inf or (halvings == 0 and k > 8 and np.array_equal(states, seen)):
+            least, since = (error, 0) if error < least else (least, since + 1)
+            if not error < np.inf or since > PATIENCE:
                 return False
-            if k & (k + 1) == 0 and error > 1e3:
-                seen[:] = states
-            tolerance = GMRES_TOLERANCES[int(np.array_equal(states, before))]
-            before[:] = states
-            target = self._linearised(_Equations.at(local, r, trial, states), force, tolerance)
-            step = 1.0 if halvings == 0 else best_step(local, r, force, target, halvings)
-            force = target if step == 1.0 else force + step * (target - force)
+            careful = careful or since > 0
+            tolerance, least_tolerance = GMRES_TOLERANCES
+            if careful or np.array_equal(states, before):
+                tolerance = min(tolerance, max(least_tolerance, EXACT / error))
+            before[:], step = states, _Equations.at(local, r, trial, states)
+            target = self._linearised(step, force, tolerance)
+            part = 1.0 if halvings == 0 else best_step(local, r, force, target, halvings)
+            force = target if part == 1.0 else force + part * (target - force)
         return False
 
-    def _linearised(self, equations: _Equations, force: Array, tolerance: float) -> Array:
+    def _linearised(self, step: _Equations, force: Array, tolerance: float) -> Array:
         """The forces that solve the equations of a Newton step, from those before it."""
-        result, rows = np.zeros_like(force), equations.rows
-        if len(rows) <= MANY_ROWS:
+        if len(step.rows) <= MANY_ROWS:
             try:
-                result[rows] = np.linalg.solve(equations.matrix(), equations.right())
+                solution: Any = np.linalg.solve(*equations(*step))
             except np.linalg.LinAlgError:
-                result[:] = np.nan
-            return result
-        start = force[rows]
-        residual = equations.right() - equations.image(start)
-        steps = min(max(GMRES_STEPS[0], len(rows) // 100), GMRES_STEPS[1])
-        found = None
-        if self._factors is not None:
-            apply = self._factors.preconditioner(equations)
-            found = gmres(equations.image, apply, residual, steps, tolerance)
+                return np.full_like(force, np.nan)
+            return step.forces(solution)
+        start = force[step.rows]
+        residual = step.residual(start)
+        most = min(max(GMRES_STEPS[0], len(start) // 40), GMRES_STEPS[1])
+        found, factors = None, self._factors
+        if factors is not None and self._wasted <= STALE * most:
+            apply, before = factors.preconditioner(step, self._points), factors.used
+            found = gmres(step.image, apply, residual, most, tolerance)
+            self._wasted += max(0, factors.used - before - GOOD_STEPS)
         if found is None:
-            self._factors = None  # before the room for others is taken
-            self._factors = _Factors(equations)
+            self._factors = factors = None  # before the room for others is taken
+            self._factors, self._wasted = _Factors(step, self._points), 0
             self.factorizations += 1
-            apply = self._factors.preconditioner(equations)
-            found = gmres(equations.image, apply, residual, steps, tolerance)
-        result[rows] = np.nan if found is None else start + found
-        return result
+            apply = self._factors.preconditioner(step, self._points)
+            found = gmres(step.image, apply, residual, most, tolerance)
+        return np.full_like(force, np.nan) if found is None else step.forces(start + found)
 
     def _by_proximal_terms(self, local: Local, f: Array) -> bool:
         """The proximal point algorithm, as in `solver.law.rescues`."""
@@ -290,23 +275,23 @@ def gmres(
     norm = float(np.linalg.norm(right))
     if not 0.0 < norm < np.inf:
         return np.zeros_like(right) if norm == 0.0 else None
-    basis, ways = [right / norm], []
-    H = np.zeros((steps + 1, steps))
+    basis, ways = np.empty((steps + 1, len(right))), np.empty((steps, len(right)))
+    H, basis[0] = np.zeros((steps + 1, steps)), right / norm
     for k in range(steps):
-        ways.append(precondition(basis[k]))
+        ways[k] = precondition(basis[k])
         vector = image(ways[k])
         for _ in range(2):  # once more: what is left of others would be amplified
-            for j, other in enumerate(basis):
-                part = float(other @ vector)
-                H[j, k] += part
-                vector = vector - part * other
+            parts = basis[: k + 1] @ vector
+            H[: k + 1, k] += parts
+            vector -= parts @ basis[: k + 1]
         H[k + 1, k] = np.linalg.norm(vector)
         if not np.isfinite(H[k + 1, k]):
             return None
         target = np.zeros(k + 2)
         target[0] = norm
         share = np.linalg.lstsq(H[: k + 2, : k + 1], target, rcond=None)[0]
-        if np.linalg.norm(H[: k + 2, : k + 1] @ share - target) <= tolerance * norm:
-            return np.asarray(np.einsum("k,kn->n", share, np.array(ways)))
-        basis.append(vector / H[k + 1, k])
+        left = float(np.linalg.norm(H[: k + 2, : k + 1] @ share - target)) / norm
+        if left <= tolerance:
+            return np.asarray(share @ ways[: k + 1])
+        basis[k + 1] = vector / H[k + 1, k]
     return None

@@ -106,7 +106,7 @@ def project(local: Local, trial: Array, nearest: Array, states: Indices) -> None
 
 
 @compiled
-def _unknowns(local: Local, states: Indices) -> Indices:
+def unknowns(local: Local, states: Indices) -> Indices:
     """Rows that have to be solved for, given the states; the other forces follow from these."""
     rows, count, d = np.empty(len(local.q), np.int64), 0, local.d
     for i in range(len(states)):
@@ -119,6 +119,15 @@ def _unknowns(local: Local, states: Indices) -> Indices:
 
 
 @compiled
+def _sliding(bounds: Bounds, trial: Array, i: int) -> tuple[float, float, float, float, float]:
+    """Of a point that slips in space: direction e of its friction, l/|tau|, and l = s f_n + c."""
+    slope, intercept = line(bounds, i, trial[3 * i])
+    size = math.hypot(trial[3 * i + 1], trial[3 * i + 2])
+    share = (slope * trial[3 * i] + intercept) / size
+    return trial[3 * i + 1] / size, trial[3 * i + 2] / size, share, slope, intercept
+
+
+@compiled
 def _slip_rows(
     bounds: Bounds, trial: Array, rows: Indices, a: int, matrix: Array, right: Array
 ) -> None:
@@ -126,13 +135,8 @@ def _slip_rows(
 
     P = l e with e = tau/|tau|, of derivative e dl + (l/|tau|)(I - e e^T) dtau; I - e e^T = b b^T.
     """
-    s, t = rows[a], rows[a + 1]
-    i, n = s // 3, s - 1
-    slope, intercept = line(bounds, i, trial[n])
-    size = math.hypot(trial[s], trial[t])
-    e = (trial[s] / size, trial[t] / size)
-    b = (-e[1], e[0])
-    share = (slope * trial[n] + intercept) / size
+    along, aside, share, slope, intercept = _sliding(bounds, trial, rows[a] // 3)
+    e, b = (along, aside), (-aside, along)
     across = share * (b[0] * matrix[a] + b[1] * matrix[a + 1])
     value = share * (b[0] * right[a] + b[1] * right[a + 1])
     for k in range(2):
@@ -145,10 +149,14 @@ def _slip_rows(
 
 
 @compiled
-def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) -> bool:
-    """Write the root f of f - P(f - r y), linearised at `trial`; False where there is none."""
-    d, W, rows = local.d, local.W, _unknowns(local, states)
-    size = len(rows)
+def equations(
+    local: Local, r: Array, trial: Array, states: Indices, rows: Indices
+) -> tuple[Array, Array]:
+    """Matrix A and right-hand side b of f - P(f - r y) = 0, linearised at `trial`: A x = b.
+
+    The unknowns x are the forces of some rows, those of `unknowns`.
+    """
+    d, W, size = local.d, local.W, len(rows)
     matrix, right = np.empty((size, size)), np.empty(size)
     for a in range(size):
         row = rows[a]
@@ -168,15 +176,71 @@ def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) 
     for a in range(size):
         if d == 3 and rows[a] % 3 == 1 and states[rows[a] // 3] != STICK:
             _slip_rows(local.bounds, trial, rows, a, matrix, right)
+    return matrix, right
+
+
+@compiled
+def write_forces(
+    local: Local,
+    trial: Array,
+    states: Indices,
+    rows: Indices,
+    x: Array,
+    constants: float,
+    f: Array,
+) -> None:
+    """Write all forces by the unknowns x of the equations; sliding in the plane follows from them.
+
+    With 1 for `constants` they are these forces, with 0 their change by a change x.
+    """
+    f[:] = 0.0
+    for a in range(len(rows)):
+        f[rows[a]] = x[a]
+    for i in range(len(states)):
+        if local.d == 2 and abs(states[i]) >= SLIP:
+            slope, intercept = line(local.bounds, i, trial[2 * i])
+            sign = 1.0 if states[i] > 0 else -1.0
+            f[2 * i + 1] = (slope * f[2 * i] + constants * intercept) * sign
+
+
+@compiled
+def left_over(
+    local: Local,
+    r: Array,
+    trial: Array,
+    states: Indices,
+    rows: Indices,
+    x: Array,
+    moved: Array,
+    constants: float,
+) -> Array:
+    """A x - b of `equations` without their matrix, or A x with 0 for `constants`.
+
+    `moved` is W times the forces of `write_forces`, m; other arguments are those of `equations`.
+    """
+    d, value = local.d, np.empty(len(rows))
+    for a in range(len(rows)):
+        row = rows[a]
+        value[a] = r[row // d, min(row % d, 1)] * (moved[row] + constants * local.q[row])
+    for a in range(len(rows)):
+        if d == 3 and rows[a] % 3 == 1 and states[rows[a] // 3] != STICK:
+            along, aside, share, slope, intercept = _sliding(local.bounds, trial, rows[a] // 3)
+            e, b = (along, aside), (-aside, along)
+            across = share * (b[0] * (value[a] - x[a]) + b[1] * (value[a + 1] - x[a + 1]))
+            for k in range(2):
+                limit = slope * x[a - 1] + constants * intercept
+                value[a + k] = x[a + k] + b[k] * across - e[k] * limit
+    return value
+
+
+@compiled
+def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) -> bool:
+    """Write the root f of f - P(f - r y), linearised at `trial`; False where there is none."""
+    rows = unknowns(local, states)
+    matrix, right = equations(local, r, trial, states, rows)
     if not solve_dense(matrix, right):
         return False
-    f[:] = 0.0
-    for a in range(size):
-        f[rows[a]] = right[a]
-    for i in range(len(states)):
-        if d == 2 and abs(states[i]) >= SLIP:
-            slope, intercept = line(local.bounds, i, trial[2 * i])
-            f[2 * i + 1] = (slope * f[2 * i] + intercept) * (1.0 if states[i] > 0 else -1.0)
+    write_forces(local, trial, states, rows, right, 1.0, f)
     return True
 
 

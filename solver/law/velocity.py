@@ -221,13 +221,16 @@ def correct_many(
     impulse: Array,
     bounds: Bounds,
     taken: float,
+    points: Indices | None,
 ) -> ImpulseCorrection:
-    """As `correct_impulses`, for many points; `local` has their solver and counts the outcomes."""
+    """As `correct_impulses`, for many points of some numbers; `local` counts the outcomes."""
     regular, taken = regularised(W), max(taken, 0.0)
     free = velocity - regular @ impulse
     for number in range(3):
         rung, total = rung_of(d, number, regular, free, impulse, bounds), impulse - 0.0
-        if local.impulses.solve(d, rung.W, rung.free, rung.bounds, total):
+        shape = len(total) // d, d
+        unknown = rung.W.reshape(shape * 2), rung.free.reshape(shape), rung.bounds
+        if local.impulses(*unknown, total.reshape(shape), points):
             completed(d, rung, total)
             found = judged(d, W, velocity, impulse, total, taken)
             if found.found:
@@ -237,19 +240,25 @@ def correct_many(
 
 
 def impulse_correction(
-    local: LocalProblem, velocity: Array, W: Array, impulse: Array, bounds: Bounds, taken: float
+    local: LocalProblem,
+    velocity: Array,
+    W: Array,
+    impulse: Array,
+    bounds: Bounds,
+    taken: float,
+    points: Indices | None = None,
 ) -> ImpulseCorrection | None:
     """The correction after a step, or None where no point is closed or none was found.
 
     As `correct_impulses` with arrays (m, d) and W (m, d, m, d); `local` counts the
-    outcomes.
+    outcomes. Many points are known again by their numbers, (m,).
     """
     m, d = impulse.shape
     if not m:
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
     if impulse.size > MANY_ROWS:
-        found, q, contact, friction = correct_many(local, d, *flat, bounds, taken)
+        found, q, contact, friction = correct_many(local, d, *flat, bounds, taken, points)
     else:
         found, q, contact, friction = correct_impulses(d, *flat, bounds, taken, local.counts)
     return ImpulseCorrection(found, q.reshape(m, d), contact, friction) if found else None

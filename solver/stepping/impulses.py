@@ -149,7 +149,7 @@ class VelocityImpulses:
         closed, first, force, mu, cohesion = points
         impulse = impulses(closed, force, dt).reshape(q.shape)
         bounds = impulse_bounds(closed, mu, cohesion, dt)
-        found = impulse_correction(self._local, velocity, W, impulse, bounds, taken)
+        found = impulse_correction(self._local, velocity, W, impulse, bounds, taken, closed)
         if found is None:
             return False, 0.0, 0.0, 0.0
         q[:] = found.q

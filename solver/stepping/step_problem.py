@@ -296,7 +296,7 @@ class StepProblem:
             self.friction.tell(slip + points.softness[:, None] * self.force[:, 1:])
         for _ in range(MOST_FRICTION_ROUNDS):
             bounds = self.friction.at(near)
-            force = self._model.local.solve(W, q, force, bounds)
+            force = self._model.local.solve(W, q, force, bounds, near)
             if not self.friction.follows(near, W, q, force):
                 break
         return force

@@ -1,8 +1,11 @@
 """Local problems of hundreds of points: the small solver's answer, and the law at every point."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from solver.law import many_points
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image, new_counts, solve_points
 from solver.law.many_points import MANY_ROWS, ManyPoints, gmres
@@ -135,3 +138,41 @@ def test_gmres_says_when_it_does_not_get_there() -> None:
     found = gmres(lambda x: A @ x, lambda x: np.linalg.solve(A + 1e-3, x), b, 40, 1e-8)
     assert found is not None
     np.testing.assert_allclose(A @ found, b, atol=1e-7 * np.linalg.norm(b))
+
+
+def test_newtons_method_does_not_wander_where_a_block_lifts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It took hundreds of steps where GMRES left a thousandth of each one's residual."""
+    W, places = half_space(18, 3)
+    m, force, solver, steps = len(places), np.zeros((324, 3)), ManyPoints(), []
+
+    def counted(*arguments: Any) -> np.ndarray | None:
+        steps.append(1)
+        return gmres(*arguments)
+
+    monkeypatch.setattr(many_points, "gmres", counted)
+    bounds, flat = Bounds.uniform(1.0, m), W.reshape(3 * m, 3 * m)
+    for k in range(7):
+        q = pressed(places, 3, tilt=3 * np.sin(np.pi * k / 19), push=0.05 * np.sin(np.pi * k / 9.5))
+        assert solver.solve(3, flat, q.ravel(), bounds, force.reshape(-1))
+        assert law_violation(W, q, force, bounds) < 1e-10
+    assert np.count_nonzero(force[:, 0] > 0) == 202
+    assert len(steps) < 100
+
+
+def test_points_are_known_again_by_their_numbers() -> None:
+    """Where those before them are gone, the factors serve the others."""
+    W, places = half_space(18, 3)
+    bounds, solver, forces = Bounds.uniform(5.0, 324), ManyPoints(), np.zeros((324, 3))
+    made = []
+    for numbers in (np.arange(324), np.arange(4, 324)):
+        part = np.ascontiguousarray(W[numbers][:, :, numbers])
+        q, force = pressed(places[numbers], 3, tilt=0.1, push=0.05), forces[numbers]
+        some = Bounds(bounds.mu[numbers], bounds.cohesion[numbers])
+        flat = part.reshape(q.size, q.size), q.ravel(), some, force.reshape(-1)
+        assert solver.solve(3, *flat, numbers)
+        assert law_violation(part, q, force, some) < 1e-10
+        forces[numbers] = force
+        made.append(solver.factorizations)
+    assert made[1] == made[0]
