@@ -18,6 +18,11 @@ BYTES_AN_ENTRY = 10.0
 DIRECT_PART = 0.25
 """Part of the memory that one factorization may take; beyond it bodies are solved by CG."""
 
+ALONE_RANKS = 4
+"""Most ranks of which the first alone factorizes a body, if it has the memory. A back substitution
+is bound by the memory that a processor reads, and MUMPS takes 1.6 times as long for it on one rank
+as CHOLMOD: two ranks gain nothing on that, and wait for each other in hundreds of messages."""
+
 KEPT_PART = 0.5
 """Part of the memory for factorizations and compliances of several step sizes. Those used least
 recently are dropped beyond it, and made anew when they are asked for."""
@@ -106,6 +111,14 @@ def linear_solver(unknowns: int, dimension: int, ranks: int, memory: float) -> s
     if factor_bytes(unknowns, dimension) > DIRECT_PART * memory:
         return "CG + GAMG"
     return "CHOLMOD" if ranks == 1 else "MUMPS"
+
+
+def solves_on_first(unknowns: int, dimension: int, comm: Any) -> bool:
+    """Whether the first of a few ranks is to solve for all of them; collective."""
+    if comm.size > ALONE_RANKS:
+        return False
+    memory = min(comm.allgather(total_memory()))
+    return linear_solver(unknowns, dimension, 1, memory) == "CHOLMOD"
 
 
 def kept_limit(comm: Any) -> float:
