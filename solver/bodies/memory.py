@@ -160,7 +160,8 @@ def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
     if solver == "CG + GAMG":
         return f"{solver}; {contact}"
     each = in_words(factor_bytes(unknowns, dimension))
-    return f"{solver} (MUMPS with ranks), {each} for each step size and rho_inf; {contact}"
+    ranks = f"MUMPS on more than {ALONE_RANKS} ranks"
+    return f"{solver} ({ranks}), {each} for each step size and rho_inf; {contact}"
 
 
 def limits_in_words(ranks: int) -> str:
@@ -171,5 +172,5 @@ def limits_in_words(ranks: int) -> str:
         while factor_bytes(2 * unknowns, dimension) <= DIRECT_PART * total_memory():
             unknowns *= 2
         sizes.append(f"{unknowns / 1e6:.2g} million unknowns in {dimension}-D")
-    direct = linear_solver(1000, 2, ranks, total_memory())
+    direct = "CHOLMOD" if ranks <= ALONE_RANKS else "MUMPS"
     return f"{direct} to about {' and '.join(sizes)}, CG + GAMG beyond"

@@ -20,8 +20,8 @@ class Columns:
 
     def __init__(self, size: int, dimension: int, ports: int):
         """None yet, of a body with so many owned unknowns and ports."""
-        self._d = dimension
-        self.values: Array = np.empty((size, 0), order="F")
+        self._d, self._room = dimension, np.empty((size, 0), order="F")
+        self.values: Array = self._room
         """(owned unknowns, ports d)."""
         self.ports: Indices = np.empty(0, dtype=np.int64)
         """The ports, in the order of their columns."""
@@ -33,11 +33,15 @@ class Columns:
 
     def extend(self, ports: Indices) -> None:
         """Make room for the columns of further ports, which the caller fills."""
-        before = self.values
+        size, before = self.values.shape
         self._place[ports] = len(self.ports) + np.arange(len(ports))
         self.ports = np.concatenate([self.ports, ports])
-        self.values = np.empty((len(before), len(self.ports) * self._d), order="F")
-        self.values[:, : before.shape[1]] = before
+        end = len(self.ports) * self._d
+        if end > self._room.shape[1]:
+            # Twice as much: few copies of all columns then; pages that are not used take no memory.
+            self._room = np.empty((size, max(end, 2 * before)), order="F")
+            self._room[:, :before] = self.values
+        self.values = self._room[:, :end]
 
     def under(self, ports: Indices, forces: Array) -> Array:
         """What forces (m, d) at some of the ports do to the owned unknowns, m.

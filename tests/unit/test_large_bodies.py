@@ -231,7 +231,7 @@ def test_check_says_the_solver_and_the_memory(
     monkeypatch.setattr(memory, "total_memory", lambda: 16e9)
     assert main(["check", str(file)]) == 0
     text = capsys.readouterr().out
-    assert "CHOLMOD (MUMPS with ranks), 726 MB for each step size and rho_inf" in text
+    assert "CHOLMOD (MUMPS on more than 4 ranks), 726 MB for each step size and rho_inf" in text
     assert "906 MB for 1024 points on its bottom" in text
     monkeypatch.setattr(memory, "total_memory", lambda: 2e9)
     assert main(["check", str(file)]) == 0
