@@ -70,9 +70,5 @@ class WholeVectors:
             return whole[self._own]
         parts = None
         if self.here:
-            ends = self._ends.tolist()
-            parts = [
-                whole[end - n : end].T.copy()
-                for n, end in zip(self._counts.tolist(), ends, strict=True)
-            ]
+            parts = [rows.T.copy() for rows in np.split(whole, self._ends[:-1])]
         return np.asarray(self._comm.scatter(parts)).T
