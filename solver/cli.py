@@ -187,11 +187,15 @@ def run_scene(options: argparse.Namespace) -> int:
     from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.run.progress import Progress
+    from solver.run.rank_gain import ranks_in_words
 
     if comm.rank == 0 and not options.quiet:
         for text in cautions_of_input(scene, ground):
             tell(f"caution: {text}\n")
     if comm.size > 1 and comm.rank == 0 and not options.quiet:
+        slower = ranks_in_words(scene, comm.size)
+        if slower:
+            tell(f"caution: {slower}\n")
         # Now: an mpirun that is interrupted passes on nothing of what ranks say after that.
         tell(f"writing to {folder}, up to the last step where it is interrupted\n")
     result = simulate(

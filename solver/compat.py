@@ -90,7 +90,7 @@ class CellValues:
     def read(self, number: int) -> None:
         """Take the present values of a function."""
         part, index = self._parts[number]
-        self._table[:, part] = self._arrays[number].take(index)
+        self._table[:, part] = self._arrays[number][index]  # half the time of `take`
 
 
 class PackedForm:

@@ -1,7 +1,8 @@
 """Solving with the symmetric matrix of a body: factorized, or by CG where that takes too much.
 
-CHOLMOD on one rank where PETSc has it, MUMPS otherwise. Bodies whose factor would leave no room for
-others are solved by conjugate gradients with algebraic multigrid, which knows the rigid motions.
+CHOLMOD on one rank where PETSc has it, MUMPS otherwise; of a few ranks the first factorizes for all
+of them. Bodies whose factor would leave no room for others are solved by conjugate gradients with
+algebraic multigrid, which knows the rigid motions.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ from petsc4py import PETSc
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.bodies.memory import linear_solver, memory_of
+from solver.bodies.memory import linear_solver, memory_of, solves_on_first
+from solver.bodies.whole_vectors import WholeVectors
 from solver.errors import EnvironmentTrouble, NotConverged
-from solver.parallel import global_sum
+from solver.parallel import global_sum, on_first_rank
 from solver.types import Array
 
 REDUNDANT_UNKNOWNS = 20_000
@@ -75,27 +77,31 @@ class Factorization:
                 it a matrix is factorized whatever its size.
         """
         self._comm: MPI.Intracomm = matrix.comm.tompi4py()
-        start, end = matrix.getOwnershipRange()
-        self._own = slice(start, end)
-        self._redundant = self._comm.size > 1 and matrix.size[0] < REDUNDANT_UNKNOWNS
-        if self._redundant:
-            matrix = matrix.getRedundantMatrix(self._comm.size, MPI.COMM_SELF)
-            self._counts = np.array(self._comm.allgather(end - start))
-            self._offsets = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
+        self._size = size = matrix.size[0]
+        self._whole: WholeVectors | None = None
+        everywhere = size < REDUNDANT_UNKNOWNS
+        if self._comm.size > 1 and (everywhere or solves_on_first(size, dimension, self._comm)):
+            self._whole = WholeVectors(matrix, everywhere=everywhere)
+            matrix = self._whole.matrix(matrix)
         self.matrix = matrix
         self._solver: PETSc.KSP | None = None
         self._b, self._x = matrix.createVecs()
         # Views that are kept: asking PETSc for an array costs as much as a back substitution.
         self._right, self._solution = self._b.array, self._x.array
-        comm = MPI.COMM_SELF if self._redundant else self._comm
-        solver = linear_solver(matrix.size[0], dimension, comm.size, memory_of(comm))
-        if solver == "CG + GAMG" and modes is not None:
+        if self._whole is not None and not everywhere:
+            self.name, self.entries = on_first_rank(self._comm, self._set_up)
+        elif self._whole is None and modes is not None and self._is_too_large(dimension):
             self._iterate(modes())
         else:
             self._set_up()
 
-    def _set_up(self) -> None:
-        """Factorize with the first package that can."""
+    def _is_too_large(self, dimension: int) -> bool:
+        """Whether the factor would leave no room for others; collective."""
+        memory = memory_of(self._comm)
+        return linear_solver(self._size, dimension, self._comm.size, memory) == "CG + GAMG"
+
+    def _set_up(self) -> tuple[str, float]:
+        """Factorize with the first package that can; its name, and the entries of the factor."""
         candidates = [("cholmod", "cholesky")] if self.matrix.comm.size == 1 else []
         for package, kind in [*candidates, ("mumps", "lu")]:
             try:
@@ -110,6 +116,7 @@ class Factorization:
                     ) from error
         used = self._factor.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
         self.entries = max(float(used), float(self.matrix.size[0]))
+        return self.name, self.entries
 
     def _factorized(self, package: str, kind: str) -> PETSc.Mat:
         """Set up a factorization with one of PETSc's packages; PETSc.Error where it is missing."""
@@ -143,23 +150,30 @@ class Factorization:
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
-        if self._redundant:
-            self._comm.Allgatherv(right, [self._right, (self._counts, self._offsets), MPI.DOUBLE])
-        else:
-            self._right[:] = right
+        if self._whole is not None:
+            self._whole.gather(right, self._right)
+            if self._whole.here:
+                self._factor.solve(self._b, self._x)
+            return self._whole.part(self._solution)
+        self._right[:] = right
         if self._solver is None:
             self._factor.solve(self._b, self._x)
         else:
             self._solver.solve(self._b, self._x)
             if self._solver.getConvergedReason() <= 0:
                 raise NotConverged(f"CG with multigrid did not end in {MOST_CG_ITERATIONS} rounds")
-        return self._solution[self._own].copy() if self._redundant else self._solution.copy()
+        return self._solution.copy()
 
     def solve_many(self, right: Array) -> Array:
         """K^-1 B for columns, (owned, n) in the order of Fortran, as the answer is."""
         result: Array = np.empty(right.shape, order="F")
-        for columns in blocks(right.shape[1], self.matrix.size[0]):
-            if self._solver is None:
+        for columns in blocks(right.shape[1], self._size):
+            if self._whole is not None:
+                whole = self._whole.gather_columns(right[:, columns])
+                if self._whole.here:
+                    whole = self._solved_block(whole)
+                result[:, columns] = self._whole.part_columns(whole)
+            elif self._solver is None:
                 result[:, columns] = self._solved_block(right[:, columns])
             else:
                 for k in range(columns.start, columns.stop):
@@ -168,13 +182,7 @@ class Factorization:
 
     def _solved_block(self, right: Array) -> Array:
         """K^-1 B for as many columns as are solved for at a time."""
-        own, size = self._own if self._redundant else slice(None), self.matrix.size[0]
-        if self._redundant:
-            whole: Array = np.empty((right.shape[1], size))
-            parts = self._comm.allgather(np.ascontiguousarray(right.T))
-            for part, start, count in zip(parts, self._offsets, self._counts, strict=True):
-                whole[:, start : start + count] = part
-            right = whole.T
+        size = self.matrix.size[0]
         given, found = np.asfortranarray(right), np.empty(right.shape, order="F")
         shape: Any = (right.shape[0], size), (None, right.shape[1])
         b, x = (
@@ -184,7 +192,7 @@ class Factorization:
         self._factor.matSolve(b, x)
         b.destroy()
         x.destroy()
-        return found[own]
+        return found
 
 
 def blocks(columns: int, unknowns: int) -> Iterator[slice]:

@@ -18,6 +18,11 @@ BYTES_AN_ENTRY = 10.0
 DIRECT_PART = 0.25
 """Part of the memory that one factorization may take; beyond it bodies are solved by CG."""
 
+ALONE_RANKS = 4
+"""Most ranks of which the first alone factorizes a body, if it has the memory. A back substitution
+is bound by the memory that a processor reads, and MUMPS takes 1.6 times as long for it on one rank
+as CHOLMOD: two ranks gain nothing on that, and wait for each other in hundreds of messages."""
+
 KEPT_PART = 0.5
 """Part of the memory for factorizations and compliances of several step sizes. Those used least
 recently are dropped beyond it, and made anew when they are asked for."""
@@ -108,6 +113,14 @@ def linear_solver(unknowns: int, dimension: int, ranks: int, memory: float) -> s
     return "CHOLMOD" if ranks == 1 else "MUMPS"
 
 
+def solves_on_first(unknowns: int, dimension: int, comm: Any) -> bool:
+    """Whether the first of a few ranks is to solve for all of them; collective."""
+    if comm.size > ALONE_RANKS:
+        return False
+    memory = min(comm.allgather(total_memory()))
+    return linear_solver(unknowns, dimension, 1, memory) == "CHOLMOD"
+
+
 def kept_limit(comm: Any) -> float:
     """Memory for factorizations and compliances of several step sizes, bytes.
 
@@ -147,7 +160,8 @@ def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
     if solver == "CG + GAMG":
         return f"{solver}; {contact}"
     each = in_words(factor_bytes(unknowns, dimension))
-    return f"{solver} (MUMPS with ranks), {each} for each step size and rho_inf; {contact}"
+    ranks = f"MUMPS on more than {ALONE_RANKS} ranks"
+    return f"{solver} ({ranks}), {each} for each step size and rho_inf; {contact}"
 
 
 def limits_in_words(ranks: int) -> str:
@@ -158,5 +172,5 @@ def limits_in_words(ranks: int) -> str:
         while factor_bytes(2 * unknowns, dimension) <= DIRECT_PART * total_memory():
             unknowns *= 2
         sizes.append(f"{unknowns / 1e6:.2g} million unknowns in {dimension}-D")
-    direct = linear_solver(1000, 2, ranks, total_memory())
+    direct = "CHOLMOD" if ranks <= ALONE_RANKS else "MUMPS"
     return f"{direct} to about {' and '.join(sizes)}, CG + GAMG beyond"

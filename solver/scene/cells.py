@@ -81,13 +81,18 @@ def cells_in_words(cells: Cells) -> str:
     return f"cells {' x '.join(map(str, cells))}"
 
 
-def box_mesh_size(body: HasMesh, dimension: Dimension) -> str:
-    """Size of the structured mesh of a box, in words."""
+def box_nodes(body: HasMesh) -> int:
+    """Number of nodes of the structured mesh of a box."""
     nodes = math.prod(body.degree * count + 1 for count in body.cells)
-    count = math.prod(body.cells) * CELLS_OF_A_BOX[body.cell]
     if body.cell == "tetrahedron" and body.degree == 2:
         nodes -= math.prod(body.cells)  # no edge passes through the middle of a box
-    return mesh_size_in_words(count, body.cell, body.degree, nodes, dimension)
+    return nodes
+
+
+def box_mesh_size(body: HasMesh, dimension: Dimension) -> str:
+    """Size of the structured mesh of a box, in words."""
+    count = math.prod(body.cells) * CELLS_OF_A_BOX[body.cell]
+    return mesh_size_in_words(count, body.cell, body.degree, box_nodes(body), dimension)
 
 
 def mesh_size_in_words(cells: int, cell: Cell, degree: int, nodes: int, dimension: int) -> str:

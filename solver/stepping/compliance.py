@@ -18,7 +18,16 @@ from solver.bodies.memory import ASKED_PART, BYTES_AN_ENTRY, compliance_bytes, r
 from solver.bodies.reduced.body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
+from solver.stepping.columns import Columns, rows_of
 from solver.types import Array, Indices
+
+FEW_NEW = 4
+"""Most ports whose columns are made because forces act there: one back substitution each, or less,
+which forces that go on to act there, as under a corner on which a body rocks, save each time."""
+
+FEW_PART = 0.25
+"""Entries of the columns that forces may need, over those of the factor: to read them takes an
+eighth of a back substitution then. Four times as many are kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +70,6 @@ class PortCompliance:
     """Numbers of the ports."""
     matrix: Array
     """Compliance among them, (m d, m d), m/N."""
-    responses: Array | None
-    """Displacements of the owned unknowns, (owned, m d), m/N; None where a back substitution costs
-    less than to read them."""
 
 
 class Compliance:
@@ -88,13 +94,18 @@ class Compliance:
         self._known: Indices = np.empty(0, dtype=np.int64)
         self._batches: list[Indices] = []
         self._matrix = np.empty((0, 0))
-        self._responses: Array | None = np.empty((body.size, 0), order="F")
-        self._gathered = PortCompliance(self._known, self._matrix, self._responses)
+        self.columns: Columns | None = self._no_columns()
+        """Those of all ports that have been near; None where a back substitution costs less than
+        to read them."""
+        self._few, self._made = self._no_columns(), list[Indices]()
+        self._gathered = PortCompliance(self._known, self._matrix)
 
     @property
     def nbytes(self) -> float:
         """Memory of the factor and of what is kept of its columns, on all ranks together, bytes."""
-        columns = 0 if self._responses is None else self._responses.shape[1]
+        columns = len(self._few.values.T)
+        if self.columns is not None:
+            columns += len(self.columns.values.T)
         compliance = self.body.comm.size * self._matrix.nbytes
         return (
             BYTES_AN_ENTRY * self.factor.entries + 8.0 * columns * self.body.unknowns + compliance
@@ -109,34 +120,41 @@ class Compliance:
             self._gathered = self._gather(chosen)
         return self._gathered
 
-    def saved(self) -> tuple[list[Indices], Indices]:
+    def saved(self) -> tuple[list[Indices], Indices, list[Indices]]:
         """Which columns were computed together, in their order, and which are gathered now.
 
-        The digits of columns depend on it: `repeat` finds the same ones.
+        At last come those of few ports. The digits depend on it: `repeat` finds the same ones.
         """
-        return list(self._batches), self._gathered.ports
+        return list(self._batches), self._gathered.ports, list(self._made)
 
-    def repeat(self, saved: tuple[list[Indices], Indices]) -> None:
+    def repeat(self, saved: tuple[list[Indices], Indices, list[Indices]]) -> None:
         """Compute what another compliance of the same body and factor has; collective."""
-        batches, gathered = saved
+        batches, gathered, few = saved
         for batch in batches:
             self._compute(batch)
+        for batch in few:
+            self._make_few(batch)
         if len(gathered):
             self.among(gathered)
 
     def _gather(self, chosen: Indices) -> PortCompliance:
         """The compliance of known ports: what is kept itself where these are all of them."""
         if same(chosen, self._known):
-            return PortCompliance(chosen, self._matrix, self._responses)
+            return PortCompliance(chosen, self._matrix)
         rows = self._expand(self._place[chosen])
-        responses = None if self._responses is None else self._responses[:, rows]
-        return PortCompliance(chosen, self._matrix[np.ix_(rows, rows)], responses)
+        return PortCompliance(chosen, self._matrix[np.ix_(rows, rows)])
 
     def displacement(self, ports: Indices, vectors: Array) -> Array:
         """What forces (m, d) at some ports do to the owned unknowns, m."""
-        responses = self.among(ports).responses
-        if responses is not None:
-            return np.asarray(responses @ vectors.ravel())
+        missing = ports[self._place[ports] < 0]
+        if len(missing):
+            self._compute(missing)
+        if self.columns is not None:
+            return self.columns.under(ports, vectors)
+        acting = vectors.any(axis=1)
+        ports, vectors = ports[acting], vectors[acting]
+        if self._has_few(ports):
+            return self._few.under(ports, vectors)
         right = np.zeros((self.body.owned, self.body.dimension))
         for port, own, mine in self._groups(ports):
             rows = port.force_rows[self._expand(own)]
@@ -146,10 +164,36 @@ class Compliance:
         flat[self.body.fixed] = 0.0
         return self.factor.solve(flat)
 
+    def _no_columns(self) -> Columns:
+        """Columns of none of the ports."""
+        return Columns(self.body.size, self.body.dimension, int(self._first[-1]))
+
+    def _has_few(self, ports: Indices) -> bool:
+        """Whether there are columns of some ports, few enough; few that are missing are made."""
+        room = self.factor.entries / (self.body.unknowns * self.body.dimension)
+        if len(ports) > FEW_PART * room:
+            return False
+        missing = self._few.lacks(ports)
+        if len(missing) > FEW_NEW:
+            return False
+        if len(missing):
+            if len(self._few.ports) + len(missing) > 4 * FEW_PART * room:
+                self._few, missing = self._no_columns(), ports
+                self._made.clear()
+            self._make_few(missing)
+        return True
+
+    def _make_few(self, ports: Indices) -> None:
+        """Solve for the columns of a few ports that forces act at, and keep them."""
+        self._made.append(ports.copy())
+        acting, count = self._parts(ports), len(ports) * self.body.dimension
+        self._few.extend(ports)
+        unit = self._unit_forces(acting, slice(0, count), forces=True)
+        self._few.values[:, -count:] = self.factor.solve_many(unit)
+
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
-        d = self.body.dimension
-        return (points[:, None] * d + np.arange(d)).ravel()
+        return rows_of(points, self.body.dimension)
 
     def _groups(self, points: Indices) -> Iterator[tuple[InterfaceDofs, Indices, Indices]]:
         """For each group that has any of the points: itself, their numbers in it, places here."""
@@ -175,14 +219,14 @@ class Compliance:
         )
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix
-        self._make_room(len(matrix))
+        self._make_room(missing, len(matrix))
         acting, near = self._parts(missing), self._parts(known)
         for block in blocks(len(matrix) - before, self.body.unknowns):
             place = slice(before + block.start, before + block.stop)
             response = self.factor.solve_many(self._unit_forces(acting, block, forces=True))
             matrix[:, place] = self._read(near, response, forces=False)
-            if self._responses is not None:
-                self._responses[:, place] = response
+            if self.columns is not None:
+                self.columns.values[:, place] = response
             if before and not self._symmetric:
                 response = self.factor.solve_many(self._unit_forces(acting, block, forces=False))
                 matrix[place, :before] = self._read(near, response, forces=True)[:before].T
@@ -193,17 +237,15 @@ class Compliance:
         self._place[missing] = len(self._known) + np.arange(len(missing))
         self._known, self._matrix = known, matrix
 
-    def _make_room(self, columns: int) -> None:
-        """Room for the responses to as many unit forces; none where they would be read slowly.
+    def _make_room(self, missing: Indices, columns: int) -> None:
+        """Room for the columns of further ports; for none where so many would be read slowly.
 
         A back substitution takes less time from then on.
         """
-        if self._responses is None:
-            return
-        before, self._responses = self._responses, None
-        if columns * self.body.unknowns <= 2 * self.factor.entries:
-            self._responses = np.empty((self.body.size, columns), order="F")
-            self._responses[:, : before.shape[1]] = before
+        if columns * self.body.unknowns > 2 * self.factor.entries:
+            self.columns = None
+        elif self.columns is not None:
+            self.columns.extend(missing)
 
     def _parts(self, points: Indices) -> list[PointRows]:
         """Rows of points, and of their layers the nodes that these touch; collective."""

@@ -18,6 +18,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import build
 from solver.cli import main
 from solver.scene import scene_to_toml
+from solver.stepping import compliance as compliance_module
 from solver.stepping import contact_solve
 from solver.stepping.elastic_response import ElasticResponse
 from solver.stepping.system import response_of
@@ -106,13 +107,60 @@ def test_responses_are_dropped_where_a_back_substitution_is_cheaper() -> None:
     made = response(scene_of(SPACE))
     compliance, d = made.compliance, 3
     few, all_of_them = np.arange(2), np.arange(compliance.ports[0].count)
-    assert compliance.among(few).responses is not None
+    compliance.among(few)
+    assert compliance.columns is not None
     kept = compliance.displacement(few, np.ones((2, d)))
     made.compliance.factor.entries = 0.0  # type: ignore[misc]
-    assert compliance.among(all_of_them).responses is None
+    compliance.among(all_of_them)
+    assert compliance.columns is None
     assert compliance.nbytes < 9 * (d * len(all_of_them)) ** 2
     solved = compliance.displacement(few, np.ones((2, d)))
     np.testing.assert_allclose(solved, kept, rtol=1e-9, atol=1e-12 * np.abs(kept).max())
+
+
+def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And by back substitutions at many, without columns; saved columns are made again."""
+    made = response(scene_of(SPACE))
+    compliance, d = made.compliance, 3
+    factor, count = compliance.factor, compliance.ports[0].count
+    compliance.among(np.arange(count))
+    compliance.columns = None
+    unknowns = compliance.body.unknowns
+    factor.entries = 3.0 * d * unknowns / compliance_module.FEW_PART  # type: ignore[misc]
+    solved: list[int] = []
+    solve, solve_many = factor.solve, factor.solve_many
+    monkeypatch.setattr(factor, "solve", lambda r: (solved.append(1), solve(r))[1])
+    monkeypatch.setattr(
+        factor, "solve_many", lambda r: (solved.append(r.shape[1]), solve_many(r))[1]
+    )
+    rng = np.random.default_rng(1)
+
+    def moved(*acting: int) -> np.ndarray:
+        """What the compliance finds, held to a back substitution with all rows."""
+        force = np.zeros((count, d))
+        force[list(acting)] = rng.standard_normal((len(acting), d))
+        found = compliance.displacement(np.arange(count), force)
+        exact = solve(whole_rows(made, forces=True).T @ force.ravel())
+        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
+        return found
+
+    for acting in ((0, 2), (2, 0), (2,)):
+        moved(*acting)
+    assert solved == [2 * d]
+    moved(0, 1, 2)
+    assert solved == [2 * d, d]
+    moved(*range(4))
+    assert solved == [2 * d, d, 1]
+    for first in range(3, count - 1):  # more than are kept at a time
+        moved(first, first + 1)
+    again = response(scene_of(SPACE)).compliance
+    again.repeat(compliance.saved())
+    last = np.arange(count - 2, count)
+    assert (
+        again._few.under(last, np.ones((2, d))) == compliance._few.under(last, np.ones((2, d)))
+    ).all()
 
 
 def histories(scene: dict[str, object]) -> dict[str, np.ndarray]:
@@ -183,7 +231,7 @@ def test_check_says_the_solver_and_the_memory(
     monkeypatch.setattr(memory, "total_memory", lambda: 16e9)
     assert main(["check", str(file)]) == 0
     text = capsys.readouterr().out
-    assert "CHOLMOD (MUMPS with ranks), 726 MB for each step size and rho_inf" in text
+    assert "CHOLMOD (MUMPS on more than 4 ranks), 726 MB for each step size and rho_inf" in text
     assert "906 MB for 1024 points on its bottom" in text
     monkeypatch.setattr(memory, "total_memory", lambda: 2e9)
     assert main(["check", str(file)]) == 0

@@ -97,6 +97,10 @@ class Foundation(Checked):
         """Whether it deforms as a body."""
         return bool(self.mesh_label)
 
+    def unknowns(self, dimension: Dimension) -> int:
+        """Number of unknowns of its mesh; 0 where it has none."""
+        return 0
+
     def structure(self, dimension: Dimension) -> tuple[int, int] | None:
         """Numbers of storeys and of columns of a mesh that moves as a whole; None for others."""
         return None

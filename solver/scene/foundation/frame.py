@@ -250,18 +250,26 @@ class FrameSpec(Foundation):
         words = [f"{name} {'held' if k is None else f'{k:g} N/m'}" for name, k in given]
         return [("  feet", ", ".join(words))]
 
-    def mesh_size(self, dimension: Dimension) -> str:
-        """Size of the mesh, in words; columns share their uppermost nodes with the deck."""
+    def unknowns(self, dimension: Dimension) -> int:
+        """Number of unknowns of the mesh; columns share their uppermost nodes with the deck."""
         cells, degree, flat = self.cells, self.degree, dimension - 1
-        along = self.bays * cells.bay + (self.bays + 1) * cells.column
         columns, storeys = (self.bays + 1) ** flat, len(self.layers) // 2
-        count = along**flat * cells.deck + columns * cells.column**flat * cells.storey
-        nodes = storeys * (degree * along + 1) ** flat * (degree * cells.deck + 1)
+        nodes = storeys * (degree * self._along + 1) ** flat * (degree * cells.deck + 1)
         feet = columns * (degree * cells.column + 1) ** flat
-        nodes += feet * (storeys * degree * cells.storey - (storeys - 1))
-        count *= storeys
-        cell = SHAPES[dimension][0]
-        return mesh_size_in_words(count, cell, degree, nodes, dimension)
+        return dimension * (nodes + feet * (storeys * degree * cells.storey - (storeys - 1)))
+
+    @property
+    def _along(self) -> int:
+        """Number of cells along a deck."""
+        return self.bays * self.cells.bay + (self.bays + 1) * self.cells.column
+
+    def mesh_size(self, dimension: Dimension) -> str:
+        """Size of the mesh, in words."""
+        cells, flat = self.cells, dimension - 1
+        columns, storeys = (self.bays + 1) ** flat, len(self.layers) // 2
+        count = self._along**flat * cells.deck + columns * cells.column**flat * cells.storey
+        nodes, cell = self.unknowns(dimension) // dimension, SHAPES[dimension][0]
+        return mesh_size_in_words(count * storeys, cell, self.degree, nodes, dimension)
 
     def refined(self, times: Callable[[int], int]) -> FrameSpec:
         """The frame with other numbers of cells."""

@@ -11,6 +11,7 @@ from geometry.block import Block
 from solver.errors import SceneError, not_applicable
 from solver.scene.cells import (
     box_mesh_size,
+    box_nodes,
     cell_of,
     cells_in_words,
     cells_of,
@@ -193,6 +194,10 @@ class PlateSpec(Foundation):
             return None
         edges = equal_parts((self.width, self.thickness, self.height), self.cells)
         return self.material(plane, carried), min(edges) / self.degree
+
+    def unknowns(self, dimension: Dimension) -> int:
+        """Number of unknowns of its mesh; 0 where it is held everywhere."""
+        return 0 if self.support == "fixed" else dimension * box_nodes(self)
 
     def describe(self, dimension: Dimension, carried: float) -> Lines:
         """What `rockslip check` says of it."""

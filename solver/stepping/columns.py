@@ -1,0 +1,59 @@
+"""Columns of a compliance on all unknowns of a body: what unit forces at some of its ports do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.types import Array, Indices
+
+AT_ONCE = 50_000
+"""Numbers that are read faster than the few of them are found that matter."""
+
+
+def rows_of(points: Indices, d: int) -> Indices:
+    """Row numbers of the d directions of points."""
+    return (points[:, None] * d + np.arange(d)).ravel()
+
+
+class Columns:
+    """Displacements of the owned unknowns under unit forces at some ports of a body, m/N."""
+
+    def __init__(self, size: int, dimension: int, ports: int):
+        """None yet, of a body with so many owned unknowns and ports."""
+        self._d, self._room = dimension, np.empty((size, 0), order="F")
+        self.values: Array = self._room
+        """(owned unknowns, ports d)."""
+        self.ports: Indices = np.empty(0, dtype=np.int64)
+        """The ports, in the order of their columns."""
+        self._place = np.full(ports, -1)
+
+    def lacks(self, ports: Indices) -> Indices:
+        """Those of some ports that have no columns here."""
+        return ports[self._place[ports] < 0]
+
+    def extend(self, ports: Indices) -> None:
+        """Make room for the columns of further ports, which the caller fills."""
+        size, before = self.values.shape
+        self._place[ports] = len(self.ports) + np.arange(len(ports))
+        self.ports = np.concatenate([self.ports, ports])
+        end = len(self.ports) * self._d
+        if end > self._room.shape[1]:
+            # Twice as much: few copies of all columns then; pages that are not used take no memory.
+            self._room = np.empty((size, max(end, 2 * before)), order="F")
+            self._room[:, :before] = self.values
+        self.values = self._room[:, :end]
+
+    def under(self, ports: Indices, forces: Array) -> Array:
+        """What forces (m, d) at some of the ports do to the owned unknowns, m.
+
+        Columns of ports without force are not read.
+        """
+        if self.values.size > AT_ONCE:
+            acting = forces.any(axis=1)
+            ports, forces = ports[acting], forces[acting]
+        rows, flat, count = rows_of(self._place[ports], self._d), forces.ravel(), len(self.values.T)
+        if 3 * len(rows) < count:  # columns that are copied are passed over three times
+            return np.asarray(flat @ self.values.T[rows])
+        whole = np.zeros(count)
+        whole[rows] = flat
+        return np.asarray(self.values @ whole)

@@ -1,0 +1,67 @@
+"""Large bodies on two ranks: where they are factorized, and what is said before a run."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import ROOT, on_ranks, outside_mpirun
+from scenes import GRANITE
+
+RUNS = """
+import json
+from mpi4py import MPI
+from rockslip import parse_scene, simulate
+from solver.bodies import factorization, memory
+
+block = dict(width=1.0, height=1.6, thickness=0.8, mass=1000.0, young=5e8, poisson=0.2)
+block |= dict(cells=[4, 4, 6], tilt_deg=0.3)
+scene = dict(dimension=3, block=[block], contact=dict(friction=0.4), output=dict(fields="none"))
+scene["time"] = dict(end=0.06, step=2e-3)
+found = []
+for redundant, alone in ((10**6, 4), (0, 4), (0, 0)):
+    factorization.REDUNDANT_UNKNOWNS, memory.ALONE_RANKS = redundant, alone
+    result = simulate(parse_scene(scene))
+    names = [name for name in result.history.columns if name.endswith(("_m", "_rad"))]
+    rows = [list(map(float, result.history[name])) for name in names]
+    found.append((result.summary["cost"]["linear_solvers"], result.status, rows))
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(found))
+"""
+
+
+@pytest.mark.mpi
+def test_the_first_rank_solves_for_all_as_each_does_and_as_mumps() -> None:
+    """The same history to round-off, which one landing multiplies."""
+    done = subprocess.run(
+        ["mpirun", "--oversubscribe", "-n", "2", sys.executable, "-c", RUNS],
+        env={**outside_mpirun(), "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    each, first, mumps = json.loads(done.stdout.splitlines()[-1])
+    assert [each[0], first[0], mumps[0]] == [["CHOLMOD"], ["CHOLMOD"], ["MUMPS"]]
+    for other in (first, mumps):
+        assert other[1] == each[1] == "completed"
+        np.testing.assert_allclose(other[2], each[2], rtol=0, atol=1e-11)
+
+
+@pytest.mark.mpi
+def test_ranks_that_cost_are_named_before_the_run(tmp_path: Path) -> None:
+    """In one line of the first rank; on one rank nothing is said."""
+    scene = GRANITE + "[time]\nend = 0.003\nstep = 0.001\n"
+    (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
+    two = on_ranks(2, tmp_path, "run", "scene.toml", "-o", "two").stderr.splitlines()
+    said = [line for line in two if "ranks are expected" in line]
+    assert len(said) == 1
+    assert said[0].startswith("caution: 2 ranks are expected to take 2.7 times as long as one")
+    assert two.index(said[0]) < next(k for k, line in enumerate(two) if "writing to" in line)
+    one = on_ranks(1, tmp_path, "run", "scene.toml", "-o", "one").stderr
+    assert "ranks are expected" not in one
