@@ -37,6 +37,7 @@ SHORT = {
     ),
 }
 
+
 def run(name: str, folder: Path, *launch: str) -> subprocess.CompletedProcess[str]:
     """The short form of a demo by its script, into a folder."""
     script, words, _, _ = SHORT[name]
