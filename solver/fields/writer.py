@@ -147,6 +147,8 @@ class FieldWriter:
         for function in self._functions.all:
             function.x.scatter_forward()
         self._writer.write_function(self._functions.all, time)
+        # Ranks may be killed at any time: what is listed has been written by all of them.
+        self._functions.mesh.comm.Barrier()
         self._check_piece()
         # dolfinx lists its pieces when it closes the file; a killed run would have no list.
         piece = f"{self._way}{self._stem}{self._count:06d}.pvtu"

@@ -39,7 +39,9 @@ def _sheet(grid: Any) -> Any:
     """A body in the plane: its cells, those of each rank once."""
     import pyvista
 
-    cells = np.split(grid.cell_connectivity, grid.offset[1:-1])
+    # pyvista's own name for the offsets changes from version to version.
+    offsets = pyvista.convert_array(grid.GetCells().GetOffsetsArray())
+    cells = np.split(grid.cell_connectivity, offsets[1:-1])
     own = np.flatnonzero(_owned(grid))
     around = [_around(cells[cell], int(grid.celltypes[cell])) for cell in own]
     faces = np.concatenate([[len(points), *points] for points in around])

@@ -16,7 +16,7 @@ import pytest
 from processes import outside_mpirun
 from scenes import GRANITE
 
-from rockslip import History
+from rockslip import History, read_run
 
 SCENE = GRANITE + "[time]\nend = 0.03\nstep = 0.001\n[output]\nevery = 0.01\n"
 BLOCK = SCENE[SCENE.index("[[block]]") : SCENE.index("[contact]")]
@@ -206,7 +206,10 @@ def test_a_bad_key_on_two_ranks_is_one_line(earlier: Path) -> None:
 
 
 def mpirun_kills() -> bool:
-    """Whether Ctrl-C and SIGTERM of mpirun are SIGKILL for its ranks: so it is in Open MPI 6.0."""
+    """Whether mpirun answers Ctrl-C and SIGTERM with SIGKILL for its ranks, and nothing before.
+
+    Seen by strace with Open MPI 6.0.0rc2 (PRRTE 5.0.0rc1), which has no option for it.
+    """
     said = subprocess.run(["mpirun", "--version"], capture_output=True, text=True, check=True)
     return "(Open MPI) 6." in said.stdout
 
@@ -218,7 +221,7 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
     process = subprocess.Popen(
         [*launcher, *COMMAND, *words],
         cwd=folder,
-        # mpirun kills after a second, which is short where others share the machine.
+        # Open MPI 5 kills after a second, which is short where others share the machine.
         env=outside_mpirun() | {"PRTE_MCA_odls_base_sigkill_timeout": "30"},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -240,6 +243,32 @@ def interrupted(folder: Path, number: signal.Signals, ranks: int = 1) -> Path:
         assert out.startswith("interrupted at t = ")
     assert "Traceback" not in err
     return folder / "out"
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_whose_ranks_were_killed_can_be_read(tmp_path: Path, number: signal.Signals) -> None:
+    """By the mpirun of Open MPI 6: all rows up to the last snapshot, and a summary made of them."""
+    pytest.importorskip("dolfinx")
+    pyvista = pytest.importorskip("pyvista")
+    if not mpirun_kills():
+        pytest.skip("this mpirun hands the signal on: test_an_interrupted_run_leaves_all_it_has")
+    (tmp_path / "granite.toml").write_text(SCENE)
+    folder = interrupted(tmp_path, number, ranks=2)
+    assert not (folder / "summary.json").exists()
+    run = read_run(folder)
+    assert run.summary["status"] == "unfinished"
+    assert "made from the history" in run.summary["reason"]
+    times = run.history["time_s"]
+    assert times == pytest.approx(1e-3 * np.arange(len(times)), abs=1e-12)
+    assert len(times) >= 150  # what the signal waited for
+    assert run.summary["end_s"] == times[-1]
+    reader = pyvista.get_reader(str(folder / "fields.pvd"))
+    assert abs(times[-1] - reader.time_values[-1]) < 0.0101
+    done = rockslip(tmp_path, "plot", "out")
+    assert done.returncode == 0, done.stderr
+    assert f"no summary.json, made from the history up to t = {times[-1]:.6g} s" in done.stderr
+    assert (folder / "angle.png").is_file()
 
 
 @pytest.mark.mpi

@@ -37,7 +37,7 @@ def run(folder: Path, *words: str, model: str = "elastic") -> subprocess.Complet
         ("-rockslip_snes_linesearch_type l2", "", None),
         ("-log_view", "PETSc Performance Summary", 1),
         ("-log_view -snes_view", "type: newtonls", 3),
-        ("-options_left", "-options_left # (source", None),
+        ("-options_left", "There are no unused options.", None),
         ("-malloc_debug", "", None),
         ("-info", "PetscInitialize", None),
         ("-snes_converged_reason -rockslip_snes_linesearch_type cp", "solve converged due to", 3),

@@ -289,3 +289,31 @@ def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, 
     assert seen["ColorBy"]["args"][1] == colour  # type: ignore[index]
     assert "SaveAnimation" not in seen
     assert "{time:.3f} s" in str(seen["AnnotateTime"]["Format"])
+
+
+# Rank 1 is late: rank 0 tells when a piece is listed, and which pieces there are then.
+LATE = """
+import time
+from dolfinx import io
+
+class Late(io.VTKFile):
+    def write_function(self, *what):
+        time.sleep(float(MPI.COMM_WORLD.rank))
+        super().write_function(*what)
+
+io.VTKFile = Late
+"""
+LATE = WRITE.replace("\nfile, degree", LATE + "\nfile, degree").replace(
+    "    writer.write(0.0)\n",
+    """    writer.write(0.0)
+    if MPI.COMM_WORLD.rank == 0:
+        assert file.read_text().count("<DataSet") == 1
+        assert len(list(file.parent.glob("*_000000.vtu"))) == 2, list(file.parent.iterdir())
+""",
+)
+
+
+@pytest.mark.mpi
+def test_a_piece_is_listed_when_all_ranks_have_written_it(tmp_path: Path) -> None:
+    """Ranks that are killed leave a list in which every piece can be opened."""
+    python(LATE, tmp_path / "fields.pvd", 1, "triangle", "strain", "1,0,0,1", ranks=2)

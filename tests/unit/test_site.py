@@ -70,3 +70,11 @@ def test_every_page_is_in_the_navigation_once() -> None:
     listed = re.findall(r"^ +- [^:\n]+: ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
     pages = [page.name for page in (ROOT / "docs").glob("*.md")]
     assert sorted(listed) == sorted([*pages, "contributing.md", "changelog.md"])
+
+
+def test_the_search_works_from_the_disk() -> None:
+    """The plugin `offline` keeps its index in a script; ours stands in for what it would load."""
+    settings = (ROOT / "mkdocs.yml").read_text()
+    assert re.search(r"^plugins: .*\boffline\b", settings, re.MULTILINE)
+    assert re.search(r"^  polyfills: \[iframe-worker\.js\]", settings, re.MULTILINE)
+    assert (ROOT / "docs" / "iframe-worker.js").is_file()

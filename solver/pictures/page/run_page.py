@@ -51,6 +51,9 @@ LONGEST_FILM = 20.0
 
 FILMS = ("film.mp4", "film.gif")
 
+ROUND_OFF = 1e-12
+"""Angles (rad) and slips (m) below this are shown as nought."""
+
 
 def run_page(run: Run, *, filmed: bool) -> str:
     """The page of a run; its pictures are drawn into its folder, and `filmed` the film, too."""
@@ -196,4 +199,6 @@ def _cost(value: Any) -> str:
 
 def _number(value: float | None, factor: float = 1.0) -> str:
     """A number, or a dash where it is not known."""
-    return "-" if value is None or math.isnan(value) else f"{factor * value:.4g}"
+    if value is None or math.isnan(value):
+        return "-"
+    return f"{factor * value:.4g}" if abs(value) > ROUND_OFF else "0"
