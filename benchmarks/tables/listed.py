@@ -110,6 +110,7 @@ EVIDENCE: dict[str, Evidence] = {
     "energy_grid": _script("energy_grid", (*MESHED, DEMO), minutes=60),
     # What a feature costs is nothing that a change of code leaves as it was: it goes by its age.
     "feature_cost": _script("feature_cost", (), minutes=5, timed=True),
+    "full_newton": _script("full_newton", ("benchmarks/newton", *MESHED), minutes=5, timed=True),
     "hertz": _script("hertz", (*MESHED, "benchmarks/verification"), minutes=3),
     "landing_on_bed": _script("landing_on_bed", (*MESHED, DEMO), minutes=3),
     "ranks": _script("ranks", (*ALL, *MOTION), minutes=5),
@@ -187,6 +188,12 @@ EVIDENCE: dict[str, Evidence] = {
         },
         minutes=35,
     ),
+    "suite_plate": Evidence(
+        commands=(f"python3 demos/suite/platform_suite.py --plate --output {OWN}",),
+        code=("demos/suite/plate.toml", SUITE, *MESHED, *MOTION, *ANSWER),
+        files={"benchmarks/suite_plate.csv": "suite.csv"},
+        minutes=27,
+    ),
     "suite_recorded": Evidence(
         commands=(f"python3 demos/suite/platform_suite.py --motions records --output {OWN}",),
         code=("demos/suite/scene.toml", SUITE, *MESHED, *MOTION, *ANSWER),
@@ -230,6 +237,24 @@ EVIDENCE: dict[str, Evidence] = {
         code=("demos/inertia/scene.toml", "solver/study/inertia", *MOTION, *ANSWER),
         files={f"{PICTURES}/inertia_lambda.png": "lambda.png"},
         minutes=5,
+    ),
+    "inertia_elements": Evidence(
+        commands=(
+            "rockslip study inertia demos/suite/scene.toml --of period=0.5,1 "
+            f"friction=0.1,0.2,0.3 --by rigid elements --count 30 -o {OWN}",
+        ),
+        code=("demos/suite/scene.toml", "solver/study/inertia", *ALL, *MOTION, *ANSWER),
+        files={"benchmarks/inertia_elements.csv": "inertia.csv"},
+        minutes=17,
+    ),
+    "inertia_locked_stack": Evidence(
+        commands=(
+            "rockslip study inertia demos/inertia/locked_stack.toml --of period=0.5,1 "
+            f"aspect=0.5,4.251 --by rigid -o {OWN}",
+        ),
+        code=("demos/inertia/locked_stack.toml", "solver/study/inertia", *RIGID, *MOTION, *ANSWER),
+        files={"benchmarks/inertia_locked_stack.csv": "inertia.csv"},
+        minutes=2,
     ),
     "modes": Evidence(
         commands=(f"rockslip study modes demos/modes/scene.toml -o {OWN}",),
