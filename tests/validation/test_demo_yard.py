@@ -139,6 +139,6 @@ def test_it_runs_on_two_ranks(name: str, tmp_path: Path) -> None:
         timeout=900,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("holds:") == CHECKS[name]
     assert (tmp_path / "output" / name / f"{name}.png").is_file()
