@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from solver import VERSION
 from solver.arguments import add_overrides, add_scene
@@ -32,6 +32,10 @@ from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
 from solver.study.command import add_studies
 from solver.study.report import add_report
+
+if TYPE_CHECKING:
+    from solver.excitation.motion import GroundMotion
+    from solver.scene import Scene
 
 #: Exit code of a run that was stopped by Ctrl-C or SIGTERM.
 INTERRUPTED = 130
@@ -145,6 +149,21 @@ def build_parser() -> Parser:
     return parser
 
 
+def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -> None:
+    """Say before a run what to be careful of, and on several ranks where it writes."""
+    from solver.results.cautions import cautions_of_input
+    from solver.run.rank_gain import ranks_in_words
+
+    for text in cautions_of_input(scene, ground):
+        tell(f"caution: {text}\n")
+    if ranks > 1:
+        slower = ranks_in_words(scene, ranks)
+        if slower:
+            tell(f"caution: {slower}\n")
+        # Now: an mpirun that is interrupted passes on nothing of what ranks say after that.
+        tell(f"writing to {folder}, up to the last step where it is interrupted\n")
+
+
 def run_scene(options: argparse.Namespace) -> int:
     """`rockslip run`: rank 0 reads scene and motion, every rank takes part."""
     from solver.excitation.motion import read_ground
@@ -184,20 +203,11 @@ def run_scene(options: argparse.Namespace) -> int:
     folder = options.resume or options.output or Path(_stem(path) + ".out")
     if not options.resume:
         on_first_rank(comm, lambda: claim_folder(folder, path, options.force))
-    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.run.progress import Progress
-    from solver.run.rank_gain import ranks_in_words
 
     if comm.rank == 0 and not options.quiet:
-        for text in cautions_of_input(scene, ground):
-            tell(f"caution: {text}\n")
-    if comm.size > 1 and comm.rank == 0 and not options.quiet:
-        slower = ranks_in_words(scene, comm.size)
-        if slower:
-            tell(f"caution: {slower}\n")
-        # Now: an mpirun that is interrupted passes on nothing of what ranks say after that.
-        tell(f"writing to {folder}, up to the last step where it is interrupted\n")
+        _tell_before(scene, ground, comm.size, folder)
     result = simulate(
         scene,
         folder=folder,
