@@ -77,7 +77,7 @@ class _Equations(NamedTuple):
 
     @classmethod
     def at(cls, local: Local, r: Array, trial: Array, states: Indices) -> _Equations:
-        """Those for the forces of closed points."""
+        """Equations for the forces of closed points."""
         return cls(local, r, trial, states, unknowns(local, states))
 
     def forces(self, x: Array, *, change: bool = False) -> Array:

@@ -120,7 +120,7 @@ def unknowns(local: Local, states: Indices) -> Indices:
 
 @compiled
 def _sliding(bounds: Bounds, trial: Array, i: int) -> tuple[float, float, float, float, float]:
-    """Of a point that slips in space: direction e of its friction, l/|tau|, and l = s f_n + c."""
+    """Direction e of the friction of a point that slips in space, l/|tau|, and l = s f_n + c."""
     slope, intercept = line(bounds, i, trial[3 * i])
     size = math.hypot(trial[3 * i + 1], trial[3 * i + 2])
     share = (slope * trial[3 * i] + intercept) / size

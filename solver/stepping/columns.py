@@ -19,7 +19,7 @@ class Columns:
     """Displacements of the owned unknowns under unit forces at some ports of a body, m/N."""
 
     def __init__(self, size: int, dimension: int, ports: int):
-        """None yet, of a body with so many owned unknowns and ports."""
+        """Begin without columns, for a body with so many owned unknowns and ports."""
         self._d, self._room = dimension, np.empty((size, 0), order="F")
         self.values: Array = self._room
         """(owned unknowns, ports d)."""
@@ -28,7 +28,7 @@ class Columns:
         self._place = np.full(ports, -1)
 
     def lacks(self, ports: Indices) -> Indices:
-        """Those of some ports that have no columns here."""
+        """Ports, of those given, that have no columns here."""
         return ports[self._place[ports] < 0]
 
     def extend(self, ports: Indices) -> None:

@@ -95,7 +95,7 @@ class Compliance:
         self._batches: list[Indices] = []
         self._matrix = np.empty((0, 0))
         self.columns: Columns | None = self._no_columns()
-        """Those of all ports that have been near; None where a back substitution costs less than
+        """Columns of all ports that have been near; None where a back substitution costs less than
         to read them."""
         self._few, self._made = self._no_columns(), list[Indices]()
         self._gathered = PortCompliance(self._known, self._matrix)

@@ -28,7 +28,7 @@ Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
 
 Kinematics = Sequence[ContactKinematics | None]
-"""Those of all interfaces; None for one that a step leaves out."""
+"""Kinematics of all interfaces; None for one that a step leaves out."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from solver.types import Array
 
 @compiled
 def least_distance(points: Array, nodes: Array) -> float:
-    """Of points (m, d) from the level box around others (n, d), the least, m; 0: one is within."""
+    """Distance of the nearest of points (m, d) from the level box around nodes (n, d), m."""
     low, high = np.empty(points.shape[1]), np.empty(points.shape[1])
     for i in range(points.shape[1]):
         low[i], high[i] = np.min(nodes[:, i]), np.max(nodes[:, i])
