@@ -141,7 +141,8 @@ class ElasticForms:
         if self._shared or not len(u):  # ranks exchange ghosts together, or not at all
             return False
         before = self._new_values[1][: len(u)]
-        return bool(before[0] == u[0]) and np.array_equal(before, u)
+        # The first number differs from iterate to iterate; np.array_equal takes ten times as long.
+        return bool(before[0] == u[0]) and before.tobytes() == u.tobytes()
 
     def begin(self, u: Array) -> None:
         """Let u be the owned unknowns at its start."""

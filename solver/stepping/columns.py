@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from solver.contact.nitsche_points import same
 from solver.types import Array, Indices
 
-AT_ONCE = 50_000
-"""Numbers that are read faster than the few of them are found that matter."""
+FEW = 50_000
+"""Numbers in all columns up to which those of the ports asked for last are kept together."""
 
 
 def rows_of(points: Indices, d: int) -> Indices:
@@ -26,6 +27,8 @@ class Columns:
         self.ports: Indices = np.empty(0, dtype=np.int64)
         """The ports, in the order of their columns."""
         self._place = np.full(ports, -1)
+        self._last: tuple[Indices, Array] = self.ports, np.empty((0, size))
+        """Ports asked for last, and their columns as rows, one after another."""
 
     def lacks(self, ports: Indices) -> Indices:
         """Ports, of those given, that have no columns here."""
@@ -46,12 +49,15 @@ class Columns:
     def under(self, ports: Indices, forces: Array) -> Array:
         """What forces (m, d) at some of the ports do to the owned unknowns, m.
 
-        Columns of ports without force are not read.
+        Of many columns, those of ports without force are not read.
         """
-        if self.values.size > AT_ONCE:
-            acting = forces.any(axis=1)
-            ports, forces = ports[acting], forces[acting]
-        rows, flat, count = rows_of(self._place[ports], self._d), forces.ravel(), len(self.values.T)
+        if self.values.size <= FEW:
+            if not same(ports, self._last[0]):
+                self._last = ports, self.values.T[rows_of(self._place[ports], self._d)]
+            return np.asarray(forces.reshape(-1) @ self._last[1])
+        acting = forces.any(axis=1)
+        rows = rows_of(self._place[ports[acting]], self._d)
+        flat, count = forces[acting].reshape(-1), len(self.values.T)
         if 3 * len(rows) < count:  # columns that are copied are passed over three times
             return np.asarray(flat @ self.values.T[rows])
         whole = np.zeros(count)

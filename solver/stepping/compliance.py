@@ -146,9 +146,10 @@ class Compliance:
 
     def displacement(self, ports: Indices, vectors: Array) -> Array:
         """What forces (m, d) at some ports do to the owned unknowns, m."""
-        missing = ports[self._place[ports] < 0]
-        if len(missing):
-            self._compute(missing)
+        if not same(ports, self._gathered.ports):
+            missing = ports[self._place[ports] < 0]
+            if len(missing):
+                self._compute(missing)
         if self.columns is not None:
             return self.columns.under(ports, vectors)
         acting = vectors.any(axis=1)
