@@ -74,9 +74,10 @@ def limit(values: Sequence[Array]) -> Limit:
     """Richardson's extrapolation from the last three of a ladder, each twice as fine.
 
     The fall of the differences from rung to rung tells the order, of which no more than 2 is
-    counted on; the whole correction is the uncertainty. Where differences do not fall, or change
-    their direction, nothing is extrapolated: the finest value stands, and the largest of the last
-    differences is its uncertainty.
+    counted on; the whole correction is the uncertainty, and no less than what second order would
+    leave of the difference before the last, which may be small by chance. Where differences do not
+    fall, or change their direction, nothing is extrapolated: the finest value stands, and the
+    largest of the last differences is its uncertainty.
 
     Args:
         values: From the coarsest to the finest, at least two.
@@ -87,16 +88,13 @@ def limit(values: Sequence[Array]) -> Limit:
     if len(values) < 3:
         return Limit(value=last, uncertainty=moved, converges=False)
     former = values[-2] - values[-3]
-    fall = float(np.linalg.norm(former)) / moved if moved else np.inf
+    before = float(np.linalg.norm(former))
+    fall = before / moved if moved else np.inf
     if fall < LEAST_FALL or float(former @ latest) < 0:
-        most = max(moved, float(np.linalg.norm(former)))
-        return Limit(value=last, uncertainty=most, converges=False)
-    correction = latest / (min(fall, MOST_FALL) - 1)
-    return Limit(
-        value=last + correction,
-        uncertainty=float(np.linalg.norm(correction)),
-        converges=True,
-    )
+        return Limit(value=last, uncertainty=max(moved, before), converges=False)
+    rest = 1 / (min(fall, MOST_FALL) - 1)
+    uncertainty = rest * max(moved, before / MOST_FALL)
+    return Limit(value=last + rest * latest, uncertainty=uncertainty, converges=True)
 
 
 def references(
@@ -139,39 +137,55 @@ def own_limit(trials: Sequence[Trial], measure: str) -> Reference | None:
     """Limit of the scene's own ladders, of steps and of meshes if there are such.
 
     The limit of the steps at the scene's mesh, and what the meshes at the scene's step still
-    change; the uncertainties of both are added. Adaptive steps, which become much smaller where
-    something happens, are another way to the limit of the steps: where the strictest of them are
-    farther from it than its uncertainty, their distance is the uncertainty.
+    change; the uncertainties of both are added.
     """
-    finest, sources, uncertainty = None, [], 0.0
-    for name, text in (("step", "steps"), ("mesh", "meshes")):
-        ladder = [t.outcome.measures[measure] for t in _with(trials, name, measure)]
-        if len(ladder) < 2 or any(value.shape != ladder[-1].shape for value in ladder[-3:]):
-            continue
-        goes = limit(ladder)
-        change = goes.value - _at_scene(trials, name, measure, ladder[-1])
-        finest = goes.value if finest is None else finest + change
-        off = _off(trials, measure, goes.value) if name == "step" else 0.0
-        uncertainty += max(goes.uncertainty, off)
-        settles = goes.converges and off <= goes.uncertainty
-        sources.append(text if settles else f"{text} (not converged)")
-    if finest is None:
+    steps, goes = _limit_of_steps(trials, measure)
+    meshes = _limit_of(trials, "mesh", measure)
+    found = [(text, each) for text, each in ((steps, goes), ("meshes", meshes)) if each is not None]
+    if not found:
         return None
+    finest = found[0][1].value
+    if goes is not None and meshes is not None:
+        finest = finest + meshes.value - _at_scene(trials, measure)
     scale = scale_of(measure, finest)
     if scale == 0:
         return None
+    sources = [text if each.converges else f"{text} (not converged)" for text, each in found]
     return Reference(
         value=finest,
-        uncertainty=uncertainty / scale,
+        uncertainty=sum(each.uncertainty for _, each in found) / scale,
         scale=scale,
         source=f"limit of its own {' and '.join(sources)}",
     )
 
 
-def _off(trials: Sequence[Trial], measure: str, value: Array) -> float:
-    """Distance of the strictest adaptive steps from a value; 0 without such."""
+def _limit_of(trials: Sequence[Trial], name: str, measure: str) -> Limit | None:
+    """Limit of one of the scene's own ladders; None where there are less than two such values."""
+    values = [trial.outcome.measures[measure] for trial in _with(trials, name, measure)]
+    if len(values) < 2 or any(value.shape != values[-1].shape for value in values[-3:]):
+        return None
+    return limit(values)
+
+
+def _limit_of_steps(trials: Sequence[Trial], measure: str) -> tuple[str, Limit | None]:
+    """Limit of the scene's steps, and which these are.
+
+    Adaptive steps, which become much smaller where something happens, check that of fixed ones.
+    Where that does not converge, or the strictest are farther from it than its uncertainty, fixed
+    steps have not seen what happens: then the limit is that of the adaptive ones if they converge,
+    and else their distance is the uncertainty.
+    """
+    fixed = _limit_of(trials, "step", measure)
     strictest = [t.outcome.measures[measure] for t in _with(trials, "adaptive", measure)][-1:]
-    return max((float(np.linalg.norm(other - value)) for other in strictest), default=0.0)
+    if fixed is None or not strictest or strictest[0].shape != fixed.value.shape:
+        return "steps", fixed
+    off = float(np.linalg.norm(strictest[0] - fixed.value))
+    if fixed.converges and off <= fixed.uncertainty:
+        return "steps", fixed
+    adaptive = _limit_of(trials, "adaptive", measure)
+    if adaptive is not None and adaptive.converges:
+        return "adaptive steps", adaptive
+    return "steps", replace(fixed, uncertainty=max(off, fixed.uncertainty), converges=False)
 
 
 def _with(trials: Sequence[Trial], name: str, measure: str) -> list[Trial]:
@@ -184,14 +198,11 @@ def _with(trials: Sequence[Trial], name: str, measure: str) -> list[Trial]:
     return found
 
 
-def _at_scene(trials: Sequence[Trial], name: str, measure: str, otherwise: Array) -> Array:
-    """The value at the mesh of the scene itself, which its ladder of meshes contains."""
-    if name != "mesh":
-        return otherwise
-    for trial in _with(trials, name, measure):
-        if trial.rung.size == 1.0:
-            return trial.outcome.measures[measure]
-    return otherwise
+def _at_scene(trials: Sequence[Trial], measure: str) -> Array:
+    """The value at the mesh of the scene itself; at the finest where that has none."""
+    meshes = _with(trials, "mesh", measure)
+    chosen = [trial for trial in meshes if trial.rung.size == 1.0] or meshes[-1:]
+    return chosen[0].outcome.measures[measure]
 
 
 def _rigid_answer(scene: Scene, finest: Trial, every: float) -> dict[str, Reference]:

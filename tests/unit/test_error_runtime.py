@@ -220,6 +220,26 @@ def test_adaptive_steps_check_the_limit_of_fixed_ones(answer: float, uncertainty
     assert ("not converged" in found.source) == (uncertainty > 0.05)
 
 
+def test_adaptive_steps_have_a_limit_that_fixed_ones_do_not_see() -> None:
+    """Fixed steps go to 2, uncertain by 0.05; adaptive ones to 2.4 with 2.56, 2.44 and 2.41."""
+    rungs = tuple(
+        Rung(
+            setting="", size=tolerance, work=1.0,
+            solve=partial(
+                RunOutcome, measures={MEASURE: np.array([2.4 + tolerance])}, loop_s=1.0, setup_s=0.0
+            ),
+        )
+        for tolerance in (0.16, 0.04, 0.01)
+    )  # fmt: skip
+    adaptive = LadderFamily(name="adaptive", size="tolerance", rungs=rungs)
+    trials, _ = climb([family("step", 1, 1.0), adaptive], repeat=1, longest=100.0)
+    found = own_limit(trials, MEASURE)
+    assert found is not None
+    assert found.value[0] == pytest.approx(2.4)
+    assert found.uncertainty == pytest.approx(0.01 / 2.4)
+    assert found.source == "limit of its own adaptive steps"
+
+
 def test_limit_of_steps_and_meshes_together() -> None:
     """Answer 2 + step + h^2 in ladders through step 0.1, h 1: the limit of both is 2."""
 
