@@ -172,8 +172,8 @@ def _limit_of_steps(trials: Sequence[Trial], measure: str) -> tuple[str, Limit |
 
     Adaptive steps, which become much smaller where something happens, check that of fixed ones.
     Where that does not converge, or the strictest are farther from it than its uncertainty, fixed
-    steps have not seen what happens: then the limit is that of the adaptive ones if they converge,
-    and else their distance is the uncertainty.
+    steps have not seen what happens: their distance is the uncertainty then, and the limit is that
+    of the adaptive ones if it is less uncertain.
     """
     fixed = _limit_of(trials, "step", measure)
     strictest = [t.outcome.measures[measure] for t in _with(trials, "adaptive", measure)][-1:]
@@ -182,10 +182,11 @@ def _limit_of_steps(trials: Sequence[Trial], measure: str) -> tuple[str, Limit |
     off = float(np.linalg.norm(strictest[0] - fixed.value))
     if fixed.converges and off <= fixed.uncertainty:
         return "steps", fixed
+    checked = replace(fixed, uncertainty=max(off, fixed.uncertainty), converges=False)
     adaptive = _limit_of(trials, "adaptive", measure)
-    if adaptive is not None and adaptive.converges:
+    if adaptive is not None and adaptive.uncertainty < checked.uncertainty:
         return "adaptive steps", adaptive
-    return "steps", replace(fixed, uncertainty=max(off, fixed.uncertainty), converges=False)
+    return "steps", checked
 
 
 def _with(trials: Sequence[Trial], name: str, measure: str) -> list[Trial]:
