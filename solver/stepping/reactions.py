@@ -15,7 +15,7 @@ from solver.bodies.dense_body import DenseBody
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
 from solver.stepping.step import Step
-from solver.stepping.system import System, stands_on_ground
+from solver.stepping.system import System
 from solver.types import Array
 
 
@@ -35,15 +35,28 @@ def ground_forces(
 
     `p` is that of all other unknowns after the step, N.
     """
+    scheme, gamma = step.scheme, step.scheme.gamma
+    new, nodal = state.held, np.asarray(np.zeros(system.size))
+    if system.clamped:
+        new, nodal = _at_supports(system, state, step, ends, held)
+    moving, total = gamma * p + (1 - gamma) * step.p, np.zeros(system.dimension)
+    moving[system.fixed] = 2 * scheme.beta * held.inertia
+    for body, own in system.grounded:
+        drag = body.drag(ends.mean[own])
+        total += body.resultant(moving[own] if drag is None else moving[own] - drag)
+    return new, GroundForces(nodal, total)
+
+
+def _at_supports(
+    system: System, state: State, step: Step, ends: StepEnds, held: HeldForces
+) -> tuple[Array, Array]:
+    """The p at supports and springs of meshed bodies after a step, and what these did in it, N."""
     scheme, old = step.scheme, state.held
     am, af, gamma = scheme.alpha_m, scheme.alpha_f, scheme.gamma
     elastic, nodal = np.zeros(system.size), np.zeros(system.size)
     elastic[system.fixed] = held.balance - (1 - am) * held.inertia
-    total = np.zeros(system.dimension)
     springs: list[tuple[slice, Array]] = []
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        if isinstance(body, DenseBody) or not body.clamped:
-            continue
+    for body, own in system.clamped:
         spring, before = body.spring(ends.u[own]), body.spring(state.u[own])
         if spring is not None and before is not None:
             elastic[own] += (1 - af) * spring + af * before
@@ -53,24 +66,19 @@ def ground_forces(
     for own, dashpot in springs:
         nodal[own] += mean[own] - dashpot
     nodal[system.fixed] = 2 * scheme.beta * held.inertia - mean[system.fixed]
-    moving = gamma * p + (1 - gamma) * step.p
-    moving[system.fixed] = 2 * scheme.beta * held.inertia
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        if stands_on_ground(body):
-            drag = body.drag(ends.mean[own])
-            total += body.resultant(moving[own] if drag is None else moving[own] - drag)
-    return new, GroundForces(nodal, total)
+    return new, nodal
 
 
 def with_impulses(system: System, forces: GroundForces, change: Array, dt: float) -> GroundForces:
     """The forces with what holds supports while velocities change by impulses (m/s) in a step."""
+    if not system.clamped:  # on all ranks alike: collective
+        return forces
     nodal, total = forces.nodal.copy(), forces.total.copy()
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        if not isinstance(body, DenseBody) and body.clamped:  # on all ranks alike: collective
-            impulse = np.zeros(body.size)
-            impulse[body.fixed] = body.inertia(change[own])[body.fixed]
-            nodal[own] += impulse / dt
-            total += body.resultant(impulse) / dt
+    for body, own in system.clamped:
+        impulse = np.zeros(body.size)
+        impulse[body.fixed] = body.inertia(change[own])[body.fixed]
+        nodal[own] += impulse / dt
+        total += body.resultant(impulse) / dt
     return GroundForces(nodal, total)
 
 
@@ -79,7 +87,6 @@ def standing_forces(system: System, state: State, gravity: Array) -> GroundForce
     nodal, total = state.held.copy(), np.zeros(system.dimension)
     weight = gravity @ system.directional_mass
     nodal[system.fixed] = -state.held[system.fixed] - weight[system.fixed]
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        if stands_on_ground(body):
-            total += body.resultant(state.p[own] if isinstance(body, DenseBody) else nodal[own])
+    for body, own in system.grounded:
+        total += body.resultant(state.p[own] if isinstance(body, DenseBody) else nodal[own])
     return GroundForces(nodal, total)

@@ -302,7 +302,7 @@ class Stepper:
         sums = step_sums(system, ends, p - step.p)
         correction = self._velocity_correction(u, v, solution, dt, lost.friction)
         held, ground = state.held, None
-        if system.stands_on_ground:
+        if system.grounded:
             forces = HeldForces(solution.held, at_supports)
             held, ground = ground_forces(system, state, step, ends, p, forces)
             ground = with_impulses(system, ground, correction.change, dt)

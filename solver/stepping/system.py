@@ -64,13 +64,16 @@ class System:
         self._unturned: Array = np.eye(self.dimension)
         self._unturned.flags.writeable = False
 
-        self.stands_on_ground = any(map(stands_on_ground, bodies))
-        """Whether supports or springs hold one of the bodies: the ground has forces then."""
+        members = tuple(zip(self.bodies, self.slices, strict=True))
+        self.grounded = tuple((body, own) for body, own in members if _stands_on_ground(body))
+        """Bodies that supports or springs to the ground hold, and where their unknowns are."""
+        self.clamped = tuple(
+            (body, own) for body, own in self.grounded if not isinstance(body, DenseBody)
+        )
+        """The meshed ones of these; the same on all ranks."""
 
         self.tied = tuple(
-            (body, own)
-            for body, own in zip(self.bodies, self.slices, strict=True)
-            if _is_tied(body, np.zeros(body.size))
+            (body, own) for body, own in members if _is_tied(body, np.zeros(body.size))
         )
         """Bodies on which springs or dashpots to the ground act, or damping like these, and where
         their unknowns are."""
@@ -114,7 +117,7 @@ class System:
         return self.bodies[body].rotation(u[self.slices[body]])
 
 
-def stands_on_ground(body: Body) -> bool:
+def _stands_on_ground(body: Body) -> bool:
     """Whether supports or springs between a body and the ground exchange forces."""
     return isinstance(body, Oscillator) or (not isinstance(body, DenseBody) and body.clamped)
 
