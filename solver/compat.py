@@ -133,3 +133,15 @@ class PackedForm:
         matrix = assemble_matrix(self.form)
         matrix.assemble()
         return matrix
+
+
+def geometry_nodes(domain: Any) -> NDArray[np.int32]:
+    """Numbers of the geometry's nodes of each cell of a mesh, (cells, k)."""
+    found = getattr(domain.geometry, "dofmaps", None)  # since 0.11, which has several kinds of cell
+    return domain.geometry.dofmap if found is None else found[0]
+
+
+def geometry_degree(domain: Any) -> int:
+    """Degree of the map from the reference cell to the cells of a mesh."""
+    found = getattr(domain.geometry, "cmaps", None)
+    return int((domain.geometry.cmap if found is None else found[0]).degree)

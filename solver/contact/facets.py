@@ -11,6 +11,7 @@ import numpy as np
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
+from solver.compat import geometry_degree, geometry_nodes
 from solver.contact.clipping import on_polygons
 from solver.contact.quadrature import Rule, facet_rule, on_facets, on_pieces
 from solver.parallel import Layer
@@ -105,9 +106,9 @@ def evaluate_facets(
     domain, kind = V.mesh, V.mesh.basix_cell()
     found = tagged_sides(domain, facet_tags)
     origin, edges = (part[found.sides] for part in facet_frames(kind))
-    x = domain.geometry.x[domain.geometry.dofmap[found.cells], : domain.topology.dim]
+    x = domain.geometry.x[geometry_nodes(domain)[found.cells], : domain.topology.dim]
     shape = basix.ufl.element("Lagrange", kind.name, degree)
-    mapping = basix.ufl.element("Lagrange", kind.name, domain.geometry.cmap.degree)
+    mapping = basix.ufl.element("Lagrange", kind.name, geometry_degree(domain))
     if cuts is None:
         rule = on_facets(len(x), facet_rule(points, degree, facet_kind(kind)))
     else:

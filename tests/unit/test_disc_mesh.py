@@ -12,6 +12,7 @@ from dolfinx.mesh import entities_to_geometry, exterior_facet_indices
 
 from benchmarks.verification.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
+from solver.compat import geometry_nodes
 
 COMM = MPI.COMM_WORLD
 RADIUS, SIZE, CORE = 8.0, 0.05, 1.0
@@ -29,7 +30,7 @@ def integral(form):
 def corners(made):
     """Corners of this rank's cells in a ring, (cells, 4, 2)."""
     count = made.mesh.topology.index_map(2).size_local
-    return made.mesh.geometry.x[made.mesh.geometry.dofmap[:count]][:, [0, 1, 3, 2], :2]
+    return made.mesh.geometry.x[geometry_nodes(made.mesh)[:count]][:, [0, 1, 3, 2], :2]
 
 
 def facet_nodes(made, tag):

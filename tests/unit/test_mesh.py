@@ -15,6 +15,7 @@ from geometry.foundation import Plate
 from geometry.grading import graded, graded_to_both_ends
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import CellTag, FacetTag
+from solver.compat import geometry_nodes
 
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=2680.0)
 COMM = MPI.COMM_WORLD
@@ -34,7 +35,7 @@ def cell_corners(made):
     """Corners of all cells, (cells, k, d), on every rank."""
     dimension = made.mesh.topology.dim
     count = made.mesh.topology.index_map(dimension).size_local
-    corners = made.mesh.geometry.x[made.mesh.geometry.dofmap[:count]][:, :, :dimension]
+    corners = made.mesh.geometry.x[geometry_nodes(made.mesh)[:count]][:, :, :dimension]
     return np.concatenate(COMM.allgather(corners))
 
 
