@@ -218,7 +218,7 @@ def _marked(command: tuple[str, str]) -> object:
     return pytest.param(command[1], marks=marks, id=f"{command[0]}: {command[1]}")
 
 
-@pytest.mark.parametrize("command", map(_marked, RUN))
+@pytest.mark.parametrize("command", [_marked(each) for each in RUN])
 def test_command_lines_run(folder: Path, command: str) -> None:
     words = shlex.split(command)
     if words[-3:-1] == ["run", "--resume"]:
