@@ -310,7 +310,7 @@ EVIDENCE: dict[str, Evidence] = {
     "statue": Evidence(
         commands=(
             f"rockslip run demos/statue/scene.toml -o {OWN}/run",
-            f"rockslip animate {OWN}/run -o {OWN}/statue.gif",
+            f"rockslip animate {OWN}/run --from 0.8 --until 3.6 --width 600 -o {OWN}/statue.gif",
         ),
         code=("demos/statue/scene.toml", *MESHED, *MOTION),
         files={f"{PICTURES}/statue.gif": "statue.gif"},
