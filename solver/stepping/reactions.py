@@ -36,7 +36,8 @@ def ground_forces(
     `p` is that of all other unknowns after the step, N.
     """
     scheme, gamma = step.scheme, step.scheme.gamma
-    new, nodal = state.held, np.asarray(np.zeros(system.size))
+    new: Array = state.held
+    nodal: Array = np.zeros(system.size)
     if system.clamped:
         new, nodal = _at_supports(system, state, step, ends, held)
     moving, total = gamma * p + (1 - gamma) * step.p, np.zeros(system.dimension)
