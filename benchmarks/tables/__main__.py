@@ -36,7 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = [] if options.names else accepted.known_stale()
         there = [name for name in names if name in made and name not in known]
         tables = [(name, made[name].code, digests(EVIDENCE[name].code)) for name in there]
+        recorded = [(name, entry.code) for name, entry in made.items()]
         stated = accepted.state_harmless(options.harmless, tables, changes)
+        stated = accepted.needed(stated, recorded)
         accepted.write(stated)
         print(f"{len(stated) - len(changes)} changes stated")
     elif options.known_stale:
