@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 
 from benchmarks.tables import accepted, record
 from benchmarks.tables.listed import EVIDENCE
-from benchmarks.tables.making import adopt, make
+from benchmarks.tables.making import adopt, keep_needed, make
 from benchmarks.tables.page import PAGE, page
 from benchmarks.tables.record import Made
 from benchmarks.tables.sources import digests
@@ -36,11 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = [] if options.names else accepted.known_stale()
         there = [name for name in names if name in made and name not in known]
         tables = [(name, made[name].code, digests(EVIDENCE[name].code)) for name in there]
-        recorded = [(name, entry.code) for name, entry in made.items()]
         stated = accepted.state_harmless(options.harmless, tables, changes)
-        stated = accepted.needed(stated, recorded)
-        accepted.write(stated)
-        print(f"{len(stated) - len(changes)} changes stated")
+        print(f"{len(stated) - len(changes)} changes stated, {keep_needed(stated, made)} needed")
     elif options.known_stale:
         found, known = states(EVIDENCE, made, changes), accepted.known_stale()
         more = {n: options.known_stale for n in names if found[n].stale and n not in known}

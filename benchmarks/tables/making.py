@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tarfile
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -101,9 +102,16 @@ def keep(name: str, made: Made) -> None:
     found = {**record.read(), name: made}
     found = {known: entry for known, entry in found.items() if known in EVIDENCE}
     record.write(found)
-    recorded = [(known, entry.code) for known, entry in found.items()]
-    accepted.write(accepted.needed(accepted.harmless(), recorded))
+    keep_needed(accepted.harmless(), found)
     PAGE.write_text(page(found, accepted.known_stale()), encoding="utf-8")
+
+
+def keep_needed(changes: Sequence[accepted.Change], made: Mapping[str, Made]) -> int:
+    """Write the stated changes that records need; how many these are."""
+    recorded = [(name, entry.code) for name, entry in made.items()]
+    needed = accepted.needed(changes, recorded)
+    accepted.write(needed)
+    return len(needed)
 
 
 def _words(command: str, own: Path, resumed: bool) -> list[str]:
