@@ -20,9 +20,6 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 Observed = tuple[SurfaceState, ContactKinematics]
 """An interface at one instant: its points, and where they are over their carrier."""
 
-MOST_CROSSED = 8
-"""How often a point may cross an edge in the corrections of a step."""
-
 REACH = 0.002
 """Part of a body's size: points farther from their carrier after the free step are not pressed into
 it by the others."""
@@ -124,36 +121,3 @@ class PointTable:
         """An interface at a displacement of all owned unknowns."""
         link, part = self.links[number], self._system.part
         return link.interface.observe(part(u, link.body), part(u, link.carrier))
-
-
-class EdgeWatch:
-    """Points beyond the edges of their carriers in the corrections of one step.
-
-    A point that goes to and fro over an edge, pushed off and falling back, stays beyond it.
-    """
-
-    def __init__(self) -> None:
-        """Begin with all points within."""
-        self._first: Mask | None = None
-        self._last: Mask | None = None
-        self._crossings: Indices | None = None
-
-    def settled(self, beyond: Mask | None) -> Mask | None:
-        """The points to be taken as beyond an edge in this correction; None for no point.
-
-        `beyond` are those that are at the present iterate.
-        """
-        if self._first is None:
-            self._first = self._last = beyond
-            return beyond
-        if self._last is not None and beyond is not None:
-            if self._last.tobytes() == beyond.tobytes():
-                return self._last
-        if self._crossings is None:
-            self._crossings = self._first.astype(np.int64)
-        none = np.zeros_like(self._first)
-        was, now = (none if mask is None else mask for mask in (self._last, beyond))
-        self._crossings += was != now
-        restless = self._crossings > MOST_CROSSED
-        self._last = now | restless if restless.any() else beyond
-        return self._last

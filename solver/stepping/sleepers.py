@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
+from solver.stepping.carrier_edges import CarrierEdges
 from solver.stepping.point_table import REACH, Observed, PointTable
 from solver.stepping.system import Body, System
 from solver.types import Array, Mask
@@ -22,9 +22,6 @@ ASLEEP_REACHES = 5
 STEPS_AHEAD = 2
 """Nobody looks at an interface that the next step leaves far from contact even if bodies move this
 many times as far in it as in the last one."""
-
-BeyondEdge = Callable[[int, ContactKinematics], Mask | None]
-"""Points of an interface that are beyond the edge of their carrier."""
 
 
 class Sleepers:
@@ -37,10 +34,10 @@ class Sleepers:
             looked at.
     """
 
-    def __init__(self, system: System, points: PointTable, balance: Balance, beyond: BeyondEdge):
+    def __init__(self, system: System, points: PointTable, balance: Balance, edges: CarrierEdges):
         """Leave out what is far from contact at the start of the step; nothing in equilibrium."""
         self._system, self._points, self._start = system, points, balance.start
-        self._memories, self._beyond = balance.contact, beyond
+        self._memories, self._edges = balance.contact, edges
         self._looked: dict[int, Observed] = {}  # at the end of the step
         self._clear: dict[int, float] = {}  # likewise
         self.asleep = [
@@ -71,7 +68,7 @@ class Sleepers:
 
     def _clearance(self, number: int, kinematics: ContactKinematics) -> float:
         """Smallest gap of an interface's points that may touch, m."""
-        beyond, may = self._beyond(number, kinematics), self._memories[number].may_touch
+        beyond, may = self._edges.beyond(number, kinematics), self._memories[number].may_touch
         if beyond is not None:
             may = may & ~beyond
         gaps = kinematics.place[may, 0]

@@ -17,10 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.contact.kernels.candidates import candidates, free_values
-from solver.contact.memory import Memory
-from solver.contact.plane_target import Carrier
-from solver.contact.projection import ContactKinematics
 from solver.stepping.balance import Balance
+from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
 from solver.stepping.delassus import (
     Delassus,
@@ -30,7 +28,7 @@ from solver.stepping.delassus import (
 )
 from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel, Tangents
-from solver.stepping.point_table import EdgeWatch, Observed, joined
+from solver.stepping.point_table import Observed, joined
 from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
 from solver.types import Array, Indices, Mask
@@ -94,11 +92,10 @@ class StepProblem:
         if model.softening is not None and not balance.static:
             self._softening = model.softening.in_step(model.system, model.points, balance.load)
             self._held = STEADYING * self.force
-        pairs = zip(model.points.carriers, memories, strict=True)
-        self._beyond_before = [_beyond_edge(each, memory) for each, memory in pairs]
+        self._edges = CarrierEdges(model.points, memories)
         self._beds = model.points.beds(memories, balance.step)
-        self._edges = EdgeWatch()
-        self.sleepers = Sleepers(model.system, model.points, balance, self._beyond_edge)
+        self._watch = EdgeWatch()
+        self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
         self._number = 0
         for carrier, asleep in zip(model.points.carriers, self.sleepers.asleep, strict=True):
             if carrier.turns and not asleep:
@@ -217,7 +214,7 @@ class StepProblem:
             parts.append(points.links[number].interface.augmented(surface, kinematics))
             off = None
             if not self.sleepers.asleep[number]:
-                off = self._beyond_edge(number, kinematics)
+                off = self._edges.beyond(number, kinematics)
             if off is not None and off.any():
                 none = np.zeros(points.count, dtype=np.bool_)
                 beyond = none if beyond is None else beyond.copy()
@@ -225,19 +222,7 @@ class StepProblem:
         y = joined(parts)
         if self._beds is not None:
             y[:, 0] += self._beds.offset
-        return y, self._edges.settled(beyond)
-
-    def _beyond_edge(self, number: int, kinematics: ContactKinematics) -> Mask | None:
-        """Points beyond the edge of their carrier, where it has one.
-
-        One that the step begins with stays a point until its end: let go in the middle of a solve,
-        it would lose the friction that keeps it from going.
-        """
-        before = self._beyond_before[number]
-        if before is None:
-            return None
-        now = self._points.links[number].interface.carrier.beyond_edge(kinematics)
-        return None if now is None else before & now
+        return y, self._watch.settled(beyond)
 
     def near(self, y: Array, beyond: Mask | None) -> Indices:
         """Numbers of the points that may be in contact at augmented positions y.
@@ -314,9 +299,3 @@ class StepProblem:
             force, bounds = self.force[own], self.friction.bounds[number]
             found.append(Contact(surface, kinematics, force, bounds, sleepers.clear(number)))
         return found
-
-
-def _beyond_edge(carrier: Carrier, memory: Memory) -> Mask | None:
-    """Points that a step begins with beyond the edge of their carrier; None: there are none."""
-    beyond = None if memory.clear else carrier.beyond_edge(memory.kinematics)
-    return beyond if beyond is not None and beyond.any() else None
