@@ -8,9 +8,8 @@ from __future__ import annotations
 import platform
 import signal
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -59,38 +58,9 @@ def _ignore_closed_pipes() -> None:
 _ignore_closed_pipes()
 
 
-class CellValues:
-    """Values of some functions cell by cell, as the forms of cells take them.
-
-    dolfinx packs all functions of a form at each assembly, which takes a third of its time.
-    """
-
-    def __init__(self, form: Any, functions: Sequence[fem.Function]):
-        """Ask dolfinx for the order of the values, of a compiled form of these functions."""
-        self._arrays = [function.x.array for function in functions]
-        kept = [array.copy() for array in self._arrays]
-        starts = np.cumsum([0, *map(len, kept)])
-        for array, start in zip(self._arrays, starts, strict=False):
-            array[:] = start + np.arange(len(array))
-        self.packed = {
-            key: table.copy() for key, table in cpp.fem.pack_coefficients(form._cpp_object).items()
-        }
-        for array, before in zip(self._arrays, kept, strict=True):
-            array[:] = before
-        (self._table,) = self.packed.values()
-        order = self._table.astype(np.int64)
-        self._parts = []
-        for start, end in pairwise(starts):
-            columns = ((order[:1] >= start) & (order[:1] < end)).ravel().nonzero()[0]
-            part = slice(columns[0], columns[-1] + 1) if len(columns) else slice(0, 0)
-            self._parts.append((part, np.ascontiguousarray(order[:, part] - start)))
-        for number in range(len(functions)):
-            self.read(number)
-
-    def read(self, number: int) -> None:
-        """Take the present values of a function."""
-        part, index = self._parts[number]
-        self._table[:, part] = self._arrays[number][index]  # half the time of `take`
+def packed_coefficients(form: Any) -> dict[Any, NDArray[np.float64]]:
+    """Values of all functions of a compiled form, cell by cell, as its assembly takes them."""
+    return {key: table.copy() for key, table in cpp.fem.pack_coefficients(form._cpp_object).items()}
 
 
 class PackedForm:
@@ -103,7 +73,7 @@ class PackedForm:
     def __init__(self, form: Any):
         """Compile `form`."""
         self.form = fem.form(form, jit_options=compiler_options())
-        self.cells: CellValues | None = None
+        self.cells: Mapping[Any, NDArray[np.float64]] | None = None
         self.refresh()
 
     def refresh(self) -> None:
@@ -113,7 +83,7 @@ class PackedForm:
     def _coefficients(self) -> Any:
         """The coefficient functions, cell by cell, as they are now."""
         if self.cells is not None:
-            return self.cells.packed
+            return self.cells
         return cpp.fem.pack_coefficients(self.form._cpp_object)
 
     def scalar(self) -> float:

@@ -20,7 +20,8 @@ import ufl
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
-from solver.compat import CellValues, PackedForm
+from solver.bodies.cell_values import CellValues
+from solver.compat import PackedForm
 from solver.scene.material import Material
 from solver.types import Array
 
@@ -106,10 +107,11 @@ class ElasticForms:
         kept = [each for each in (self._lame, self._shear) if isinstance(each, fem.Function)]
         self._both = CellValues(self.force.form, [*functions, *kept])
         form = self.strain_energy.form
-        self._last = self.strain_energy.cells = CellValues(form, [functions[0], *kept])
+        self._last = CellValues(form, [functions[0], *kept])
+        self.strain_energy.cells = self._last.packed
         for form in (self.force, self.viscous, self.increment_energy):
             if form is not None:
-                form.cells = self._both
+                form.cells = self._both.packed
 
     def _of_material(self, name: str) -> Any:
         """A property of the material: a constant, or a function where regions have others."""
@@ -131,18 +133,11 @@ class ElasticForms:
 
     def place(self, u: Array) -> None:
         """Let u be the owned unknowns at the end of the step."""
-        if self._stands_at(u):
-            return
-        self._assign(self._new_values, u)
-        self._both.read(0)
-
-    def _stands_at(self, u: Array) -> bool:
-        """Whether these are the unknowns of the end already, as after the last residual."""
-        if self._shared or not len(u):  # ranks exchange ghosts together, or not at all
-            return False
-        before = self._new_values[1][: len(u)]
-        # The first number differs from iterate to iterate; np.array_equal takes ten times as long.
-        return bool(before[0] == u[0]) and before.tobytes() == u.tobytes()
+        if self._shared:  # ranks exchange ghosts together, or not at all
+            self._assign(self._new_values, u)
+            self._both.read(0)
+        else:
+            self._both.place(0, u)
 
     def begin(self, u: Array) -> None:
         """Let u be the owned unknowns at its start."""

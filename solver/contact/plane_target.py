@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, RigidPoints, SurfaceState
-from solver.contact.kernels.plane import places
+from solver.contact.kernels.plane import places, vectors_of
 from solver.contact.projection import ContactKinematics, spread
 from solver.types import Array, Mask
 
@@ -84,7 +84,9 @@ class Plane:
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, (m, d)."""
-        return force @ self.frame
+        vectors = np.empty_like(force)
+        vectors_of(force, self.frame, vectors)
+        return vectors
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

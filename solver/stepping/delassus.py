@@ -17,6 +17,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.contact.bed import Yielding
+from solver.contact.kernels.candidates import add_softness
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
@@ -194,8 +195,8 @@ def assembled(
         for response, configuration in zip(responses, configurations, strict=True)
     ]
     added = np.zeros(m) if softening is None else softening.at(near, W)
-    diagonal = W.reshape(-1)[:: m * d + 1].reshape(m, d)
-    diagonal += (softness.take(near.number) + added)[:, None]
+    add_softness(W, near.number, softness, added)
     if beds is not None:
-        diagonal[:, 0] += beds.softness.take(near.number)
+        normal = W.reshape(-1)[:: d * (m * d + 1)]
+        normal += beds.softness.take(near.number)
     return Delassus(key, configurations, near, couplings, W, added)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.candidates import candidates, free_values
+from solver.contact.kernels.candidates import candidates, free_values, take_over
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
@@ -161,11 +161,9 @@ class StepProblem:
         if len(near):
             delassus = self._delassus(near)
             new = self._solved(delassus, y)
-            change = new - self.force.take(near, axis=0)
-            self.force[near] = new
-            weight = self._weight
-            flat = new.ravel()
-            self.forces = max(self.forces, weight * math.sqrt(flat @ flat))
+            weight, change = self._weight, np.empty_like(new)
+            squares = take_over(self.force, near, new, change)
+            self.forces = max(self.forces, weight * math.sqrt(squares))
             for k, response in enumerate(self._tangents.responses):
                 at, coupling = self._configurations[k], delassus.couplings[k]
                 response.respond(at, coupling, delassus.near, change, weight, free[k])

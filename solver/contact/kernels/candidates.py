@@ -64,3 +64,37 @@ def free_values(
                 q[i, k] -= anchor[p, k - 1]
         if not pressed and abs(q[i, 0]) < round_off[p]:  # nothing tells that such a gap is small
             q[i, 0] = 0.0
+
+
+@compiled
+def take_over(force: Array, near: Indices, new: Array, change: Array) -> float:
+    """Let forces of near points be new ones, (m, d), N; the sum of their squares, N2.
+
+    Args:
+        force: Of all points, (points, d), N.
+        near: Numbers of the points.
+        new: Their forces.
+        change: Filled in: by what they are other than before.
+    """
+    squares = 0.0
+    for i in range(len(near)):
+        for k in range(new.shape[1]):
+            change[i, k] = new[i, k] - force[near[i], k]
+            force[near[i], k] = new[i, k]
+            squares += new[i, k] ** 2
+    return squares
+
+
+@compiled
+def add_softness(W: Array, near: Indices, softness: Array, added: Array) -> None:
+    """Add to the diagonal of near points' compliance W, (m, d, m, d), m/N.
+
+    Args:
+        W: What is added to.
+        near: Numbers of the points.
+        softness: Of the interface at all points, (points,), m/N.
+        added: Further terms at the near ones, (m,), m/N.
+    """
+    for i in range(len(near)):
+        for k in range(W.shape[1]):
+            W[i, k, i, k] += softness[near[i]] + added[i]

@@ -26,6 +26,16 @@ def places(position: Array, origin: Array, shift: Array, frame: Array, place: Ar
 
 
 @compiled
+def vectors_of(components: Array, frame: Array, vectors: Array) -> None:
+    """Fill in vectors in space of components (m, d) along the rows of a frame, (d, d)."""
+    vectors[:] = 0.0
+    for p in range(len(vectors)):
+        for k in range(len(frame)):
+            for i in range(len(frame)):
+                vectors[p, i] += components[p, k] * frame[k, i]
+
+
+@compiled
 def places_within(
     position: Array,
     origin: Array,
