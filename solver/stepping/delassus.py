@@ -118,10 +118,12 @@ class Softening:
         relative: Part of the largest diagonal entry of a point, (points,); 0 for points that have a
             softness of their own.
         least: Smallest value in the present step, (points,), m/N.
+        rigid: Numbers of the interfaces between bodies that are both rigid.
     """
 
     relative: Array
     least: Array
+    rigid: tuple[int, ...]
 
     @classmethod
     def of(cls, system: System, links: Sequence[Link], softness: Array) -> Softening | None:
@@ -129,35 +131,36 @@ class Softening:
 
         The points' own softness is in m/N.
         """
+        rigid = tuple(number for number, link in enumerate(links) if system.rigid(link))
         relative = np.concatenate(
             [
                 np.full(
-                    link.interface.count,
-                    RIGID_SOFTENING if system.rigid(link) else MIXED_SOFTENING,
+                    link.interface.count, RIGID_SOFTENING if number in rigid else MIXED_SOFTENING
                 )
-                for link in links
+                for number, link in enumerate(links)
             ]
         )
         relative = np.where(softness > 0, 0.0, relative)
-        return cls(relative, np.zeros_like(relative)) if relative.any() else None
+        return cls(relative, np.zeros_like(relative), rigid) if relative.any() else None
 
     def in_step(self, system: System, points: PointTable, load: Array) -> Softening:
         """The softening in a step: round-off of places is to mean little force; collective.
 
         Loads are those on the owned unknowns, N.
         """
+        if not self.rigid:
+            return self
         least = np.zeros_like(self.least)
-        for link, own in zip(points.links, points.own, strict=True):
-            if system.rigid(link):
-                weights = [
-                    float(np.linalg.norm(body.replicate(load[system.slices[number]])))
-                    for number, body in enumerate(system.bodies)
-                    if number in (link.body, link.carrier) and isinstance(body, DenseBody)
-                ]
-                lightest = min((weight for weight in weights if weight > 0), default=np.inf)
-                round_off = float(np.finfo(float).eps) * link.interface.size
-                least[own] = WEIGHT_OVER_ROUND_OFF * round_off / lightest
-        return Softening(self.relative, least)
+        for link, own in ((points.links[number], points.own[number]) for number in self.rigid):
+            weights = [
+                float(np.linalg.norm(body.replicate(load[system.slices[number]])))
+                for number, body in enumerate(system.bodies)
+                if number in (link.body, link.carrier) and isinstance(body, DenseBody)
+            ]
+            lightest = min((weight for weight in weights if weight > 0), default=np.inf)
+            round_off = float(np.finfo(float).eps) * link.interface.size
+            least[own] = WEIGHT_OVER_ROUND_OFF * round_off / lightest
+        return Softening(self.relative, least, self.rigid)
 
     def at(self, near: CandidateSet, W: Array) -> Array:
         """The diagonal at candidate points, (m,), m/N, for their W without it."""

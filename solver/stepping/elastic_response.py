@@ -110,7 +110,6 @@ class ElasticResponse:
         is held or does not turn.
         """
         self.body, self.compliance, self.sides, self._inertia = body, compliance, sides, inertia
-        self._simple = len(sides) == 1 and not sides[0].carries
         self._rows = [_ReadRows.of(port, body.dimension) for port in compliance.ports]
         self._itself = [_unspread(side.points.count) for side in sides]
         self._ports = sum(side.points.count for side in sides)
@@ -199,10 +198,12 @@ class ElasticResponse:
 
     def _coupling(self, near: CandidateSet) -> ElasticCoupling:
         """Ports that near points act on, and how much of each point's force each of them gets."""
-        if self._simple:
-            side = self.sides[0]
-            if side.first == 0 and near.number[-1] < side.count:
-                return ElasticCoupling(near.number, None)
+        first, last = near.number[0], near.number[-1]
+        for side in self.sides:
+            alone = side.first <= first and last < side.first + side.count
+            if alone and not side.carries and side.spots(near.kinematics) is None:
+                shift = side.port - side.first
+                return ElasticCoupling(near.number + shift if shift else near.number, None)
         parts = []
         used = np.zeros(self._ports, dtype=np.bool_)
         for side, itself in zip(self.sides, self._itself, strict=True):

@@ -9,7 +9,7 @@ import numpy as np
 from solver.contact.memory import Memory
 from solver.law.friction import Bounds, points_at_bound
 from solver.law.local_problem import image
-from solver.stepping.point_table import PointTable, joined
+from solver.stepping.point_table import JoinedBounds, PointTable, joined
 from solver.types import Array, Indices
 
 GLUE = 1e6
@@ -32,8 +32,12 @@ class FrictionBounds:
 
         The step, s, is infinite in equilibrium; `glued`: closed points hold any friction.
         """
-        self._points = points
+        self._points, self.steady, self._decays = points, points.steady, points.decays
         self._step, self._glued = step, glued
+        self._joined = points.bounds
+        if self._joined is not None and not glued:
+            self.bounds: Sequence[Bounds] = self._joined.each
+            return
         self._pasts = [memory.past for memory in memories]
         laws = [link.interface.law for link in points.links]
         # Asked of the points only where a law needs it.
@@ -41,22 +45,17 @@ class FrictionBounds:
             np.zeros(0, dtype=bool) if law.constant else memory.slipped
             for law, memory in zip(laws, memories, strict=True)
         ]
-        self.steady, self._decays = points.steady, points.decays
         self._speed: Array = np.zeros(points.count)
         pairs = zip(points.links, self._pasts, strict=True)
         self.bounds = [link.interface.bounds(past) for link, past in pairs]
         # The coefficients follow the speed that is told, not that of the last step.
-        if glued or not self.steady:
-            self.bounds = self._at_speed(self._speed)
+        self.bounds = self._at_speed(self._speed)
 
     def at(self, near: Indices) -> Bounds:
         """Bounds of some points."""
-        if len(self.bounds) == 1:
-            (bounds,) = self.bounds
-            return Bounds(bounds.mu.take(near), bounds.cohesion.take(near))
-        mu = joined([bounds.mu for bounds in self.bounds])
-        cohesion = joined([bounds.cohesion for bounds in self.bounds])
-        return Bounds(mu.take(near), cohesion.take(near))
+        if self._joined is None or self._joined.each is not self.bounds:
+            self._joined = JoinedBounds.of(self.bounds)
+        return Bounds(self._joined.mu.take(near), self._joined.cohesion.take(near))
 
     def tell(self, slip: Array) -> None:
         """Take the bounds that go with slips of all points in the step, (points, d-1), m."""
@@ -90,6 +89,8 @@ class FrictionBounds:
         those of the wrong friction.
         """
         any_loose = False
+        if self.steady:
+            return any_loose
         for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):
             if link.interface.law.jumps and not self._glued:
                 loose = points_at_bound(force[own], self.bounds[k]) & ~self._slips[k]

@@ -90,13 +90,45 @@ class Tangent:
         product.array[:] = np.nan
 
 
+class VectorArrays:
+    """The numbers of PETSc's vectors: to ask PETSc for them takes longer than to copy them.
+
+    A vector whose array is kept is never freed, so that its handle stands for no other one.
+    """
+
+    MOST = 8
+    """Vectors that are kept; SNES and its preconditioner take turns with four."""
+
+    def __init__(self) -> None:
+        """Keep none yet."""
+        self._arrays: dict[tuple[int, bool], Array] = {}
+
+    def read(self, vector: PETSc.Vec) -> Array:
+        """The numbers of a vector that may be locked, to be read only."""
+        return self._of(vector, False)
+
+    def written(self, vector: PETSc.Vec) -> Array:
+        """The numbers of a vector, to be written now: PETSc keeps norms of what stays the same."""
+        vector.stateIncrease()
+        return self._of(vector, True)
+
+    def _of(self, vector: PETSc.Vec, writes: bool) -> Array:
+        """The array that is kept, or a new one."""
+        key = vector.handle, writes
+        found = self._arrays.get(key)
+        if found is None:
+            found = vector.array if writes else vector.array_r
+            if len(self._arrays) < self.MOST:
+                self._arrays[key] = found
+        return found
+
+
 class Correction:
     """The preconditioner of SNES, which turns a residual into the negative of a correction."""
 
-    def __init__(self, failure: type[Exception], residual: PETSc.Vec):
-        """Take what a problem raises where it has no correction, and SNES's own residual."""
-        self._failure = failure
-        self._handle, self._residual = residual.handle, residual.array_r
+    def __init__(self, failure: type[Exception], arrays: VectorArrays):
+        """Take what a problem raises where it has no correction, and the arrays of vectors."""
+        self._failure, self._arrays = failure, arrays
         self._problem: NonlinearProblem | None = None
         self.trouble: Exception | None = None
         self.refusal: RockslipError | None = None
@@ -109,16 +141,16 @@ class Correction:
     def apply(self, pc: PETSc.PC, residual: PETSc.Vec, negative: PETSc.Vec) -> None:
         """Called by PETSc; the residual is locked and may only be read."""
         assert self._problem is not None
-        values = self._residual if residual.handle == self._handle else residual.array_r
+        values, target = self._arrays.read(residual), self._arrays.written(negative)
         try:
-            np.negative(self._problem.correction(values), out=negative.array)
+            np.negative(self._problem.correction(values), out=target)
         except (self._failure, np.linalg.LinAlgError) as trouble:
             # No exception may pass through PETSc: not-a-number ends SNES.
             self.trouble = trouble
-            negative.array[:] = np.nan
+            target[:] = np.nan
         except RockslipError as refusal:
             self.refusal = refusal
-            negative.array[:] = np.nan
+            target[:] = np.nan
 
 
 def _not_for_petsc(words: str, error: PETSc.Error) -> SceneError:
@@ -166,13 +198,12 @@ class NonlinearSolver:
         self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
-        # Views that are kept: asking PETSc for an array takes as long as to copy it.
-        self._unknowns, self._residual = self._x.array, self._r.array
+        self._arrays = VectorArrays()
         self._tangent, self._words = Tangent(), " ".join(options)
         sizes = (size, None), (size, None)
         self._shell = PETSc.Mat().createPython(sizes, self._tangent, comm=comm)
         self._shell.setUp()
-        self._correction = Correction(failure, self._r)
+        self._correction = Correction(failure, self._arrays)
         self.snes = self._set_up(comm, options)
         self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
         """The user's tolerances: of the residual relative and absolute, N, and of a correction; the
@@ -220,14 +251,10 @@ class NonlinearSolver:
         """Residual, called by SNES; not a number where the unknowns are past all geometry."""
         assert self._problem is not None
         try:
-            residual = self._problem.residual(x.array_r.copy())
+            residual = self._problem.residual(self._arrays.read(x).copy())
         except np.linalg.LinAlgError:  # no exception may pass through PETSc
             residual = np.full(r.getLocalSize(), np.nan)
-        if r.handle == self._r.handle:
-            self._residual[:] = residual
-            r.stateIncrease()  # PETSc keeps norms of what has not changed
-        else:
-            r.array[:] = residual
+        self._arrays.written(r)[:] = residual
 
     def _judge(self, snes: PETSc.SNES, iterations: int, norms: tuple[float, float, float]) -> int:
         """The verdict on an iterate, called by SNES with the norms of x, of dx and of r."""
@@ -250,7 +277,7 @@ class NonlinearSolver:
     @property
     def residual(self) -> Array:
         """The residual where SNES stopped (owned unknowns), N."""
-        return self._residual.copy()
+        return self._arrays.read(self._r).copy()
 
     def solve(
         self, problem: NonlinearProblem, unknowns: Array, tolerance: float
@@ -267,8 +294,7 @@ class NonlinearSolver:
         absolute = self._tolerance or tolerance
         self.snes.setTolerances(atol=absolute)
         self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
-        self._unknowns[:] = unknowns
-        self._x.stateIncrease()
+        self._arrays.written(self._x)[:] = unknowns
         late = in_data_base(self._late) if self._late else NOTHING
         try:
             with late, np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
@@ -285,6 +311,6 @@ class NonlinearSolver:
         code = self.snes.getConvergedReason()
         trouble = self._correction.trouble
         reason = str(trouble) if trouble else REASONS.get(code, f"SNES reason {code}")
-        return self._unknowns.copy(), NewtonOutcome(
+        return self._arrays.read(self._x).copy(), NewtonOutcome(
             code > 0, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), reason
         )

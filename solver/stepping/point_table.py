@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from solver.contact.bed import Yielding
 from solver.contact.body_points import SurfaceState
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
+from solver.law.friction import Bounds, new_pasts
 from solver.stepping.system import Link, System
 from solver.types import Array, Indices, Mask
 
@@ -39,6 +40,22 @@ def numbered(links: Sequence[Link]) -> list[slice]:
     return [slice(start, end) for start, end in zip([0, *ends[:-1]], ends, strict=True)]
 
 
+class JoinedBounds(NamedTuple):
+    """Bounds of friction of several interfaces."""
+
+    each: Sequence[Bounds]
+    """Those of each."""
+    mu: Array
+    """Coefficients of friction of all points, (points,)."""
+    cohesion: Array
+    """Their cohesion, (points,), N."""
+
+    @classmethod
+    def of(cls, each: Sequence[Bounds]) -> JoinedBounds:
+        """The bounds of the interfaces put together."""
+        return cls(each, joined([own.mu for own in each]), joined([own.cohesion for own in each]))
+
+
 class PointTable:
     """What stays the same of all contact points while no face joins.
 
@@ -50,6 +67,7 @@ class PointTable:
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
         has_bed: Whether points stand on beds.
         steady: Whether friction depends on neither speed nor the past.
+        bounds: Its bounds where it is steady; None where it is not.
         decays: Whether that of some points decays with the speed.
         size: Of the body that each point belongs to, (points,), m.
         reach: Gaps below which points may come into contact in a correction, (points,), m.
@@ -69,6 +87,11 @@ class PointTable:
         laws = [link.interface.law for link in links]
         self.steady = all(law.constant for law in laws)
         self.decays = any(law.decays for law in laws)
+        self.bounds: JoinedBounds | None = None
+        if self.steady:
+            pasts = [new_pasts(link.interface.count) for link in links]
+            pairs = zip(links, pasts, strict=True)
+            self.bounds = JoinedBounds.of([link.interface.bounds(past) for link, past in pairs])
         self._turns = any(carrier.turns for carrier in self.carriers)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self._frames_of: tuple[bytes, Array] | None = None

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.candidates import candidates, free_values, take_over
+from solver.contact.kernels.candidates import candidates, free_values, put_away, take_over
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
@@ -230,7 +230,7 @@ class StepProblem:
         """
         points = self._points
         if beyond is not None:
-            y[beyond, 0] = points.size[beyond]
+            put_away(y, beyond, points.size)
         number = np.empty(len(y), dtype=np.int64)
         return number[: candidates(y, points.reach, self._may_touch, self.force, number)]
 

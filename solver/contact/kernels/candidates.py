@@ -18,6 +18,14 @@ def candidates(y: Array, reach: Array, may_touch: Mask, force: Array, number: In
 
 
 @compiled
+def put_away(y: Array, beyond: Mask, size: Array) -> None:
+    """Put points beyond an edge as far from their carrier as the size of their body, m, in y."""
+    for p in range(len(y)):
+        if beyond[p]:
+            y[p, 0] = size[p]
+
+
+@compiled
 def free_values(
     near: Indices,
     W: Array,
