@@ -26,13 +26,16 @@ def momenta(
         sums: The sums, (2 d + 1,) or in space (2 d + 3,).
     """
     d = arm.shape[1]
+    sums[:] = 0.0
     for i in range(d):
-        sums[i] = np.sum(directional_mass[i] * u)
-        sums[d + i] = np.sum(directional_mass[i] * v)
+        for n in range(len(u)):
+            sums[i] += directional_mass[i, n] * u[n]
+            sums[d + i] += directional_mass[i, n] * v[n]
     for axis in range(len(sums) - 2 * d):
         i, j = (1, 0) if d == 2 else ((axis + 1) % 3, (axis + 2) % 3)
-        along, across = arm[:, i] + u[i::d], arm[:, j] + u[j::d]
-        sums[2 * d + axis] = np.sum(along * momentum[j::d] - across * momentum[i::d])
+        for n in range(len(arm)):
+            along, across = arm[n, i] + u[n * d + i], arm[n, j] + u[n * d + j]
+            sums[2 * d + axis] += along * momentum[n * d + j] - across * momentum[n * d + i]
 
 
 @compiled
@@ -86,12 +89,13 @@ def move_on(arm: Array, u: Array, moved: Array, vector: Array, way: Array, after
     d = arm.shape[1]
     turn = np.empty((d, d))
     turn_by(vector, turn)
-    after[:] = u
     for i in range(d):
-        after[i::d] += way[i]
-        for j in range(d):
-            turned = turn[i, j] - (1.0 if i == j else 0.0)
-            after[i::d] += turned * (arm[:, j] + u[j::d] - moved[j])
+        turn[i, i] -= 1.0
+    for n in range(len(arm)):
+        for i in range(d):
+            after[n * d + i] = u[n * d + i] + way[i]
+            for j in range(d):
+                after[n * d + i] += turn[i, j] * (arm[n, j] + u[n * d + j] - moved[j])
 
 
 @compiled
@@ -100,7 +104,8 @@ def turn_all(vectors: Array, vector: Array, turned: Array) -> None:
     d = 2 if len(vector) == 1 else 3
     rotation = np.empty((d, d))
     turn_by(vector, rotation)
-    turned[:] = 0.0
-    for i in range(d):
-        for j in range(d):
-            turned[i::d] += rotation[i, j] * vectors[j::d]
+    for n in range(0, len(vectors), d):
+        for i in range(d):
+            turned[n + i] = 0.0
+            for j in range(d):
+                turned[n + i] += rotation[i, j] * vectors[n + j]

@@ -42,7 +42,10 @@ def best_rotation(u: Array, moment_row: Array, moment: Array, rotation: Array) -
     d, total = len(moment), moment.copy()
     for i in range(d):
         for j in range(d):
-            total[i, j] += np.sum(u[i::d] * moment_row[:, j])
+            moved = 0.0
+            for n in range(len(moment_row)):
+                moved += u[n * d + i] * moment_row[n, j]
+            total[i, j] += moved
     polar_factor(total, rotation)
 
 

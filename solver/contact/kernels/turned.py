@@ -1,6 +1,5 @@
 """Motions of a meshed body in the frame that turns with it; compiled.
 
-Loops run over directions and contact points, never over nodes: interpreted, those would take long.
 Nodes are rows of d numbers; a shift is the d x d matrix that moves all of them by what their forces
 make together.
 """
@@ -25,11 +24,14 @@ def into_frame(vectors: Array, rotation: Array, turned: Array, total: Array) -> 
         total: Their sum, (d,).
     """
     d = len(total)
-    turned[:] = 0.0
-    for j in range(d):
-        for i in range(d):
-            turned[:, j] += rotation[i, j] * vectors[i::d]
-        total[j] = np.sum(turned[:, j])
+    total[:] = 0.0
+    for n in range(len(turned)):
+        for j in range(d):
+            along = 0.0
+            for i in range(d):
+                along += rotation[i, j] * vectors[n * d + i]
+            turned[n, j] = along
+            total[j] += along
 
 
 @compiled
@@ -40,7 +42,8 @@ def free_step(motion: Array, shift: Array, total: Array) -> None:
         along = 0.0
         for i in range(d):
             along += shift[j, i] * total[i]
-        motion[:, j] = -(motion[:, j] + along)
+        for n in range(len(motion)):
+            motion[n, j] = -(motion[n, j] + along)
 
 
 @compiled
@@ -70,7 +73,8 @@ def add_motion(motion: Array, strain: Array, shift: Array, vectors: Array) -> No
         for p in range(len(vectors)):
             for i in range(d):
                 along += shift[j, i] * vectors[p, i]
-        motion[:, j] += strain[j::d] + along
+        for n in range(len(motion)):
+            motion[n, j] += strain[n * d + j] + along
 
 
 @compiled
