@@ -55,6 +55,19 @@ class Memory:
             kept[name] = values
         return replace(self, **kept)
 
+    def until(self, clear: float) -> Memory:
+        """This memory with another `clear`, m; `dataclasses.replace` takes four times as long."""
+        return Memory(
+            self.surface,
+            self.kinematics,
+            self.force,
+            self.anchor,
+            self.may_touch,
+            self.past,
+            self.compression,
+            clear,
+        )
+
 
 KINEMATICS = ("surface", "kinematics", "clear")
 """Fields of a memory that say where points are; all others follow from the past alone."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 from solver.contact.memory import Dissipation, Memory
@@ -154,10 +153,10 @@ def remembered(
     memories, lost = [], []
     for link, before, c in zip(links, old, contacts, strict=True):
         if c.is_unseen(before):
-            memories.append(replace(before, clear=c.clear))
+            memories.append(before.until(c.clear))
             continue
         after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
-        memories.append(replace(after[0], clear=c.clear) if c.clear else after[0])
+        memories.append(after[0].until(c.clear) if c.clear else after[0])
         lost.append(after[1])
     total = Dissipation(
         friction=sum(each.friction for each in lost),
