@@ -88,6 +88,7 @@ class VelocityImpulses:
         self._changes = joined(
             [np.full(link.interface.count, turns or link.interface.carrier.turns) for link in links]
         )
+        self._any_changes = bool(self._changes.any())
         self._kept: MassOperator | None = None
 
     def saved(self) -> tuple[list[Any], MassOperator | None]:
@@ -185,8 +186,9 @@ class VelocityImpulses:
     def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:
         """The operator of the closed points; the last one where nothing else can have changed."""
         key = closed.tobytes()
-        if self._kept is not None and self._kept.key == key and not self._changes[closed].any():
-            return self._kept
+        if self._kept is not None and self._kept.key == key:
+            if not self._any_changes or not self._changes[closed].any():
+                return self._kept
         frames = self._points.frames_at(closed)
         near = CandidateSet(closed, frames, [contact.kinematics for contact in contacts])
         W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
