@@ -114,11 +114,15 @@ class Compliance:
     def among(self, chosen: Indices) -> PortCompliance:
         """The compliance of some ports; kept for as long as the same ports are asked for."""
         if not same(chosen, self._gathered.ports):
-            missing = chosen[self._place[chosen] < 0]
-            if len(missing):
-                self._compute(missing)
+            self._know(chosen)
             self._gathered = self._gather(chosen)
         return self._gathered
+
+    def _know(self, ports: Indices) -> None:
+        """Compute the columns of those of these ports that have none; collective."""
+        missing = ports[self._place[ports] < 0]
+        if len(missing):
+            self._compute(missing)
 
     def saved(self) -> tuple[list[Indices], Indices, list[Indices]]:
         """Which columns were computed together, in their order, and which are gathered now.
@@ -147,9 +151,7 @@ class Compliance:
     def displacement(self, ports: Indices, vectors: Array) -> Array:
         """What forces (m, d) at some ports do to the owned unknowns, m."""
         if not same(ports, self._gathered.ports):
-            missing = ports[self._place[ports] < 0]
-            if len(missing):
-                self._compute(missing)
+            self._know(ports)
         if self.columns is not None:
             return self.columns.under(ports, vectors)
         acting = vectors.any(axis=1)
