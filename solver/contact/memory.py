@@ -58,14 +58,14 @@ class Memory:
     def until(self, clear: float) -> Memory:
         """This memory with another `clear`, m; `dataclasses.replace` takes four times as long."""
         return Memory(
-            self.surface,
-            self.kinematics,
-            self.force,
-            self.anchor,
-            self.may_touch,
-            self.past,
-            self.compression,
-            clear,
+            surface=self.surface,
+            kinematics=self.kinematics,
+            force=self.force,
+            anchor=self.anchor,
+            may_touch=self.may_touch,
+            past=self.past,
+            compression=self.compression,
+            clear=clear,
         )
 
 

@@ -19,8 +19,8 @@ MOST_CROSSED = 8
 class CarrierEdges:
     """The edges of all carriers, and the points that a step begins with beyond them.
 
-    A point that the step begins with stays a point until its end: let go in the middle of a solve,
-    it would lose the friction that keeps it from going.
+    A point that is within the edges when the step begins stays in contact until its end: let go in
+    the middle of a solve, it would lose the friction that keeps it from going.
     """
 
     def __init__(self, points: PointTable, memories: Sequence[Memory]):
@@ -30,7 +30,7 @@ class CarrierEdges:
         self._before = [_points_beyond(carrier, memory) for carrier, memory in pairs]
 
     def beyond(self, number: int, kinematics: ContactKinematics) -> Mask | None:
-        """Points of an interface beyond the edge of their carrier, where it has one."""
+        """Points of an interface that began the step beyond an edge, and still are; None: none."""
         before = self._before[number]
         if before is None:
             return None

@@ -114,12 +114,12 @@ class Compliance:
     def among(self, chosen: Indices) -> PortCompliance:
         """The compliance of some ports; kept for as long as the same ports are asked for."""
         if not same(chosen, self._gathered.ports):
-            self._know(chosen)
+            self._compute_missing(chosen)
             self._gathered = self._gather(chosen)
         return self._gathered
 
-    def _know(self, ports: Indices) -> None:
-        """Compute the columns of those of these ports that have none; collective."""
+    def _compute_missing(self, ports: Indices) -> None:
+        """Compute the columns that some of these ports still lack; collective."""
         missing = ports[self._place[ports] < 0]
         if len(missing):
             self._compute(missing)
@@ -151,7 +151,7 @@ class Compliance:
     def displacement(self, ports: Indices, vectors: Array) -> Array:
         """What forces (m, d) at some ports do to the owned unknowns, m."""
         if not same(ports, self._gathered.ports):
-            self._know(ports)
+            self._compute_missing(ports)
         if self.columns is not None:
             return self.columns.under(ports, vectors)
         acting = vectors.any(axis=1)

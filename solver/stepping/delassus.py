@@ -118,7 +118,7 @@ class Softening:
         relative: Part of the largest diagonal entry of a point, (points,); 0 for points that have a
             softness of their own.
         least: Smallest value in the present step, (points,), m/N.
-        rigid: Numbers of the interfaces between bodies that are both rigid.
+        rigid: Numbers of the interfaces at which no body is meshed.
     """
 
     relative: Array

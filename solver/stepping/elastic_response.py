@@ -197,7 +197,10 @@ class ElasticResponse:
         return coupling
 
     def _coupling(self, near: CandidateSet) -> ElasticCoupling:
-        """Ports that near points act on, and how much of each point's force each of them gets."""
+        """Ports that near points act on, and how much of each point's force each of them gets.
+
+        There is at least one such point.
+        """
         first, last = near.number[0], near.number[-1]
         for side in self.sides:
             alone = side.first <= first and last < side.first + side.count

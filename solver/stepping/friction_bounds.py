@@ -37,7 +37,7 @@ class FrictionBounds:
         self._joined = points.bounds
         if self._joined is not None and not glued:
             self.bounds: Sequence[Bounds] = self._joined.each
-            return
+            return  # nobody tells speeds, and no point breaks loose
         self._pasts = [memory.past for memory in memories]
         laws = [link.interface.law for link in points.links]
         # Asked of the points only where a law needs it.

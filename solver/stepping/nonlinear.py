@@ -97,7 +97,8 @@ class VectorArrays:
     """
 
     MOST = 8
-    """Vectors that are kept; SNES and its preconditioner take turns with four."""
+    """Arrays that are kept: SNES and its preconditioner take turns with four vectors, and two of
+    these are both read and written."""
 
     def __init__(self) -> None:
         """Keep none yet."""
@@ -108,9 +109,13 @@ class VectorArrays:
         return self._of(vector, False)
 
     def written(self, vector: PETSc.Vec) -> Array:
-        """The numbers of a vector, to be written now: PETSc keeps norms of what stays the same."""
-        vector.stateIncrease()
+        """The numbers of a vector, to be written now."""
+        vector.stateIncrease()  # PETSc keeps norms of what stays the same
         return self._of(vector, True)
+
+    def forget(self) -> None:
+        """Keep none any more."""
+        self._arrays.clear()
 
     def _of(self, vector: PETSc.Vec, writes: bool) -> Array:
         """The array that is kept, or a new one."""
@@ -271,6 +276,7 @@ class NonlinearSolver:
 
     def destroy(self) -> None:
         """Free what PETSc holds; collective."""
+        self._arrays.forget()
         for thing in (self.snes, self._shell, self._x, self._r):
             thing.destroy()
 

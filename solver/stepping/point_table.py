@@ -67,8 +67,8 @@ class PointTable:
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
         has_bed: Whether points stand on beds.
         steady: Whether friction depends on neither speed nor the past.
-        bounds: Its bounds where it is steady; None where it is not.
         decays: Whether that of some points decays with the speed.
+        bounds: Bounds of steady friction; None where it is not steady.
         size: Of the body that each point belongs to, (points,), m.
         reach: Gaps below which points may come into contact in a correction, (points,), m.
         round_off: Round-off of their gaps, (points,), m.

@@ -1,4 +1,4 @@
-"""Points that may come into contact in a correction, and their local problem; compiled."""
+"""Points that may come into contact in a correction, and what becomes of their forces; compiled."""
 
 from __future__ import annotations
 
@@ -76,13 +76,13 @@ def free_values(
 
 @compiled
 def take_over(force: Array, near: Indices, new: Array, change: Array) -> float:
-    """Let forces of near points be new ones, (m, d), N; the sum of their squares, N2.
+    """Replace the forces of near points; returns the sum of the squares of the new ones, N2.
 
     Args:
         force: Of all points, (points, d), N.
         near: Numbers of the points.
-        new: Their forces.
-        change: Filled in: by what they are other than before.
+        new: Their forces from now on, (m, d), N.
+        change: Filled in: new forces less those before, (m, d), N.
     """
     squares = 0.0
     for i in range(len(near)):

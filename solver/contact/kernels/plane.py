@@ -1,4 +1,4 @@
-"""Places of points over an endless plane; compiled."""
+"""Places of points over an endless plane, and vectors in its frame; compiled."""
 
 from __future__ import annotations
 
