@@ -227,3 +227,28 @@ def _area(outline: Array) -> float:
     """Signed area of a polygon."""
     x, y = outline.T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def test_copies_of_cells_are_left_out_of_surfaces(tmp_path: Path) -> None:
+    """Of two cubes, one the copy of another rank's, the surface of the other is read."""
+    import pyvista
+
+    from solver.pictures.surfaces import FieldFiles
+
+    x, y, z = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0], [0.0, 1.0], indexing="ij")
+    places = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    cubes = [[8, *(4 * k + np.array([0, 4, 6, 2, 1, 5, 7, 3]))] for k in (0, 1)]
+    grid = pyvista.UnstructuredGrid(np.concatenate(cubes), [12, 12], places)
+    grid.point_data["displacement"] = np.tile([0.5, 0.0, 0.0], (12, 1))
+    grid.cell_data["von_mises"] = [3.0, 7.0]
+    grid.cell_data["vtkGhostType"] = np.array([1, 0], dtype=np.uint8)
+    grid.save(tmp_path / "body.vtu")
+    (tmp_path / "fields.pvd").write_text(
+        '<VTKFile type="Collection"><Collection>'
+        '<DataSet timestep="0" part="0" name="block" file="body.vtu"/></Collection></VTKFile>'
+    )
+    (surface,) = FieldFiles(tmp_path / "fields.pvd", 3).read(0)
+    assert surface.n_cells == 6
+    assert surface.area == pytest.approx(6.0)
+    assert list(surface.cell_data["von_mises"]) == [7.0] * 6
+    assert surface.bounds[:2] == pytest.approx((1.5, 2.5))
