@@ -6,8 +6,8 @@ import numpy as np
 
 from solver.contact.body_points import FixedPoints, SurfaceState
 from solver.contact.facet_target import Face
-from solver.contact.kernels.plane import places_within, vectors_of
-from solver.contact.projection import ContactKinematics
+from solver.contact.kernels.plane import places_within
+from solver.contact.projection import ContactKinematics, in_space
 from solver.types import Array, Indices, Mask
 
 
@@ -39,9 +39,7 @@ class HeldFace(Face):
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space, whose work is exact."""
-        vectors = np.empty_like(force)
-        vectors_of(force, self.frame, vectors)
-        return vectors
+        return in_space(force, self.frame)
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

@@ -14,8 +14,8 @@ import numpy as np
 
 from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, RigidPoints, SurfaceState
-from solver.contact.kernels.plane import places, vectors_of
-from solver.contact.projection import ContactKinematics, spread
+from solver.contact.kernels.plane import places
+from solver.contact.projection import ContactKinematics, in_space, spread
 from solver.types import Array, Mask
 
 
@@ -84,9 +84,7 @@ class Plane:
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, (m, d)."""
-        vectors = np.empty_like(force)
-        vectors_of(force, self.frame, vectors)
-        return vectors
+        return in_space(force, self.frame)
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

@@ -9,6 +9,7 @@ import numpy as np
 
 from solver.contact.body_points import SurfaceState
 from solver.contact.kernels.chain import Feet
+from solver.contact.kernels.plane import vectors_of
 from solver.contact.kernels.way import add_spread, interpolated
 from solver.types import Array, Indices, Mask
 
@@ -103,5 +104,7 @@ def in_frames(vectors: Array, frames: Array) -> Array:
 def in_space(components: Array, frames: Array) -> Array:
     """Vectors in space of components (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
     if frames.ndim == 2:
-        return components @ frames
+        vectors = np.empty_like(components)
+        vectors_of(components, frames, vectors)
+        return vectors
     return (components[:, None, :] @ frames)[:, 0]

@@ -9,7 +9,7 @@ import numpy as np
 from solver.contact.memory import Memory
 from solver.law.friction import Bounds, points_at_bound
 from solver.law.local_problem import image
-from solver.stepping.point_table import JoinedBounds, PointTable, joined
+from solver.stepping.point_table import JoinedBounds, PointTable
 from solver.types import Array, Indices
 
 GLUE = 1e6
@@ -53,9 +53,14 @@ class FrictionBounds:
 
     def at(self, near: Indices) -> Bounds:
         """Bounds of some points."""
+        whole = self._whole()
+        return Bounds(whole.mu.take(near), whole.cohesion.take(near))
+
+    def _whole(self) -> JoinedBounds:
+        """Bounds of all points; put together once, for as long as they stay."""
         if self._joined is None or self._joined.each is not self.bounds:
             self._joined = JoinedBounds.of(self.bounds)
-        return Bounds(self._joined.mu.take(near), self._joined.cohesion.take(near))
+        return self._joined
 
     def tell(self, slip: Array) -> None:
         """Take the bounds that go with slips of all points in the step, (points, d-1), m."""
@@ -71,11 +76,11 @@ class FrictionBounds:
         if not self._decays:
             return False
         solved_with = self.bounds
-        before = joined([bounds.mu for bounds in solved_with])
+        before = self._whole().mu
         self._speed = self._speed.copy()
         self._speed[near] = self._speed_of((q + image(W, force))[:, 1:])
         self.bounds = self._at_speed(self._speed)
-        after = joined([bounds.mu for bounds in self.bounds])
+        after = self._whole().mu
         if np.abs(after - before).max() > SAME_FRICTION * before.max():
             return True
         # Points that slip are at the bounds that their forces were solved with, to the last digit.

@@ -44,7 +44,7 @@ class JoinedBounds(NamedTuple):
     """Bounds of friction of several interfaces."""
 
     each: Sequence[Bounds]
-    """Those of each."""
+    """Bounds of each interface."""
     mu: Array
     """Coefficients of friction of all points, (points,)."""
     cohesion: Array
@@ -89,9 +89,9 @@ class PointTable:
         self.decays = any(law.decays for law in laws)
         self.bounds: JoinedBounds | None = None
         if self.steady:
-            pasts = [new_pasts(link.interface.count) for link in links]
-            pairs = zip(links, pasts, strict=True)
-            self.bounds = JoinedBounds.of([link.interface.bounds(past) for link, past in pairs])
+            interfaces = [link.interface for link in links]
+            each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
+            self.bounds = JoinedBounds.of(each)
         self._turns = any(carrier.turns for carrier in self.carriers)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self._frames_of: tuple[bytes, Array] | None = None
