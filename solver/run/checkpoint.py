@@ -27,7 +27,7 @@ from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene, scene_to_toml
 from solver.scene.output import CheckpointSpec
 
-FORMAT = 3
+FORMAT = 4
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -47,6 +47,7 @@ TYPES = {
     "solver.run.redistribution": ("Owned",),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
+    "solver.stepping.compliance": ("SavedCompliance",),
     "solver.stepping.delassus": ("Delassus", "DelassusKey"),
     "solver.stepping.elastic_response": ("ElasticConfiguration", "ElasticCoupling"),
     "solver.stepping.impulses": ("MassOperator",),

@@ -21,13 +21,13 @@ from solver.parallel import Layer
 from solver.stepping.columns import Columns, rows_of
 from solver.types import Array, Indices
 
-FEW_NEW = 4
-"""Most ports whose columns are made because forces act there: one back substitution each, or less,
-which forces that go on to act there, as under a corner on which a body rocks, save each time."""
+TOGETHER = 1.0 / 6.0
+"""Back substitutions that each column costs, beside one for all, where several are solved for at a
+time: 2.2 for six and 5 for 24 in all, from 6 to 53 thousand unknowns in the plane and in space."""
 
-FEW_PART = 0.25
-"""Entries of the columns that forces may need, over those of the factor: to read them takes an
-eighth of a back substitution then. Four times as many are kept."""
+FEW_PART = 0.5
+"""Entries of the columns that forces may need, over those of the factor: to read them takes a
+tenth of a back substitution then. Twice as many are kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +72,22 @@ class PortCompliance:
     """Compliance among them, (m d, m d), m/N."""
 
 
+class SavedCompliance(NamedTuple):
+    """What the digits of further answers of a compliance depend on.
+
+    Attributes:
+        batches: Ports whose compliance was computed together, in order.
+        gathered: Ports that were asked for last.
+        few: Ports whose columns were made together because forces act there, in order.
+        without: Back substitutions since then that such columns would have saved.
+    """
+
+    batches: list[Indices]
+    gathered: Indices
+    few: list[Indices]
+    without: int
+
+
 class Compliance:
     """What unit forces at the ports of a body move: K^-1 (force rows)^T, read through other rows.
 
@@ -97,7 +113,7 @@ class Compliance:
         self.columns: Columns | None = self._no_columns()
         """Columns of all ports that have been near; None where a back substitution costs less than
         to read them."""
-        self._few, self._made = self._no_columns(), list[Indices]()
+        self._few, self._made, self._without = self._no_columns(), list[Indices](), 0
         self._gathered = PortCompliance(self._known, self._matrix)
 
     @property
@@ -124,22 +140,21 @@ class Compliance:
         if len(missing):
             self._compute(missing)
 
-    def saved(self) -> tuple[list[Indices], Indices, list[Indices]]:
-        """Which columns were computed together, in their order, and which are gathered now.
+    def saved(self) -> SavedCompliance:
+        """What `repeat` needs to find the same digits."""
+        return SavedCompliance(
+            list(self._batches), self._gathered.ports, list(self._made), self._without
+        )
 
-        At last come those of few ports. The digits depend on it: `repeat` finds the same ones.
-        """
-        return list(self._batches), self._gathered.ports, list(self._made)
-
-    def repeat(self, saved: tuple[list[Indices], Indices, list[Indices]]) -> None:
+    def repeat(self, saved: SavedCompliance) -> None:
         """Compute what another compliance of the same body and factor has; collective."""
-        batches, gathered, few = saved
-        for batch in batches:
+        for batch in saved.batches:
             self._compute(batch)
-        for batch in few:
+        for batch in saved.few:
             self._make_few(batch)
-        if len(gathered):
-            self.among(gathered)
+        self._without = saved.without
+        if len(saved.gathered):
+            self.among(saved.gathered)
 
     def _gather(self, chosen: Indices) -> PortCompliance:
         """The compliance of known ports: what is kept itself where these are all of them."""
@@ -172,15 +187,23 @@ class Compliance:
         return Columns(self.body.size, self.body.dimension, int(self._first[-1]))
 
     def _has_few(self, ports: Indices) -> bool:
-        """Whether there are columns of some ports, few enough; few that are missing are made."""
-        room = self.factor.entries / (self.body.unknowns * self.body.dimension)
+        """Whether there are columns of some ports, where they are few.
+
+        Columns that are missing are made once as many back substitutions have been done without
+        them as they cost: forces that go on to act there, as under a corner on which a body rocks,
+        save them from then on, and others lose no more than that.
+        """
+        d = self.body.dimension
+        room = self.factor.entries / (self.body.unknowns * d)
         if len(ports) > FEW_PART * room:
             return False
         missing = self._few.lacks(ports)
-        if len(missing) > FEW_NEW:
-            return False
         if len(missing):
-            if len(self._few.ports) + len(missing) > 4 * FEW_PART * room:
+            self._without += 1
+            if self._without < 1.0 + TOGETHER * d * len(missing):
+                return False
+            self._without = 0
+            if len(self._few.ports) + len(missing) > 2 * FEW_PART * room:
                 self._few, missing = self._no_columns(), ports
                 self._made.clear()
             self._make_few(missing)
