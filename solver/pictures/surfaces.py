@@ -42,8 +42,7 @@ def _sheet(grid: Any) -> Any:
     cells = _cells(grid)
     own = np.flatnonzero(_owned(grid))
     around = [_around(cells[cell], int(grid.celltypes[cell])) for cell in own]
-    faces = np.concatenate([[len(points), *points] for points in around])
-    sheet = pyvista.PolyData(_places(grid), faces=faces)
+    sheet = pyvista.PolyData(_places(grid), faces=_counted(around))
     sheet.cell_data["von_mises"] = _stress(grid)[own]
     return sheet
 
@@ -76,8 +75,8 @@ def _own_cells(grid: Any) -> Any:
     if len(own) == grid.n_cells:
         return grid
     cells = _cells(grid)
-    flat = np.concatenate([[len(cells[cell]), *cells[cell]] for cell in own])
-    part = pyvista.UnstructuredGrid(flat, np.asarray(grid.celltypes)[own], grid.points)
+    kept = _counted([cells[cell] for cell in own])
+    part = pyvista.UnstructuredGrid(kept, np.asarray(grid.celltypes)[own], grid.points)
     for name in grid.point_data:
         part.point_data[name] = grid.point_data[name]
     for name in grid.cell_data:
@@ -92,6 +91,11 @@ def _cells(grid: Any) -> list[Indices]:
     # pyvista's own name for the offsets changes from version to version.
     offsets = pyvista.convert_array(grid.GetCells().GetOffsetsArray())
     return np.split(grid.cell_connectivity, offsets[1:-1])
+
+
+def _counted(cells: Sequence[Indices]) -> Indices:
+    """Cells one after another, each after the number of its points, as pyvista takes them."""
+    return np.concatenate([[len(points), *points] for points in cells])
 
 
 def _stress(grid: Any) -> Array:

@@ -148,7 +148,7 @@ def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
 
     for acting in ((0, 2), (2, 0), (2,)):
         moved(*acting)
-    assert solved == [1, 2 * d]  # two columns cost as much as two back substitutions
+    assert solved == [1, 2 * d]  # six columns cost as much as two back substitutions
     moved(0, 1, 2)
     moved(0, 1, 2)
     assert solved == [1, 2 * d, 1, d]
