@@ -8,7 +8,8 @@ from solver.contact.nitsche_points import same
 from solver.types import Array, Indices
 
 FEW = 50_000
-"""Numbers in all columns up to which those of the ports asked for last are kept together."""
+"""Numbers in all columns that are few: to read them takes no longer than to prepare a back
+substitution, and those of the ports asked for last are kept together."""
 
 
 def rows_of(points: Indices, d: int) -> Indices:

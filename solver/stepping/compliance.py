@@ -18,7 +18,7 @@ from solver.bodies.memory import ASKED_PART, BYTES_AN_ENTRY, compliance_bytes, r
 from solver.bodies.reduced.body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
-from solver.stepping.columns import Columns, rows_of
+from solver.stepping.columns import FEW, Columns, rows_of
 from solver.types import Array, Indices
 
 TOGETHER = 1.0 / 6.0
@@ -266,9 +266,10 @@ class Compliance:
     def _make_room(self, missing: Indices, columns: int) -> None:
         """Room for the columns of further ports; for none where so many would be read slowly.
 
-        A back substitution takes less time from then on.
+        A back substitution takes less time from then on. That of the mass of a small body reads
+        next to nothing, but what comes before it takes longer than to read a few columns.
         """
-        if columns * self.body.unknowns > 2 * self.factor.entries:
+        if columns * self.body.unknowns > max(2 * self.factor.entries, FEW):
             self.columns = None
         elif self.columns is not None:
             self.columns.extend(missing)
