@@ -155,12 +155,30 @@ class ElasticBody:
 
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """Motion of the rigid body that has the same momentum and angular momentum."""
+        whole, _ = self._motion(u, v, self.rotation(u))
+        return whole
+
+    def vibration(self, u: Array, v: Array, rotation: Array) -> float:
+        """Mean square of a velocity v over the mass, less that of the motion as a whole, m2/s2.
+
+        The kinetic energy is that of the centre, of turning about it, and of what is left (Koenig).
+        A body that stands on the ground does not turn.
+        """
+        whole, square = self._motion(u, v, rotation)
+        left = square - float(whole.velocity @ whole.velocity)
+        if not self.clamped:
+            spin = whole.spin if self.dimension == 2 else rotation.T @ whole.spin
+            left -= float(spin @ self._tensor @ spin) / self.mass
+        return max(0.0, left)
+
+    def _motion(self, u: Array, v: Array, rotation: Array) -> tuple[RigidMotion, float]:
+        """Motion as a whole at u, where the rotation fits best, and mean square of v, m2/s2."""
         d, axes = self.dimension, len(self._tensor)
-        own, motion, spin = np.empty(2 * d + axes), np.empty((2, d)), np.empty(axes)
+        own, motion, spin = np.empty(2 * d + axes + 1), np.empty((2, d)), np.empty(axes)
         momenta(self.arm, u, v, self.inertia(v), self.directional_mass, own)
-        rotation = self.rotation(u)
-        velocities(global_sum(self.comm, own), self.mass, rotation, self._tensor, motion, spin)
-        return RigidMotion(motion[0], motion[1], spin, rotation)
+        sums = global_sum(self.comm, own)
+        velocities(sums, self.mass, rotation, self._tensor, motion, spin)
+        return RigidMotion(motion[0], motion[1], spin, rotation), float(sums[-1]) / self.mass
 
     def extrapolated(
         self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion

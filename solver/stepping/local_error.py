@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from mpi4py import MPI
-
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
@@ -23,7 +21,8 @@ class StepError(NamedTuple):
 
     Attributes:
         rigid: Of the motion of a body as a whole, the largest.
-        vibration: Of the points of a meshed body, root of the mean square, the largest.
+        vibration: Of the points of a meshed body beside the motion as a whole, root of the mean
+            square, the largest.
         reversal: Of slips that turned round within the step, the largest.
     """
 
@@ -57,8 +56,9 @@ class LocalError:
     The scheme moves every body by u_{n+1} - u_n = dt (v_n + v_{n+1})/2, the trapezoidal rule, whose
     error in a step is dt^3/12 u''' (Hairer, Norsett and Wanner 1993, II.1). For bodies as a whole
     u''' is the change of the mean acceleration from one step to the next; for the points of meshed
-    bodies it is the third difference of the displacement: velocities at the shortest waves of the
-    mesh change their sign from step to step and are no measure of anything.
+    bodies it is the third difference of the displacement, less that of the motion as a whole, which
+    is judged already: velocities at the shortest waves of the mesh change their sign from step to
+    step and are no measure of anything.
 
     A slip that turns round within a step leaves no such trace, since friction has the old direction
     in all of it. It moves back at the end with a velocity v that friction has not opposed: as an
@@ -72,7 +72,11 @@ class LocalError:
         """Refer errors to a length R, m."""
         self._system, self._size = system, size
         bodies = zip(system.bodies, system.slices, strict=True)
-        self._meshed = [(body, own) for body, own in bodies if not isinstance(body, DenseBody)]
+        self._meshed = [
+            (number, body, own)
+            for number, (body, own) in enumerate(bodies)
+            if not isinstance(body, DenseBody)
+        ]
 
     def start(self, state: State) -> Past:
         """What there is before the first step, from a state."""
@@ -104,20 +108,19 @@ class LocalError:
             rigid_change,
         )
         mean, change, third_difference = found
-        vibration = third * self._mean_square_root(third_difference)
+        vibration = third * self._vibration(new, third_difference)
         errors = third * jerk, vibration, dt * new.reversal / 12 / self._size
         if self._system.comm.size > 1:  # all ranks decide by the same digits
             errors = self._system.comm.bcast(errors, root=0)
         left = Past(new.u, rigid, rigid_change, mean, change, dt, past.dt)
         return StepError(*errors), left
 
-    def _mean_square_root(self, motion: Array) -> float:
-        """Root of the mean square of a motion over the mass of a meshed body, the largest."""
+    def _vibration(self, new: State, motion: Array) -> float:
+        """Root of the mean square of the vibration in a motion of a meshed body, the largest."""
         squares = [
-            float(motion[own] @ body.inertia(motion[own])) / body.mass for body, own in self._meshed
+            body.vibration(new.u[own], motion[own], new.rigid_motion(self._system, number).rotation)
+            for number, body, own in self._meshed
         ]
-        if self._system.comm.size > 1:
-            squares = list(self._system.comm.allreduce(np.array(squares), op=MPI.SUM))
         return math.sqrt(max(squares, default=0.0))
 
     def _rigid_velocity(self, state: State) -> Array:

@@ -13,7 +13,7 @@ from solver.types import Array
 def momenta(
     arm: Array, u: Array, v: Array, momentum: Array, directional_mass: Array, sums: Array
 ) -> None:
-    """Fill in sums over the nodes of a body: of m u and m v, (d,) each, and of (arm + u) x M v.
+    """Fill in sums over the nodes of a body: m u and m v, (d,) each, (arm + u) x M v, and v.M v.
 
     The moments are about the axes of space; in the plane there is one, which turns clockwise.
 
@@ -23,7 +23,7 @@ def momenta(
         v: Velocities, (n d,), m/s.
         momentum: M v, (n d,), kg m/s.
         directional_mass: Mass of each unknown in motion along each direction, (d, n d), kg.
-        sums: The sums, (2 d + 1,) or in space (2 d + 3,).
+        sums: The sums, (2 d + 2,) or in space (2 d + 4,).
     """
     d = arm.shape[1]
     sums[:] = 0.0
@@ -31,7 +31,9 @@ def momenta(
         for n in range(len(u)):
             sums[i] += directional_mass[i, n] * u[n]
             sums[d + i] += directional_mass[i, n] * v[n]
-    for axis in range(len(sums) - 2 * d):
+    for n in range(len(v)):
+        sums[-1] += v[n] * momentum[n]
+    for axis in range(len(sums) - 2 * d - 1):
         i, j = (1, 0) if d == 2 else ((axis + 1) % 3, (axis + 2) % 3)
         for n in range(len(arm)):
             along, across = arm[n, i] + u[n * d + i], arm[n, j] + u[n * d + j]

@@ -152,6 +152,12 @@ class ReducedBody:
         d, total = self.dimension, global_sum(self.comm, own)
         return RigidMotion(total[:d], total[d : 2 * d], total[2 * d :], self.identity)
 
+    def vibration(self, u: Array, v: Array, rotation: Array) -> float:
+        """Mean square of a velocity v over the mass, less that of the motion as a whole, m2/s2."""
+        own = np.concatenate([self.directional_mass @ v, [v @ self.inertia(v)]])
+        total = global_sum(self.comm, own) / self.mass
+        return max(0.0, float(total[-1] - total[:-1] @ total[:-1]))
+
     def extrapolated(
         self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
     ) -> Array:
