@@ -6,7 +6,7 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import partial
 
 from petsc4py import PETSc
 
@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import momenta, move_on, turn_all, velocities
-from solver.bodies.kernels.rotation import best_rotation
-from solver.bodies.kinematics import RigidMotion, polar_rotation, rigid_modes
+from solver.bodies.kernels.momenta import move_on, turn_all
+from solver.bodies.kinematics import RigidMotion, rigid_modes
+from solver.bodies.mass_properties import MassProperties
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
-from solver.parallel import global_sum
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
@@ -74,7 +73,9 @@ class ElasticBody:
         self._assemble()
         self.spring_matrix = None if spring is None else spring.matrix(self.space)
         self.has_spring, self.delay = spring is not None, 0.0 if spring is None else spring.delay
-        self._measure_inertia()
+        self._properties = own = MassProperties(self.comm, self.nodes, self.inertia)
+        self.mass, self.centre, self.arm = own.mass, own.centre, own.arm
+        self.directional_mass = own.directional
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
         """The space of displacements: its size, nodes, functions, and vectors that are kept."""
@@ -118,24 +119,6 @@ class ElasticBody:
         unknowns = np.unique(np.concatenate(held))
         return unknowns[unknowns < self.size].astype(np.int32)
 
-    def _measure_inertia(self) -> None:
-        """Mass, centre and moments that the best-fit rotation needs, from the consistent mass."""
-        d = self.dimension
-        unit = np.zeros((d, self.owned, d))
-        for i in range(d):
-            unit[i, :, i] = 1.0
-        self.directional_mass = np.array([self.inertia(unit[i].ravel()) for i in range(d)])
-        sums = [
-            self.directional_mass[0] @ unit[0].ravel(),
-            *(self.directional_mass[i] @ self.nodes.ravel() for i in range(d)),
-        ]
-        total = global_sum(self.comm, np.array(sums))
-        self.mass, self.centre = float(total[0]), total[1:] / total[0]
-        self.arm = self.nodes - self.centre
-        self._moment_row = self.inertia(self.arm.ravel()).reshape(-1, d)
-        self._moment = global_sum(self.comm, self.arm.T @ self._moment_row)
-        self.polar_inertia = float(np.trace(self._moment))
-
     def inertia(self, vector: Array) -> Array:
         """M x, with the consistent mass."""
         return self._times(self.mass_matrix, vector)
@@ -146,39 +129,13 @@ class ElasticBody:
         matrix.mult(*self._product)
         return self._image.copy()
 
-    @cached_property
-    def _tensor(self) -> Array:
-        """Inertia tensor of the unrotated body about its centre, kg m2; (1, 1) in the plane."""
-        if self.dimension == 2:
-            return np.array([[self.polar_inertia]])
-        return self.polar_inertia * np.eye(3) - self._moment
-
     def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
         """Motion of the rigid body that has the same momentum and angular momentum."""
-        whole, _ = self._motion(u, v, self.rotation(u))
-        return whole
+        return self._properties.rigid_motion(u, v, self.rotation(u))
 
     def vibration(self, u: Array, v: Array, rotation: Array) -> float:
-        """Mean square of a velocity v over the mass, less that of the motion as a whole, m2/s2.
-
-        The kinetic energy is that of the centre, of turning about it, and of what is left (Koenig).
-        A body that stands on the ground does not turn.
-        """
-        whole, square = self._motion(u, v, rotation)
-        left = square - float(whole.velocity @ whole.velocity)
-        if not self.clamped:
-            spin = whole.spin if self.dimension == 2 else rotation.T @ whole.spin
-            left -= float(spin @ self._tensor @ spin) / self.mass
-        return max(0.0, left)
-
-    def _motion(self, u: Array, v: Array, rotation: Array) -> tuple[RigidMotion, float]:
-        """Motion as a whole at u, where the rotation fits best, and mean square of v, m2/s2."""
-        d, axes = self.dimension, len(self._tensor)
-        own, motion, spin = np.empty(2 * d + axes + 1), np.empty((2, d)), np.empty(axes)
-        momenta(self.arm, u, v, self.inertia(v), self.directional_mass, own)
-        sums = global_sum(self.comm, own)
-        velocities(sums, self.mass, rotation, self._tensor, motion, spin)
-        return RigidMotion(motion[0], motion[1], spin, rotation), float(sums[-1]) / self.mass
+        """Mean square of a velocity v over the mass, less that of the motion as a whole, m2/s2."""
+        return self._properties.vibration(u, v, rotation, turns=not self.clamped)
 
     def extrapolated(
         self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
@@ -212,12 +169,7 @@ class ElasticBody:
         """The rotation R that fits the displacement u best, (d, d)."""
         if self.clamped:
             return self.identity
-        if self.comm.size > 1:
-            moment = u.reshape(-1, self.dimension).T @ self._moment_row
-            return polar_rotation(global_sum(self.comm, moment) + self._moment)
-        rotation = np.empty_like(self._moment)
-        best_rotation(u, self._moment_row, self._moment, rotation)
-        return rotation
+        return self._properties.rotation(u)
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Fix what a step of length `dt` starts from."""

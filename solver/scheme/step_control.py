@@ -108,7 +108,7 @@ class Tolerance:
     """Factor of that error in all other steps."""
     VIBRATION = 3e-4
     """Error of the vibration in a step, over the tolerance, where none is left at next impacts."""
-    LASTING = 32.0
+    LASTING = 40.0
     """By what that bound is divided, less 1, over the share that is left."""
     FOLLOWED = 2.0
     """The share that counts is at most so many times what damping takes."""
