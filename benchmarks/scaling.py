@@ -2,10 +2,11 @@
 
     ./in-env python3 benchmarks/scaling.py [--long]
 
-Writes `benchmarks/scaling.csv`, a row for each case: a block that rocks through an impact or stands
-on all points of its bottom and is shaken. CPU seconds of factorizations and of W (all together),
-milliseconds and CPU milliseconds a step (medians of those after the first three; on a busy machine
-only the second mean anything, and with ranks only the first) and the largest memory. Rows that
+Writes `benchmarks/scaling.csv`, a row for each case: a block that rocks through an impact, stands
+on all points of its bottom and is shaken, or is shaken until they slip, one after another. CPU
+seconds of factorizations and of W (all together), milliseconds and CPU milliseconds a step (medians
+of those after the first three, or of those in which points begin to slip; on a busy machine only
+the second mean anything, and with ranks only the first) and the largest memory. Rows that
 are there already are kept, so that it goes on where it was stopped: delete the file for new ones.
 Without `--long` up to 2e4 unknowns and 169 points, in two minutes; with it up to 3e5 unknowns and
 4096 points, which takes 12 GB and half an hour. Each case is a process of its own: this file,
@@ -30,7 +31,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 TABLE = Path(__file__).with_suffix(".csv")
 ROOT = Path(__file__).parents[1]
-STEPS = 15
+STEPS = {"rocks": (3, 15), "stands": (3, 15), "slips": (31, 46)}
+"""The first step that counts, and the end of them, of each motion."""
 STONE = {"young": 5e9, "poisson": 0.2, "density": 2000.0}
 
 #: Cells of each case, how it moves, ranks, and whether it belongs to the short form.
@@ -52,11 +54,14 @@ CASES: tuple[tuple[tuple[int, ...], str, int, bool], ...] = (
     ((31, 31, 8), "stands", 1, False),
     ((31, 31, 2), "stands", 1, False),
     ((63, 63, 2), "stands", 1, False),
+    ((15, 15, 2), "slips", 1, True),
+    ((23, 23, 2), "slips", 1, False),
+    ((31, 31, 2), "slips", 1, False),
 )
 
 
 def scene_of(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
-    """The scene of a case: about to land, or shaken."""
+    """The scene of a case: about to land, or shaken by less or more than friction holds."""
     d = len(cells)
     height = cells[-1] / cells[0]
     block: dict[str, Any] = {"width": 1.0, "height": height, "cells": list(cells), **STONE}
@@ -67,7 +72,8 @@ def scene_of(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
         turning = -0.5 if d == 2 else [0.0, -0.5, 0.0]
         block |= {"tilt_deg": 0.15, "angular_velocity": turning}
     else:
-        scene["motion"] = {"kind": "sine", "amplitude_g": 0.1, "period": 0.3}
+        amplitude = 0.1 if motion == "stands" else 0.75
+        scene["motion"] = {"kind": "sine", "amplitude_g": amplitude, "period": 0.3}
     return scene | {"block": [block], "time": {"end": 1.0, "step": 1e-3}}
 
 
@@ -99,7 +105,8 @@ def run_case(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
     assembly = build(scene)
     stepper, seconds, busy, iterations = assembly.stepper, [], [], 0
     state, _ = initial_state(scene, assembly)
-    for _ in range(STEPS):
+    first, end = STEPS[motion]
+    for _ in range(end):
         begin, worked = time.perf_counter(), time.process_time()
         state, exchange = stepper.advance(state, 1e-3)
         seconds.append(time.perf_counter() - begin)
@@ -111,9 +118,9 @@ def run_case(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
         "closed_points": sum(int((each.force[:, 0] > 0).sum()) for each in state.contacts),
         "factorizations_s": f"{spent['factorizations_s']:.3g}",
         "W_s": f"{spent.get('W_s', 0.0):.3g}",
-        "milliseconds_a_step": f"{1e3 * statistics.median(seconds[3:]):.4g}",
-        "cpu_milliseconds_a_step": f"{1e3 * statistics.median(busy[3:]):.4g}",
-        "iterations_a_step": f"{iterations / STEPS:.3g}",
+        "milliseconds_a_step": f"{1e3 * statistics.median(seconds[first:]):.4g}",
+        "cpu_milliseconds_a_step": f"{1e3 * statistics.median(busy[first:]):.4g}",
+        "iterations_a_step": f"{iterations / end:.3g}",
         "memory_MB": round(memory / 1024),
     }
 

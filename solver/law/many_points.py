@@ -3,30 +3,32 @@
 A dense solve in each Newton step would cost the third power of the number of points. Here W is only
 applied: the equations of a step are solved by GMRES, with the factors of an earlier step's as its
 preconditioner. These are kept from step to step of a run and made anew where too many points have
-changed their state since.
+changed their state since. Where that happens again and again while W stays the same, as where
+points begin to slip one after another, the inverse of W takes the place of factors: it serves all
+states alike (`solver.law.preconditioners`).
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import math
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from solver.law.friction import TOUCHING_SLOPE, Bounds
 from solver.law.newton import (
     EXACT,
-    STICK,
     Local,
     best_step,
     equations,
     error_of,
-    left_over,
     lengths,
     project,
     trial_of,
-    unknowns,
-    write_forces,
 )
+from solver.law.newton_step import StepEquations
+from solver.law.preconditioners import Compliance, Factors, Inverse
 from solver.types import Array, Indices
 
 MANY_ROWS = 300
@@ -58,97 +60,18 @@ PROXIMAL_ROUNDS = 30
 """Problems with a proximal term that are tried."""
 
 
-class _Equations(NamedTuple):
-    """The equations of a Newton step, A x = b, as `solver.law.newton.equations` has them.
-
-    Attributes:
-        local: The problem.
-        r: Its lengths, (m, 2).
-        trial: f - r y, at which they are linearised, (d m,), N.
-        states: Of the points, (m,).
-        rows: Rows of the unknowns x among all, (n,).
-    """
-
-    local: Local
-    r: Array
-    trial: Array
-    states: Indices
-    rows: Indices
-
-    @classmethod
-    def at(cls, local: Local, r: Array, trial: Array, states: Indices) -> _Equations:
-        """Equations for the forces of closed points."""
-        return cls(local, r, trial, states, unknowns(local, states))
-
-    def forces(self, x: Array, *, change: bool = False) -> Array:
-        """All forces by the unknowns, or their change by one of these."""
-        found, constants = np.empty_like(self.trial), 0.0 if change else 1.0
-        write_forces(self.local, self.trial, self.states, self.rows, x, constants, found)
-        return found
-
-    def residual(self, x: Array) -> Array:
-        """What x leaves of the right-hand side, b - A x."""
-        return -left_over(*self, x, self.local.W @ self.forces(x), 1.0)
-
-    def image(self, x: Array) -> Array:
-        """A x."""
-        return left_over(*self, x, self.local.W @ self.forces(x, change=True), 0.0)
-
-    def diagonal(self) -> Array:
-        """Diagonal of A, that of slipping points in space taken as 1."""
-        point, way = np.divmod(self.rows, self.local.d)
-        value = self.r[point, np.minimum(way, 1)] * self.local.W[self.rows, self.rows]
-        value[(way > 0) & (self.states[point] != STICK)] = 1.0
-        return value
-
-
-class _Factors:
-    """LU factors of the equations of a Newton step, for those of later ones."""
-
-    def __init__(self, equations_: _Equations, points: Indices):
-        """Factorize the matrix of the equations of a Newton step, by numbers of the points."""
-        from scipy.linalg import lu_factor
-
-        self.rows, self.used = _numbered(equations_, points), 0
-        matrix, _ = equations(*equations_)
-        # The transposed one, which lies as LAPACK has it, is overwritten without a copy.
-        self._lu = lu_factor(matrix.T, overwrite_a=True, check_finite=False)
-
-    def preconditioner(self, equations_: _Equations, points: Indices) -> Any:
-        """What nearly solves other equations; point by point where the factors know none."""
-        from scipy.linalg import lu_solve
-
-        _, here, there = np.intersect1d(
-            _numbered(equations_, points), self.rows, assume_unique=True, return_indices=True
-        )
-        diagonal = equations_.diagonal()
-
-        def apply(right: Array) -> Array:
-            self.used += 1
-            result, whole = right / diagonal, np.zeros(len(self.rows))
-            whole[there] = right[here]
-            result[here] = lu_solve(self._lu, whole, trans=1, check_finite=False)[there]
-            return result
-
-        return apply
-
-
-def _numbered(equations_: _Equations, points: Indices) -> Indices:
-    """The unknowns by numbers of their points, which are the same in other problems, too."""
-    point, way = np.divmod(equations_.rows, equations_.local.d)
-    return np.asarray(points[point] * equations_.local.d + way)
-
-
 class ManyPoints:
     """Solver of local problems of many points that resemble one another from step to step."""
 
     def __init__(self) -> None:
         """Start without factors."""
-        self._factors: _Factors | None = None
+        self._factors: Factors | None = None
+        self._inverse: Inverse | None = None
         self._points: Indices = np.empty(0, np.int64)
-        self._wasted = 0
+        self._last: Compliance | None = None
+        """Of the problem that factors were made for last."""
         self.factorizations = 0
-        """How many were needed so far."""
+        """How many were needed so far, of equations and of W."""
 
     def solve(
         self,
@@ -212,13 +135,13 @@ class ManyPoints:
             tolerance, least_tolerance = GMRES_TOLERANCES
             if careful or np.array_equal(states, before):
                 tolerance = min(tolerance, max(least_tolerance, EXACT / error))
-            before[:], step = states, _Equations.at(local, r, trial, states)
+            before[:], step = states, StepEquations.at(local, r, trial, states)
             target = self._linearised(step, force, tolerance)
             part = 1.0 if halvings == 0 else best_step(local, r, force, target, halvings)
             force = target if part == 1.0 else force + part * (target - force)
         return False
 
-    def _linearised(self, step: _Equations, force: Array, tolerance: float) -> Array:
+    def _linearised(self, step: StepEquations, force: Array, tolerance: float) -> Array:
         """The forces that solve the equations of a Newton step, from those before it."""
         if len(step.rows) <= MANY_ROWS:
             try:
@@ -229,18 +152,41 @@ class ManyPoints:
         start = force[step.rows]
         residual = step.residual(start)
         most = min(max(GMRES_STEPS[0], len(start) // 40), GMRES_STEPS[1])
-        found, factors = None, self._factors
-        if factors is not None and self._wasted <= STALE * most:
-            apply, before = factors.preconditioner(step, self._points), factors.used
+        for known in self._preconditioners(step, most):
+            apply, before = known.of(step, self._points), known.used
             found = gmres(step.image, apply, residual, most, tolerance)
-            self._wasted += max(0, factors.used - before - GOOD_STEPS)
-        if found is None:
-            self._factors = factors = None  # before the room for others is taken
-            self._factors, self._wasted = _Factors(step, self._points), 0
-            self.factorizations += 1
-            apply = self._factors.preconditioner(step, self._points)
-            found = gmres(step.image, apply, residual, most, tolerance)
-        return np.full_like(force, np.nan) if found is None else step.forces(start + found)
+            known.wasted += max(0, known.used - before - GOOD_STEPS)
+            if found is not None:
+                return step.forces(start + found)
+            known.wasted = math.inf
+        return np.full_like(force, np.nan)
+
+    def _preconditioners(self, step: StepEquations, most: int) -> Iterator[Factors | Inverse]:
+        """What is kept and may serve the equations of a Newton step, then what is made for it.
+
+        `most` is how many steps of GMRES one may take.
+        """
+        inverse, factors = self._inverse, self._factors
+        for kept in (inverse, factors):
+            if kept is None or kept.wasted > STALE * most * kept.COST:
+                continue
+            if kept.serves(step, self._points):
+                yield kept
+                break
+        yield self._made(step)
+
+    def _made(self, step: StepEquations) -> Factors | Inverse:
+        """New factors; the inverse of W where there have been factors for the same W already."""
+        local, points = step.local, self._points
+        again = self._last is not None and self._last.resembles(local, points)
+        self.factorizations += 1
+        self._factors = self._last = None  # before the room for others is taken
+        if again and Inverse.pays(step):
+            self._inverse = None
+            self._inverse = Inverse(local, points)
+            return self._inverse
+        self._last, self._factors = Compliance(local, points), Factors(step, points)
+        return self._factors
 
     def _by_proximal_terms(self, local: Local, f: Array) -> bool:
         """The proximal point algorithm, as in `solver.law.rescues`."""

@@ -119,7 +119,7 @@ def unknowns(local: Local, states: Indices) -> Indices:
 
 
 @compiled
-def _sliding(bounds: Bounds, trial: Array, i: int) -> tuple[float, float, float, float, float]:
+def sliding(bounds: Bounds, trial: Array, i: int) -> tuple[float, float, float, float, float]:
     """Direction e of the friction of a point that slips in space, l/|tau|, and l = s f_n + c."""
     slope, intercept = line(bounds, i, trial[3 * i])
     size = math.hypot(trial[3 * i + 1], trial[3 * i + 2])
@@ -135,7 +135,7 @@ def _slip_rows(
 
     P = l e with e = tau/|tau|, of derivative e dl + (l/|tau|)(I - e e^T) dtau; I - e e^T = b b^T.
     """
-    along, aside, share, slope, intercept = _sliding(bounds, trial, rows[a] // 3)
+    along, aside, share, slope, intercept = sliding(bounds, trial, rows[a] // 3)
     e, b = (along, aside), (-aside, along)
     across = share * (b[0] * matrix[a] + b[1] * matrix[a + 1])
     value = share * (b[0] * right[a] + b[1] * right[a + 1])
@@ -224,7 +224,7 @@ def left_over(
         value[a] = r[row // d, min(row % d, 1)] * (moved[row] + constants * local.q[row])
     for a in range(len(rows)):
         if d == 3 and rows[a] % 3 == 1 and states[rows[a] // 3] != STICK:
-            along, aside, share, slope, intercept = _sliding(local.bounds, trial, rows[a] // 3)
+            along, aside, share, slope, intercept = sliding(local.bounds, trial, rows[a] // 3)
             e, b = (along, aside), (-aside, along)
             across = share * (b[0] * (value[a] - x[a]) + b[1] * (value[a + 1] - x[a + 1]))
             for k in range(2):

@@ -1,0 +1,227 @@
+"""What nearly solves the equations of a Newton step: factors or an inverse of an earlier one.
+
+Both know points by their numbers, so that they serve problems of other points, too.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from solver.law.compiled import compiled
+from solver.law.friction import line
+from solver.law.newton import SLIP, STICK, Local, equations, sliding
+from solver.law.newton_step import StepEquations
+from solver.types import Array, Indices
+
+SIMILAR = 0.01
+"""Relative change of the diagonal of W below which an inverse of it is still a good one."""
+
+
+class Factors:
+    """LU factors of the equations of a Newton step, for those of later ones.
+
+    Attributes:
+        used: How often they were applied.
+        wasted: How often in vain, as far as their owner has counted.
+    """
+
+    COST = 1.0
+    """What they take to be made, over LU factors of all equations."""
+
+    def __init__(self, step: StepEquations, points: Indices):
+        """Factorize the matrix of the equations of a Newton step, by numbers of the points."""
+        from scipy.linalg import lu_factor
+
+        self.rows, self.used, self.wasted = _numbered(step, points), 0, 0.0
+        matrix, _ = equations(*step)
+        # The transposed one, which lies as LAPACK has it, is overwritten without a copy.
+        self._lu = lu_factor(matrix.T, overwrite_a=True, check_finite=False)
+
+    def serves(self, step: StepEquations, points: Indices) -> bool:
+        """Whether they are to be tried for other equations: for any."""
+        return True
+
+    def of(self, step: StepEquations, points: Indices) -> Any:
+        """What nearly solves other equations; point by point where the factors know none."""
+        from scipy.linalg import lu_solve
+
+        _, here, there = np.intersect1d(
+            _numbered(step, points), self.rows, assume_unique=True, return_indices=True
+        )
+        diagonal = step.diagonal()
+
+        def apply(right: Array) -> Array:
+            self.used += 1
+            result, whole = right / diagonal, np.zeros(len(self.rows))
+            whole[there] = right[here]
+            result[here] = lu_solve(self._lu, whole, trans=1, check_finite=False)[there]
+            return result
+
+        return apply
+
+
+def _numbered(step: StepEquations, points: Indices) -> Indices:
+    """The unknowns by numbers of their points, which are the same in other problems, too."""
+    point, way = np.divmod(step.rows, step.local.d)
+    return np.asarray(points[point] * step.local.d + way)
+
+
+class Compliance:
+    """The diagonal of W by numbers of the points: whether another W is much the same."""
+
+    def __init__(self, local: Local, points: Indices):
+        """Take the diagonal of a problem of points with these numbers, which rise."""
+        self.points, self._diagonal = points, local.W.diagonal().reshape(len(points), local.d)
+
+    def places(self, points: Indices) -> Indices:
+        """Where points of these numbers stand here; -1: nowhere."""
+        place = np.minimum(np.searchsorted(self.points, points), len(self.points) - 1)
+        place[self.points[place] != points] = -1
+        return place
+
+    def resembles(self, local: Local, points: Indices) -> bool:
+        """Whether the W of another problem is much the same, and all its points are known."""
+        place = self.places(points)
+        if (place < 0).any() or local.d != self._diagonal.shape[1]:
+            return False
+        before = self._diagonal[place]
+        change = np.abs(local.W.diagonal().reshape(before.shape) - before)
+        return bool((change <= SIMILAR * before).all())
+
+
+class Inverse:
+    """The inverse P of W, which solves for any states of the points.
+
+    Positions y = W f are known where a point sticks and along normals; forces, or their part in
+    friction, are known elsewhere. With f = P y, only the positions y_U of the latter are to be
+    solved for: few equations where few points slip or are open.
+
+    Attributes:
+        used: How often it was applied.
+        wasted: How often in vain, as far as its owner has counted.
+    """
+
+    COST = 3.0
+    """What it takes to be made, over LU factors of all equations."""
+
+    FREE_PART = 0.6
+    """Part of all rows up to which it serves: those of points that slip or are open have equations
+    of their own in each Newton step."""
+
+    def __init__(self, local: Local, points: Indices):
+        """Invert W of a problem whose points have these numbers."""
+        from scipy.linalg import inv
+
+        self.used, self.wasted, self._made_of = 0, 0.0, Compliance(local, points)
+        self._P: Array = inv(local.W, check_finite=False)
+
+    @classmethod
+    def pays(cls, step: StepEquations) -> bool:
+        """Whether one would serve the states of a step if it were made for it."""
+        return len(step.trial) - np.count_nonzero(step.holds()) <= cls.FREE_PART * len(step.trial)
+
+    def serves(self, step: StepEquations, points: Indices) -> bool:
+        """Whether it is close to the inverse of the W of a step, and solves for few unknowns."""
+        free = len(self._P) - np.count_nonzero(step.holds())
+        few = bool(free <= self.FREE_PART * len(self._P))
+        return few and self._made_of.resembles(step.local, points)
+
+    def of(self, step: StepEquations, points: Indices) -> Any:
+        """What nearly solves the equations of a Newton step, all of whose points are known."""
+        from scipy.linalg import lu_factor, lu_solve
+
+        d, P, place = step.local.d, self._P, self._made_of.places(points)
+        point, way = np.divmod(step.rows, d)
+        row, holds, scale = d * place[point] + way, step.holds(), step.scales()
+        normals = d * place
+        open_ = np.ones(len(P), dtype=np.bool_)  # here: whose position is not known
+        open_[row[holds]] = False
+        free = open_.nonzero()[0]
+        first = np.full(len(place), -1)
+        slips = np.abs(step.states) >= SLIP
+        if d > 1:
+            first[slips] = np.searchsorted(free, normals[slips] + 1)
+        system = P[free[:, None], free]
+        terms = step.local, step.r, step.trial, step.states, first
+        slip_rows(*terms, system, P[normals[:, None], free])
+        slip_diagonal(*terms, system)
+        lu = lu_factor(system.T, overwrite_a=True, check_finite=False) if len(free) else None
+        moved = np.searchsorted(free, row[~holds])
+
+        def apply(right: Array) -> Array:
+            self.used += 1
+            y = np.zeros(len(P))
+            y[row[holds]] = right[holds] / scale[holds]
+            force = P @ y
+            if lu is not None:
+                left = force[free][:, None]
+                slip_rows(*terms, left, force[normals][:, None])
+                target = np.negative(left[:, 0])
+                target[moved] += right[~holds]
+                y_free = lu_solve(lu, target, trans=1, overwrite_b=True, check_finite=False)
+                y[free] = y_free
+                force = P @ y
+            return np.asarray(force[row])
+
+        return apply
+
+
+@compiled
+def slip_rows(
+    local: Local,
+    r: Array,
+    trial: Array,
+    states: Indices,
+    first: Indices,
+    values: Array,
+    normals: Array,
+) -> None:
+    """Turn rows of tangential forces of points that slip into those of their law.
+
+    That is f_t - e mu f_n, less what forces along the way of slip take of the change across it:
+    with l = mu f_n, e = tau/|tau| and I - e e^T = b b^T, (I - (l/|tau|) b b^T) f_t - mu e f_n.
+
+    Args:
+        local: The problem.
+        r: Its lengths.
+        trial: f - r y, at which the law is linearised, (d m,).
+        states: Of its points, (m,).
+        first: Row of the first tangential force of each point in `values`, (m,).
+        values: Rows that give tangential forces, (u, n).
+        normals: Those that give the normal force of each point, (m, n).
+    """
+    for i in range(len(states)):
+        a = first[i]
+        if a < 0 or states[i] == STICK:
+            continue
+        if local.d == 2:
+            slope, _ = line(local.bounds, i, trial[2 * i])
+            values[a] -= (slope if states[i] > 0 else -slope) * normals[i]
+            continue
+        if local.bounds.mu[i] == 0.0 and local.bounds.cohesion[i] == 0.0:
+            continue
+        along, aside, share, slope, _ = sliding(local.bounds, trial, i)
+        across = share * (along * values[a + 1] - aside * values[a])
+        values[a] += aside * across - (slope * along) * normals[i]
+        values[a + 1] -= along * across + (slope * aside) * normals[i]
+
+
+@compiled
+def slip_diagonal(
+    local: Local, r: Array, trial: Array, states: Indices, first: Indices, matrix: Array
+) -> None:
+    """Add what the way of slip takes of positions, r (l/|tau|) b b^T, to rows of `slip_rows`."""
+    for i in range(len(states)):
+        a = first[i]
+        if local.d < 3 or a < 0 or states[i] == STICK:
+            continue
+        if local.bounds.mu[i] == 0.0 and local.bounds.cohesion[i] == 0.0:
+            continue
+        along, aside, share, _, _ = sliding(local.bounds, trial, i)
+        weight = share * r[i, 1]
+        matrix[a, a] += weight * aside * aside
+        matrix[a, a + 1] -= weight * aside * along
+        matrix[a + 1, a] -= weight * along * aside
+        matrix[a + 1, a + 1] += weight * along * along
