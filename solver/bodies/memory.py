@@ -33,12 +33,11 @@ LEFT_PART = 0.05
 SMALL = 1e8
 """Memory below which free memory is not asked for, bytes."""
 
-COPIES = 16
+COPIES = 15
 """Matrices of the size of the compliance at the peak of a step: those of two tangents and the mass,
 turned ones of a tangent and the mass, factors and inverses of both their local problems, and while
-impulses are found two more of W and one of equations. These are 12; the resident memory at its peak
-grows by 15.7 of them where blocks in space begin to slide, between 441 and 729 points (it is 13.7
-without the inverses)."""
+impulses are found two more of W and one of equations. These are 12; 14.4 of them are in use at the
+peak while the points of a block in space begin to slip."""
 
 ASKED_PART = 0.5
 """Part of it that is asked for when one of the three is computed: at that time there are either

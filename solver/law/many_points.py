@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -183,8 +184,9 @@ class ManyPoints:
         self._factors = self._last = None  # before the room for others is taken
         if again and Inverse.pays(step):
             self._inverse = None
-            self._inverse = Inverse(local, points)
-            return self._inverse
+            with suppress(np.linalg.LinAlgError):
+                self._inverse = Inverse(local, points)
+                return self._inverse
         self._last, self._factors = Compliance(local, points), Factors(step, points)
         return self._factors
 

@@ -5,7 +5,8 @@ Both know points by their numbers, so that they serve problems of other points, 
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -130,24 +131,14 @@ class Inverse:
 
     def of(self, step: StepEquations, points: Indices) -> Any:
         """What nearly solves the equations of a Newton step, all of whose points are known."""
-        from scipy.linalg import lu_factor, lu_solve
-
         d, P, place = step.local.d, self._P, self._made_of.places(points)
         point, way = np.divmod(step.rows, d)
         row, holds, scale = d * place[point] + way, step.holds(), step.scales()
-        normals = d * place
-        open_ = np.ones(len(P), dtype=np.bool_)  # here: whose position is not known
-        open_[row[holds]] = False
-        free = open_.nonzero()[0]
-        first = np.full(len(place), -1)
-        slips = np.abs(step.states) >= SLIP
-        if d > 1:
-            first[slips] = np.searchsorted(free, normals[slips] + 1)
-        system = P[free[:, None], free]
-        terms = step.local, step.r, step.trial, step.states, first
-        slip_rows(*terms, system, P[normals[:, None], free])
-        slip_diagonal(*terms, system)
-        lu = lu_factor(system.T, overwrite_a=True, check_finite=False) if len(free) else None
+        unknown = np.ones(len(P), dtype=np.bool_)
+        unknown[row[holds]] = False
+        free = unknown.nonzero()[0]
+        slips = _Slips.of(step, d * place, free)
+        solve = slips.solver(P[free[:, None], free], P[slips.normals[:, None], free])
         moved = np.searchsorted(free, row[~holds])
 
         def apply(right: Array) -> Array:
@@ -155,37 +146,75 @@ class Inverse:
             y = np.zeros(len(P))
             y[row[holds]] = right[holds] / scale[holds]
             force = P @ y
-            if lu is not None:
-                left = force[free][:, None]
-                slip_rows(*terms, left, force[normals][:, None])
-                target = np.negative(left[:, 0])
-                target[moved] += right[~holds]
-                y_free = lu_solve(lu, target, trans=1, overwrite_b=True, check_finite=False)
-                y[free] = y_free
+            if len(free):
+                given = -slips.of_law(force[free], force[slips.normals])
+                given[moved] += right[~holds]
+                y[free] = solve(given)
                 force = P @ y
             return np.asarray(force[row])
 
         return apply
 
 
+class _Slips(NamedTuple):
+    """The law of points that slip, in the rows of an inverse in which positions are unknown.
+
+    Attributes:
+        step: Equations of a Newton step.
+        normals: Row of the normal force of each of its points in the inverse, (m,).
+        first: Place of the first tangential force of each among the unknown rows, (m,); -1 for a
+            point that does not slip.
+    """
+
+    step: StepEquations
+    normals: Indices
+    first: Indices
+
+    @classmethod
+    def of(cls, step: StepEquations, normals: Indices, free: Indices) -> _Slips:
+        """Find tangential forces among the unknown rows, which rise."""
+        first, slips = np.full(len(normals), -1), np.abs(step.states) >= SLIP
+        if step.local.d > 1:
+            first[slips] = np.searchsorted(free, normals[slips] + 1)
+        return cls(step, normals, first)
+
+    def of_law(self, force: Array, normal: Array) -> Array:
+        """What the law makes of forces in the unknown rows and of normal forces of all points."""
+        left = force[:, None].copy()
+        step = self.step
+        slip_rows(step.local, step.trial, step.states, self.first, left, normal[:, None].copy())
+        return left[:, 0]
+
+    def solver(self, system: Array, normals: Array) -> Any:
+        """Solver for unknown positions, by what they do to forces there and to normal ones."""
+        from scipy.linalg import lu_factor, lu_solve
+
+        if not len(system):
+            return None
+        step = self.step
+        slip_rows(step.local, step.trial, step.states, self.first, system, normals)
+        slip_diagonal(step.local, step.r, step.trial, step.states, self.first, system)
+        # The transposed one, which lies as LAPACK has it, is overwritten without a copy.
+        factors = lu_factor(system.T, overwrite_a=True, check_finite=False)
+        return partial(lu_solve, factors, trans=1, check_finite=False)
+
+
 @compiled
 def slip_rows(
     local: Local,
-    r: Array,
     trial: Array,
     states: Indices,
     first: Indices,
     values: Array,
     normals: Array,
 ) -> None:
-    """Turn rows of tangential forces of points that slip into those of their law.
+    """Turn rows of tangential forces of points that slip into those of their law (M52).
 
     That is f_t - e mu f_n, less what forces along the way of slip take of the change across it:
     with l = mu f_n, e = tau/|tau| and I - e e^T = b b^T, (I - (l/|tau|) b b^T) f_t - mu e f_n.
 
     Args:
         local: The problem.
-        r: Its lengths.
         trial: f - r y, at which the law is linearised, (d m,).
         states: Of its points, (m,).
         first: Row of the first tangential force of each point in `values`, (m,).
