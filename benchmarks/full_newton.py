@@ -193,7 +193,7 @@ def run(scene: Scene, steps: int, *, full: bool) -> Run:
     if newton is not None:
         stepper._solve = newton  # type: ignore[assignment]
     with clock.measuring(
-        factorizations=(Factorization, "__init__"),
+        factorizations=(Factorization, "_factorized"),
         W=(Compliance, "_compute"),
         solve=(FullNewton if full else ContactSolve, "solve"),
         step=(Stepper, "advance"),

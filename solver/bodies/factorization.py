@@ -1,8 +1,9 @@
 """Solving with the symmetric matrix of a body: factorized, or by CG where that takes too much.
 
 CHOLMOD on one rank where PETSc has it, MUMPS otherwise; of a few ranks the first factorizes for all
-of them. Bodies whose factor would leave no room for others are solved by conjugate gradients with
-algebraic multigrid, which knows the rigid motions.
+of them. Single vectors of large bodies in the plane have a factor of PETSc's own. Bodies whose
+factor would leave no room for others are solved by conjugate gradients with algebraic multigrid,
+which knows the rigid motions.
 """
 
 from __future__ import annotations
@@ -16,7 +17,13 @@ from petsc4py import PETSc
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.bodies.memory import linear_solver, memory_of, solves_on_first
+from solver.bodies.memory import (
+    BYTES_AN_ENTRY,
+    has_vector_factor,
+    linear_solver,
+    memory_of,
+    solves_on_first,
+)
 from solver.bodies.whole_vectors import WholeVectors
 from solver.errors import EnvironmentTrouble, NotConverged
 from solver.parallel import global_sum, on_first_rank
@@ -51,6 +58,10 @@ class Inverse(Protocol):
     entries: float
     """Numbers that a solve reads, on all ranks together."""
 
+    @property
+    def nbytes(self) -> float:
+        """Memory that it takes, on all ranks together, bytes."""
+
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
 
@@ -78,6 +89,9 @@ class Factorization:
         """
         self._comm: MPI.Intracomm = matrix.comm.tompi4py()
         self._size = size = matrix.size[0]
+        self._dimension = dimension
+        self._pcs: list[PETSc.PC] = []  # which own the factors
+        self._of_vectors: PETSc.Mat | None = None
         self._whole: WholeVectors | None = None
         everywhere = size < REDUNDANT_UNKNOWNS
         if self._comm.size > 1 and (everywhere or solves_on_first(size, dimension, self._comm)):
@@ -90,15 +104,25 @@ class Factorization:
         self._right, self._solution = self._b.array, self._x.array
         if self._whole is not None and not everywhere:
             self.name, self.entries = on_first_rank(self._comm, self._set_up)
-        elif self._whole is None and modes is not None and self._is_too_large(dimension):
+        elif self._whole is None and modes is not None and self._is_too_large():
             self._iterate(modes())
         else:
             self._set_up()
 
-    def _is_too_large(self, dimension: int) -> bool:
+    def _is_too_large(self) -> bool:
         """Whether the factor would leave no room for others; collective."""
         memory = memory_of(self._comm)
-        return linear_solver(self._size, dimension, self._comm.size, memory) == "CG + GAMG"
+        return linear_solver(self._size, self._dimension, self._comm.size, memory) == "CG + GAMG"
+
+    @property
+    def nbytes(self) -> float:
+        """Memory of all factors, on all ranks together, bytes."""
+        return BYTES_AN_ENTRY * self.entries * (2 if self._has_two else 1)
+
+    @property
+    def _has_two(self) -> bool:
+        """Whether vectors have a factor of their own."""
+        return self.name == "CHOLMOD" and has_vector_factor(self.entries, self._dimension)
 
     def _set_up(self) -> tuple[str, float]:
         """Factorize with the first package that can; its name, and the entries of the factor."""
@@ -118,14 +142,28 @@ class Factorization:
         self.entries = max(float(used), float(self.matrix.size[0]))
         return self.name, self.entries
 
-    def _factorized(self, package: str, kind: str) -> PETSc.Mat:
+    def _factorized(self, package: str, kind: str, ordering: str | None = None) -> PETSc.Mat:
         """Set up a factorization with one of PETSc's packages; PETSc.Error where it is missing."""
-        self._pc = PETSc.PC().create(self.matrix.comm)
-        self._pc.setOperators(self.matrix)
-        self._pc.setType(kind)
-        self._pc.setFactorSolverType(package)
-        self._pc.setUp()
-        return self._pc.getFactorMatrix()
+        pc = PETSc.PC().create(self.matrix.comm)
+        pc.setOperators(self.matrix)
+        pc.setType(kind)
+        pc.setFactorSolverType(package)
+        if ordering is not None:
+            pc.setFactorOrdering(ordering)
+        pc.setUp()
+        self._pcs.append(pc)
+        return pc.getFactorMatrix()
+
+    def _vector_factor(self) -> PETSc.Mat:
+        """The factor that single vectors are solved for with, made when it is first asked for."""
+        own = self._has_two
+        return self._factorized("petsc", "cholesky", "nd") if own else self._factor
+
+    def _substitute(self) -> None:
+        """Solve for the one vector that is kept."""
+        if self._of_vectors is None:
+            self._of_vectors = self._vector_factor()
+        self._of_vectors.solve(self._b, self._x)
 
     def _iterate(self, modes: Sequence[Array]) -> None:
         """Set up CG, preconditioned by algebraic multigrid."""
@@ -153,11 +191,11 @@ class Factorization:
         if self._whole is not None:
             self._whole.gather(right, self._right)
             if self._whole.here:
-                self._factor.solve(self._b, self._x)
+                self._substitute()
             return self._whole.part(self._solution)
         self._right[:] = right
         if self._solver is None:
-            self._factor.solve(self._b, self._x)
+            self._substitute()
         else:
             self._solver.solve(self._b, self._x)
             if self._solver.getConvergedReason() <= 0:
@@ -227,6 +265,11 @@ class MassInverse:
             self._factors.append(Factorization(mass, dimension=dimension))
         self.name = self._factors[0].name
         self.entries = sum(factor.entries for factor in self._factors)
+
+    @property
+    def nbytes(self) -> float:
+        """Memory of all factors, on all ranks together, bytes."""
+        return sum(factor.nbytes for factor in set(self._factors))
 
     def _everywhere(self, flag: bool) -> bool:
         """Whether something is so on every rank."""

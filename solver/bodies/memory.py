@@ -15,6 +15,13 @@ from solver.errors import RockslipError
 BYTES_AN_ENTRY = 10.0
 """Memory of an entry of a factor, with its indices and the largest of its fronts, bytes."""
 
+PLANE_ENTRIES = 1.5e6
+"""Entries of CHOLMOD's factor of a body in the plane beyond which vectors have a factor of PETSc's
+own. CHOLMOD takes 6.6 ms for one of 52 000 unknowns (3.7e6 entries), PETSc 3.4 ms, and both 1.0 ms
+for 19 000 (1.2e6): there a cache holds the factor. To make it, 0.5 s, takes as long as 150 of the
+times that are saved. In blocks of many right-hand sides CHOLMOD takes 1.7 ms for each. In space
+PETSc would factorize for minutes."""
+
 DIRECT_PART = 0.25
 """Part of the memory that one factorization may take; beyond it bodies are solved by CG."""
 
@@ -79,9 +86,20 @@ def free_memory() -> float:
 
 
 def factor_bytes(unknowns: int, dimension: int) -> float:
-    """Memory of one factorization, bytes: as measured with CHOLMOD on blocks of cubes."""
+    """Memory of one factorization, bytes."""
+    entries = factor_entries(unknowns, dimension)
+    return BYTES_AN_ENTRY * entries * (2 if has_vector_factor(entries, dimension) else 1)
+
+
+def factor_entries(unknowns: int, dimension: int) -> float:
+    """Entries of the factor of a body: as measured with CHOLMOD on blocks of cubes."""
     each = 4.5 * math.log2(unknowns + 1) if dimension == 2 else 16.0 * math.cbrt(unknowns)
-    return BYTES_AN_ENTRY * each * unknowns
+    return each * unknowns
+
+
+def has_vector_factor(entries: float, dimension: int) -> bool:
+    """Whether single vectors are solved for with a factor of their own, on one rank."""
+    return dimension == 2 and entries > PLANE_ENTRIES
 
 
 def compliance_bytes(points: int, dimension: int) -> float:

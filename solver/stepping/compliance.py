@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
-from solver.bodies.memory import ASKED_PART, BYTES_AN_ENTRY, compliance_bytes, require
+from solver.bodies.memory import ASKED_PART, compliance_bytes, require
 from solver.bodies.reduced.body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
@@ -123,9 +123,7 @@ class Compliance:
         if self.columns is not None:
             columns += len(self.columns.values.T)
         compliance = self.body.comm.size * self._matrix.nbytes
-        return (
-            BYTES_AN_ENTRY * self.factor.entries + 8.0 * columns * self.body.unknowns + compliance
-        )
+        return self.factor.nbytes + 8.0 * columns * self.body.unknowns + compliance
 
     def among(self, chosen: Indices) -> PortCompliance:
         """The compliance of some ports; kept for as long as the same ports are asked for."""

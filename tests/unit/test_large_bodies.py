@@ -3,6 +3,7 @@
 import json
 import tracemalloc
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -213,6 +214,30 @@ def test_cg_with_multigrid_and_few_kept_factors_give_the_same_history(
     for other, limit in ((iterated, 1e-9), (dropped, 1e-12)):
         for name in plain.keys() - {"cost"}:
             np.testing.assert_allclose(other[name], plain[name], rtol=0, atol=limit)
+
+
+def test_vectors_of_large_bodies_in_the_plane_have_a_factor_of_their_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = scene_of(BLOCK | {"tilt_deg": 0.3}) | {"time": {"end": 0.06, "step": 2e-3}}
+    plain, made = histories(scene), []
+    factorized = factorization.Factorization._factorized
+
+    def recorded(self: factorization.Factorization, package: str, *kind: str) -> Any:
+        made.append(package)
+        return factorized(self, package, *kind)
+
+    monkeypatch.setattr(factorization.Factorization, "_factorized", recorded)
+    monkeypatch.setattr(memory, "PLANE_ENTRIES", 0.0)
+    other = histories(scene)
+    assert "petsc" in made
+    for name in plain.keys() - {"cost"}:
+        np.testing.assert_allclose(other[name], plain[name], rtol=0, atol=1e-12)
+    tangent = response(scene).compliance.factor
+    assert tangent.nbytes == 2 * memory.BYTES_AN_ENTRY * tangent.entries
+    made.clear()
+    histories(scene_of(SPACE | {"tilt_deg": 0.3}) | {"time": {"end": 0.004, "step": 2e-3}})
+    assert "petsc" not in made
 
 
 def test_contact_that_does_not_fit_into_memory_is_refused_in_one_line(

@@ -36,6 +36,11 @@ class DenseFactor:
         self._factor = la.cho_factor(own, lower=True) if len(own) else None
         self.entries = float(max(1, matrix.size))
 
+    @property
+    def nbytes(self) -> float:
+        """Memory of the factor, bytes."""
+        return 8.0 * self.entries
+
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
         if self._factor is None:
