@@ -122,7 +122,7 @@ EVIDENCE: dict[str, Evidence] = {
     "ranks": _script("ranks", (*ALL, *MOTION), minutes=5),
     "rigid_rocking": _script("rigid_rocking", (*RIGID, *ANSWER), minutes=1, timed=True),
     "scaling": replace(
-        _script("scaling", (), minutes=33, timed=True),
+        _script("scaling", (), minutes=14, timed=True),
         commands=("python3 benchmarks/scaling.py --long",),
         grows=True,
     ),
