@@ -9,8 +9,8 @@ of those after the first three, or of those in which points begin to slip; on a 
 the second mean anything, and with ranks only the first) and the largest memory. Rows that
 are there already are kept, so that it goes on where it was stopped: delete the file for new ones.
 Without `--long` up to 2e4 unknowns and 169 points, in two minutes; with it up to 3e5 unknowns and
-4096 points, which takes 14 GB and a quarter of an hour. Each case is a process of its own: this file,
-started with a case.
+4096 points, which takes 14 GB and a quarter of an hour. Each case is a process of its own: this
+file, started with a case.
 """
 
 from __future__ import annotations

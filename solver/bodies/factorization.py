@@ -9,6 +9,7 @@ which knows the rigid motions.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any, Protocol
 
 from mpi4py import MPI
@@ -117,10 +118,10 @@ class Factorization:
     @property
     def nbytes(self) -> float:
         """Memory of all factors, on all ranks together, bytes."""
-        return BYTES_AN_ENTRY * self.entries * (2 if self._has_two else 1)
+        return BYTES_AN_ENTRY * self.entries * (2 if self._has_vector_factor else 1)
 
     @property
-    def _has_two(self) -> bool:
+    def _has_vector_factor(self) -> bool:
         """Whether vectors have a factor of their own."""
         return self.name == "CHOLMOD" and has_vector_factor(self.entries, self._dimension)
 
@@ -156,8 +157,10 @@ class Factorization:
 
     def _vector_factor(self) -> PETSc.Mat:
         """The factor that single vectors are solved for with, made when it is first asked for."""
-        own = self._has_two
-        return self._factorized("petsc", "cholesky", "nd") if own else self._factor
+        if self._has_vector_factor:
+            with suppress(PETSc.Error):  # such as no memory: that of CHOLMOD serves, too
+                return self._factorized("petsc", "cholesky", "nd")
+        return self._factor
 
     def _substitute(self) -> None:
         """Solve for the one vector that is kept."""

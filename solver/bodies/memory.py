@@ -40,10 +40,10 @@ LEFT_PART = 0.05
 SMALL = 1e8
 """Memory below which free memory is not asked for, bytes."""
 
-COPIES = 15
+COPIES = 13
 """Matrices of the size of the compliance at the peak of a step: those of two tangents and the mass,
 turned ones of a tangent and the mass, factors and inverses of both their local problems, and while
-impulses are found two more of W and one of equations. These are 12; 14.4 of them are in use at the
+impulses are found two more of W and one of equations. These are 12; 12.6 of them are in use at the
 peak while the points of a block in space begin to slip."""
 
 ASKED_PART = 0.5
@@ -86,9 +86,8 @@ def free_memory() -> float:
 
 
 def factor_bytes(unknowns: int, dimension: int) -> float:
-    """Memory of one factorization, bytes."""
-    entries = factor_entries(unknowns, dimension)
-    return BYTES_AN_ENTRY * entries * (2 if has_vector_factor(entries, dimension) else 1)
+    """Memory of one factor, bytes."""
+    return BYTES_AN_ENTRY * factor_entries(unknowns, dimension)
 
 
 def factor_entries(unknowns: int, dimension: int) -> float:
@@ -177,7 +176,8 @@ def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
     contact = f"{in_words(compliance_bytes(points, dimension))} for {points} points on its bottom"
     if solver == "CG + GAMG":
         return f"{solver}; {contact}"
-    each = in_words(factor_bytes(unknowns, dimension))
+    factors = 2 if has_vector_factor(factor_entries(unknowns, dimension), dimension) else 1
+    each = in_words(factors * factor_bytes(unknowns, dimension))
     ranks = f"MUMPS on more than {ALONE_RANKS} ranks"
     return f"{solver} ({ranks}), {each} for each step size and rho_inf; {contact}"
 

@@ -71,6 +71,8 @@ class ManyPoints:
         self._points: Indices = np.empty(0, np.int64)
         self._last: Compliance | None = None
         """Of the problem that factors were made for last."""
+        self._in_vain: Compliance | None = None
+        """Of the problem whose W was inverted in vain last."""
         self.factorizations = 0
         """How many were needed so far, of equations and of W."""
 
@@ -160,35 +162,37 @@ class ManyPoints:
             if found is not None:
                 return step.forces(start + found)
             known.wasted = math.inf
+            del known, apply  # before the room for others is taken
         return np.full_like(force, np.nan)
 
     def _preconditioners(self, step: StepEquations, most: int) -> Iterator[Factors | Inverse]:
         """What is kept and may serve the equations of a Newton step, then what is made for it.
 
-        `most` is how many steps of GMRES one may take.
+        Made are factors; the inverse of W where there have been factors for the same W already.
+        `most` is how many steps of GMRES each may take.
         """
-        inverse, factors = self._inverse, self._factors
-        for kept in (inverse, factors):
-            if kept is None or kept.wasted > STALE * most * kept.COST:
-                continue
-            if kept.serves(step, self._points):
-                yield kept
-                break
-        yield self._made(step)
-
-    def _made(self, step: StepEquations) -> Factors | Inverse:
-        """New factors; the inverse of W where there have been factors for the same W already."""
+        if self._inverse is not None and self._is_good(self._inverse, step, most):
+            yield self._inverse
+        elif self._factors is not None and self._is_good(self._factors, step, most):
+            yield self._factors
         local, points = step.local, self._points
         again = self._last is not None and self._last.resembles(local, points)
-        self.factorizations += 1
+        in_vain = self._in_vain is not None and self._in_vain.resembles(local, points)
         self._factors = self._last = None  # before the room for others is taken
-        if again and Inverse.pays(step):
+        if again and not in_vain and Inverse.pays(step):
             self._inverse = None
+            self.factorizations += 1
             with suppress(np.linalg.LinAlgError):
                 self._inverse = Inverse(local, points)
-                return self._inverse
+                yield self._inverse
+            self._inverse, self._in_vain = None, Compliance(local, points)
+        self.factorizations += 1
         self._last, self._factors = Compliance(local, points), Factors(step, points)
-        return self._factors
+        yield self._factors
+
+    def _is_good(self, kept: Factors | Inverse, step: StepEquations, most: int) -> bool:
+        """Whether what is kept may serve a Newton step, and has not cost too much before."""
+        return kept.wasted <= STALE * most * kept.COST and kept.serves(step, self._points)
 
     def _by_proximal_terms(self, local: Local, f: Array) -> bool:
         """The proximal point algorithm, as in `solver.law.rescues`."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from solver.bodies.memory import factor_entries, has_vector_factor
+from solver.bodies.memory import ALONE_RANKS, factor_entries, has_vector_factor
 from solver.scene import Scene
 from solver.scene.cells import box_nodes
 
@@ -47,7 +47,8 @@ def step_time(sizes: list[int], dimension: int, ranks: int) -> float:
     read = 0.0
     for size in sizes:
         entries = factor_entries(size, dimension)
-        read += entries * (OWN_FACTOR if has_vector_factor(entries, dimension) else 1.0)
+        has_own = ranks <= ALONE_RANKS and has_vector_factor(entries, dimension)
+        read += entries * (OWN_FACTOR if has_own else 1.0)
     own = SHARED[dimension] * sum(sizes) / ranks + SOLVED[dimension] * read
     return FIXED + own + MESSAGES * math.log2(ranks)
 
