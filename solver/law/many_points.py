@@ -29,7 +29,7 @@ from solver.law.newton import (
     trial_of,
 )
 from solver.law.newton_step import StepEquations
-from solver.law.preconditioners import Compliance, Factors, Inverse
+from solver.law.preconditioners import ComplianceDiagonal, Factors, Inverse
 from solver.types import Array, Indices
 
 MANY_ROWS = 300
@@ -69,10 +69,10 @@ class ManyPoints:
         self._factors: Factors | None = None
         self._inverse: Inverse | None = None
         self._points: Indices = np.empty(0, np.int64)
-        self._last: Compliance | None = None
-        """Of the problem that factors were made for last."""
-        self._in_vain: Compliance | None = None
-        """Of the problem whose W was inverted in vain last."""
+        self._last: ComplianceDiagonal | None = None
+        """The W that factors were made for last."""
+        self._in_vain: ComplianceDiagonal | None = None
+        """The W that was inverted in vain last."""
         self.factorizations = 0
         """How many were needed so far, of equations and of W."""
 
@@ -185,9 +185,9 @@ class ManyPoints:
             with suppress(np.linalg.LinAlgError):
                 self._inverse = Inverse(local, points)
                 yield self._inverse
-            self._inverse, self._in_vain = None, Compliance(local, points)
+            self._inverse, self._in_vain = None, ComplianceDiagonal(local, points)
         self.factorizations += 1
-        self._last, self._factors = Compliance(local, points), Factors(step, points)
+        self._last, self._factors = ComplianceDiagonal(local, points), Factors(step, points)
         yield self._factors
 
     def _is_good(self, kept: Factors | Inverse, step: StepEquations, most: int) -> bool:

@@ -70,7 +70,7 @@ def _numbered(step: StepEquations, points: Indices) -> Indices:
     return np.asarray(points[point] * step.local.d + way)
 
 
-class Compliance:
+class ComplianceDiagonal:
     """The diagonal of W by numbers of the points: whether another W is much the same."""
 
     def __init__(self, local: Local, points: Indices):
@@ -121,7 +121,7 @@ class Inverse:
         """Invert W of a problem whose points have these numbers."""
         from scipy.linalg import inv
 
-        self.used, self.wasted, self._made_of = 0, 0.0, Compliance(local, points)
+        self.used, self.wasted, self._made_of = 0, 0.0, ComplianceDiagonal(local, points)
         self._P: Array = inv(local.W, check_finite=False)
 
     @classmethod
