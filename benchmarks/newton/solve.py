@@ -136,7 +136,7 @@ class FullNewton:
         assert not balance.static
         (memory,), (weights,) = balance.contact, balance.weights
         law = PointLaw.of(self._link.interface, memory)
-        tolerance, norms = balance.tolerance(self._system, guess), list[float]()
+        tolerance, norms = balance.tolerance(self._system, guess).norm, list[float]()
         u, force, length = guess, memory.force, np.inf
         while True:
             with self._timed("residual"):

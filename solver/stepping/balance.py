@@ -12,13 +12,17 @@ from solver.contact.memory import Memory
 from solver.parallel import global_sum
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.contact_forces import Contact
-from solver.stepping.nonlinear import NewtonOutcome
+from solver.stepping.nonlinear import NewtonOutcome, ResidualTolerance
 from solver.stepping.system import Body, System
 from solver.types import Array
 
-RESIDUAL_TOLERANCE = 1e-9
-"""Residual that counts as zero, over the loads. It is a stress that balances itself: net forces
-vanish with the first correction, whatever the tangent."""
+RESIDUAL_TOLERANCE = 1e-8
+"""Residual that counts as zero, over the loads, where it balances itself on every body."""
+
+RESULTANT_TOLERANCE = 3e-10
+"""Resultant of a residual on a body that counts as zero, over the lightest body's part of the most
+that loads of the same norm add up to, which is some three times all weights: momentum that a step
+leaves out is gone, while stress out of balance is taken in by the next step."""
 
 ROUND_OFFS = 3.0
 """Least residual that counts as zero, over the estimate of its round-off: round-off is to decide
@@ -58,8 +62,8 @@ class Balance(NamedTuple):
         """w_c, the same for all bodies."""
         return self.weights[0].contact
 
-    def tolerance(self, system: System, guess: Array) -> float:
-        """Residual that counts as zero, N: a part of the forces, or round-off of the stresses.
+    def tolerance(self, system: System, guess: Array) -> ResidualTolerance:
+        """What counts as zero: a part of the forces, or round-off of the stresses.
 
         Displacements at both ends of the step, the guess (m) among them, make the round-off: a body
         that comes down without loads may touch just where its displacement is zero.
@@ -70,7 +74,12 @@ class Balance(NamedTuple):
             round_off += body.round_off(reached[own], weights)
         squares = np.array([self.load @ self.load, self.constant @ self.constant, round_off])
         load, inertia, least = (math.sqrt(value) for value in global_sum(system.comm, squares))
-        return max(RESIDUAL_TOLERANCE * (load or inertia), ROUND_OFFS * least)
+        scale, least = load or inertia, ROUND_OFFS * least
+        most = math.sqrt(system.unknowns) * scale  # that it adds up to
+        return ResidualTolerance(
+            norm=max(RESIDUAL_TOLERANCE * scale, least),
+            resultant=max(RESULTANT_TOLERANCE * system.lightest * most, least),
+        )
 
     def smooth_residual(self, system: System, u: Array) -> Array:
         """Out-of-balance force at the displacement u (m) without that of contact, N."""

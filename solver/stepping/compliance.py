@@ -25,9 +25,13 @@ TOGETHER = 1.0 / 6.0
 """Back substitutions that each column costs, beside one for all, where several are solved for at a
 time: 2.2 for six and 5 for 24 in all, from 6 to 53 thousand unknowns in the plane and in space."""
 
-FEW_PART = 0.5
-"""Entries of the columns that forces may need, over those of the factor: to read them takes a
-tenth of a back substitution then. Twice as many are kept."""
+KEPT_AT_ONCE = 0.25
+"""Time to read all columns, over that of a back substitution, up to which they are kept as they are
+computed. Memory for more takes a fifth of the time of W, which bodies that rock never win back."""
+
+WORTH_READING = 0.75
+"""Time to read the columns of the ports that forces act at, over that of a back substitution, up to
+which they are worth having."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,13 +83,13 @@ class SavedCompliance(NamedTuple):
         batches: Ports whose compliance was computed together, in order.
         gathered: Ports that were asked for last.
         few: Ports whose columns were made together because forces act there, in order.
-        without: Back substitutions since then that such columns would have saved.
+        without: Back substitutions' time that such columns would have saved since then.
     """
 
     batches: list[Indices]
     gathered: Indices
     few: list[Indices]
-    without: int
+    without: float
 
 
 class Compliance:
@@ -111,9 +115,8 @@ class Compliance:
         self._batches: list[Indices] = []
         self._matrix = np.empty((0, 0))
         self.columns: Columns | None = self._no_columns()
-        """Columns of all ports that have been near; None where a back substitution costs less than
-        to read them."""
-        self._few, self._made, self._without = self._no_columns(), list[Indices](), 0
+        """Columns of all ports that have been near; None where these are too many."""
+        self._few, self._made, self._without = self._no_columns(), list[Indices](), 0.0
         self._gathered = PortCompliance(self._known, self._matrix)
 
     @property
@@ -184,24 +187,30 @@ class Compliance:
         """Columns of none of the ports."""
         return Columns(self.body.size, self.body.dimension, int(self._first[-1]))
 
-    def _has_few(self, ports: Indices) -> bool:
-        """Whether there are columns of some ports, where they are few.
+    def _reading(self, ports: int) -> float:
+        """Time to read the columns of so many ports, over that of a back substitution.
 
-        Columns that are missing are made once as many back substitutions have been done without
-        them as they cost: forces that go on to act there, as under a corner on which a body rocks,
-        save them from then on, and others lose no more than that.
+        This passes over the factor twice.
         """
-        d = self.body.dimension
-        room = self.factor.entries / (self.body.unknowns * d)
-        if len(ports) > FEW_PART * room:
+        return ports * self.body.dimension * self.body.unknowns / (2 * self.factor.entries)
+
+    def _has_few(self, ports: Indices) -> bool:
+        """Whether there are columns of the ports that forces act at.
+
+        Columns that are missing are made once they would have saved as much time as they cost:
+        forces that go on to act there, as under a block that stands or the corner on which one
+        rocks, save it from then on, and others lose no more than that.
+        """
+        read = self._reading(len(ports))
+        if read > WORTH_READING:
             return False
         missing = self._few.lacks(ports)
         if len(missing):
-            self._without += 1
-            if self._without < 1.0 + TOGETHER * d * len(missing):
+            self._without += 1.0 - read
+            if self._without < 1.0 + TOGETHER * self.body.dimension * len(missing):
                 return False
-            self._without = 0
-            if len(self._few.ports) + len(missing) > 2 * FEW_PART * room:
+            self._without = 0.0
+            if self._reading(len(self._few.ports) + len(missing)) > 1.0:
                 self._few, missing = self._no_columns(), ports
                 self._made.clear()
             self._make_few(missing)
@@ -243,7 +252,7 @@ class Compliance:
         )
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix
-        self._make_room(missing, len(matrix))
+        self._make_room(missing, len(known))
         acting, near = self._parts(missing), self._parts(known)
         for block in blocks(len(matrix) - before, self.body.unknowns):
             place = slice(before + block.start, before + block.stop)
@@ -261,13 +270,14 @@ class Compliance:
         self._place[missing] = len(self._known) + np.arange(len(missing))
         self._known, self._matrix = known, matrix
 
-    def _make_room(self, missing: Indices, columns: int) -> None:
-        """Room for the columns of further ports; for none where so many would be read slowly.
+    def _make_room(self, missing: Indices, count: int) -> None:
+        """Room for the columns of further ports, `count` of them in all; for none if too many.
 
-        A back substitution takes less time from then on. That of the mass of a small body reads
-        next to nothing, but what comes before it takes longer than to read a few columns.
+        A back substitution with the mass of a small body reads next to nothing, but what comes
+        before it takes longer than to read a few columns.
         """
-        if columns * self.body.unknowns > max(2 * self.factor.entries, FEW):
+        few = count * self.body.dimension * self.body.unknowns <= FEW
+        if not few and self._reading(count) > KEPT_AT_ONCE:
             self.columns = None
         elif self.columns is not None:
             self.columns.extend(missing)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
@@ -32,14 +32,25 @@ class IterationRecord(NamedTuple):
     """Norm of the unknowns, m."""
     forces: float
     """Largest norm of the contact forces so far, N."""
+    resultant: Callable[[], float]
+    """Gives the largest resultant of the residual on a body, N; collective, and asked for only
+    where the residual itself is small."""
 
 
 class IterationTolerances(NamedTuple):
-    """What counts as zero: absolute (N), relative to the first residual, and of a correction."""
+    """What counts as zero.
+
+    Attributes:
+        absolute: Euclidean norm of a residual, N.
+        relative: The same over the first residual.
+        correction: Norm of a correction over that of the unknowns.
+        resultant: Resultant of a residual on a body, N.
+    """
 
     absolute: float
     relative: float
     correction: float
+    resultant: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +65,7 @@ class Convergence:
     """A residual no longer falls where it stays above this part of the one before; found with a
     rigid block on a light stiff one, whose residual fell slowly, but fell, and was taken for
     round-off."""
-    expected: float = 0.1
+    expected: float = 0.3
     """After several corrections the last one has to be expected to leave no more than this part
     of the absolute tolerance, by the rate at which the one before it shrank the residual. That rate
     overstates what is left, by 2 to 50 times in the demo; but unlike the residual itself it is far
@@ -86,7 +97,8 @@ class Convergence:
             # Forces that balance need not obey the contact law of this step: correct at least once.
             return IterationVerdict.ITERATING
         if residual <= tolerances.absolute and self._settled(past, tolerances.absolute):
-            return IterationVerdict.SMALL_RESIDUAL
+            if record.resultant() <= tolerances.resultant:
+                return IterationVerdict.SMALL_RESIDUAL
         if residual <= tolerances.relative * past[0]:
             return IterationVerdict.SMALL_RELATIVE_RESIDUAL
         if record.correction <= tolerances.correction * record.unknowns:

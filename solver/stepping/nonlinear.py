@@ -10,6 +10,7 @@ prefix, as in
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import NamedTuple, Protocol
@@ -60,6 +61,13 @@ class NewtonOutcome(NamedTuple):
     """Why it ended, in words."""
 
 
+class ResidualTolerance(NamedTuple):
+    """Residuals that count as zero, N: by their norm, and by their resultant on a body."""
+
+    norm: float
+    resultant: float = math.inf
+
+
 class NonlinearProblem(Protocol):
     """A residual that is to vanish, and what corrects the unknowns."""
 
@@ -72,6 +80,9 @@ class NonlinearProblem(Protocol):
 
     def correction(self, residual: Array) -> Array:
         """The correction du for the residual at the unknowns last given, m."""
+
+    def resultant(self) -> float:
+        """Largest resultant on a body of the residual at the unknowns last given, N; collective."""
 
 
 class Tangent:
@@ -213,7 +224,7 @@ class NonlinearSolver:
         self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
         """The user's tolerances: of the residual relative and absolute, N, and of a correction; the
         absolute one is 0 where options name none."""
-        self._tolerances = IterationTolerances(0.0, 0.0, 0.0)
+        self._tolerances = IterationTolerances(0.0, 0.0, 0.0, 0.0)
 
     def _set_up(self, comm: MPI.Intracomm, options: Sequence[str]) -> PETSc.SNES:
         """SNES with a correction in the place of a preconditioned Krylov method."""
@@ -268,7 +279,10 @@ class NonlinearSolver:
         if iterations == 0:
             self._residuals.clear()
         self._residuals.append(residual)
-        progress = IterationRecord(self._residuals, correction, unknowns, self._problem.forces)
+        problem = self._problem
+        progress = IterationRecord(
+            self._residuals, correction, unknowns, problem.forces, problem.resultant
+        )
         return int(self._convergence.judge(progress, self._tolerances))
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
@@ -286,20 +300,21 @@ class NonlinearSolver:
         return self._arrays.read(self._r).copy()
 
     def solve(
-        self, problem: NonlinearProblem, unknowns: Array, tolerance: float
+        self, problem: NonlinearProblem, unknowns: Array, tolerance: ResidualTolerance
     ) -> tuple[Array, NewtonOutcome]:
         """Solve a problem from a guess; where SNES stopped, and how it ended.
-
-        The tolerance is the Euclidean norm of the residual that counts as zero, N.
 
         Raises:
             RockslipError: A correction needs what this machine has not, or an option a Jacobian.
         """
         self._problem = problem
         self._correction.begin(problem)
-        absolute = self._tolerance or tolerance
-        self.snes.setTolerances(atol=absolute)
-        self._tolerances = IterationTolerances(absolute, self._relative, self._smallest)
+        if self._tolerance:  # the user's
+            tolerance = ResidualTolerance(self._tolerance)
+        self.snes.setTolerances(atol=tolerance.norm)
+        self._tolerances = IterationTolerances(
+            tolerance.norm, self._relative, self._smallest, tolerance.resultant
+        )
         self._arrays.written(self._x)[:] = unknowns
         late = in_data_base(self._late) if self._late else NOTHING
         try:

@@ -16,7 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solver.bodies.dense_body import DenseBody
 from solver.contact.kernels.candidates import candidates, free_values, put_away, take_over
+from solver.parallel import global_sum
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
 from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
@@ -106,6 +108,7 @@ class StepProblem:
         self._corrections = 0
         self.forces = 0.0
         self.held: Array = np.empty(0)
+        self._residual: Array = self.held
 
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
@@ -127,7 +130,21 @@ class StepProblem:
             None if left_out else kinematics
             for (_, kinematics), left_out in zip(seen, asleep, strict=True)
         ]
+        self._residual = residual
         return residual
+
+    def resultant(self) -> float:
+        """Norm of the largest resultant of that force on a body, N; on rigid ones all of it is."""
+        largest = 0.0
+        for body, own in zip(self._system.bodies, self._system.slices, strict=True):
+            force = self._residual[own]
+            if isinstance(body, DenseBody):
+                square = global_sum(body.comm, np.array([force @ force]))[0]
+            else:
+                total = global_sum(body.comm, body.resultant(force))
+                square = total @ total
+            largest = max(largest, float(square))
+        return math.sqrt(largest)
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
         """Subtract the forces of an interface on both its bodies."""

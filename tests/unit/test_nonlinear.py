@@ -14,7 +14,7 @@ from solver.stepping.convergence import (
     IterationTolerances,
     IterationVerdict,
 )
-from solver.stepping.nonlinear import NonlinearSolver
+from solver.stepping.nonlinear import NonlinearSolver, ResidualTolerance
 from solver.types import Array
 
 pytestmark = pytest.mark.serial
@@ -27,6 +27,7 @@ class Problem:
     residual: Callable[[Array], Array]
     correction: Callable[[Array], Array]
     forces: float = 0.0
+    resultant: Callable[[], float] = lambda: 0.0
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,7 @@ def test_an_iteration_that_diverges_is_ended_early(factor, reason):
 
     solver = NonlinearSolver(MPI.COMM_SELF, 2, ZeroDivisionError)
     problem = Problem(residual, lambda r: np.asarray(factor * r))
-    _, outcome = solver.solve(problem, np.ones(2), 1e-9)
+    _, outcome = solver.solve(problem, np.ones(2), ResidualTolerance(1e-9))
     solver.destroy()
     assert outcome.converged == (not reason)
     assert reason in outcome.reason
@@ -53,7 +54,7 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
     """By a fifth each time: neither round-off nor the end, however near that is."""
     solver = NonlinearSolver(MPI.COMM_SELF, 1, ZeroDivisionError)
     problem = Problem(lambda u: u, lambda r: np.asarray(-0.2 * r))
-    _, outcome = solver.solve(problem, np.ones(1), 0.05)
+    _, outcome = solver.solve(problem, np.ones(1), ResidualTolerance(0.05))
     solver.destroy()
     assert outcome.converged
     assert outcome.residual < 0.05
@@ -73,7 +74,7 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
         ),  # round-off stays
         ([1.0, 2e-8, 1.9e-8], 0.0, IterationVerdict.ITERATING),  # too much for round-off
         ([1.0, 1.3e-8, 1e-8], 0.0, IterationVerdict.ITERATING),
-        ([1.0, 9e-6, 1e-10], 0.0, IterationVerdict.SMALL_RESIDUAL),  # 8e-11 expected
+        ([1.0, 1.7e-5, 1e-10], 0.0, IterationVerdict.SMALL_RESIDUAL),  # 2.9e-10 expected
         ([1.0, 1e-4, 1e-10], 0.0, IterationVerdict.ITERATING),  # 1e-8 expected: one more is certain
         ([1e-6, 1e3], 0.0, IterationVerdict.GROWING),
         (
@@ -89,5 +90,25 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
 )
 def test_verdicts(residuals: list[float], forces: float, verdict: IterationVerdict) -> None:
     """At a tolerance of 1e-9 N."""
-    record = IterationRecord(residuals, correction=1.0, unknowns=1.0, forces=forces)
-    assert Convergence().judge(record, IterationTolerances(1e-9, 0.0, 1e-15)) is verdict
+    record = IterationRecord(
+        residuals, correction=1.0, unknowns=1.0, forces=forces, resultant=lambda: 0.0
+    )
+    assert Convergence().judge(record, IterationTolerances(1e-9, 0.0, 1e-15, 0.0)) is verdict
+
+
+@pytest.mark.parametrize(
+    ("residuals", "resultant", "verdict"),
+    [
+        ([1.0, 1e-10], 1e-11, IterationVerdict.SMALL_RESIDUAL),
+        ([1.0, 1e-10], 3e-11, IterationVerdict.ITERATING),
+        ([1.0, 1e-10, 0.95e-10], 3e-11, IterationVerdict.SMALL_CORRECTION),  # round-off
+    ],
+)
+def test_a_small_residual_that_does_not_balance_itself_is_corrected(
+    residuals: list[float], resultant: float, verdict: IterationVerdict
+) -> None:
+    """At a tolerance of 1e-9 N, and of 2e-11 N for the resultant on a body."""
+    record = IterationRecord(
+        residuals, correction=1.0, unknowns=1.0, forces=0.0, resultant=lambda: resultant
+    )
+    assert Convergence().judge(record, IterationTolerances(1e-9, 0.0, 1e-15, 2e-11)) is verdict

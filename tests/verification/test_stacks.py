@@ -139,7 +139,7 @@ def imbalance(run: Scene) -> float:
 def test_contact_forces_balance_momentum(models: tuple[str, ...], friction: float) -> None:
     """Block by block and step by step, velocity solves between them, to 1e-9 of its weight.
 
-    The difference is the residual that SNES leaves, which may be 1e-9 of the loads.
+    The difference is the resultant of the residual that SNES leaves, which is judged apart.
     """
     run = stack(models, f"contact.friction={friction}", slender=friction > 0.5)
     assert imbalance(run) < 1e-9
