@@ -20,9 +20,12 @@ RESIDUAL_TOLERANCE = 1e-8
 """Residual that counts as zero, over the loads, where it balances itself on every body."""
 
 RESULTANT_TOLERANCE = 3e-10
-"""Resultant of a residual on a body that counts as zero, over the lightest body's part of the most
-that loads of the same norm add up to, which is some three times all weights: momentum that a step
-leaves out is gone, while stress out of balance is taken in by the next step."""
+"""Acceleration of a body by the resultant of a residual that counts as zero, over the largest that
+loads of the same norm give a body, some twice that of gravity: momentum that a step leaves out is
+gone, while stress out of balance is taken in by the next step."""
+
+STAGNANT_TOLERANCE = 1e-9
+"""Residual over the loads that may be round-off where it no longer falls."""
 
 ROUND_OFFS = 3.0
 """Least residual that counts as zero, over the estimate of its round-off: round-off is to decide
@@ -69,16 +72,21 @@ class Balance(NamedTuple):
         that comes down without loads may touch just where its displacement is zero.
         """
         reached = np.maximum(np.abs(guess), np.abs(self.start))
-        round_off = 0.0
-        for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
-            round_off += body.round_off(reached[own], weights)
-        squares = np.array([self.load @ self.load, self.constant @ self.constant, round_off])
-        load, inertia, least = (math.sqrt(value) for value in global_sum(system.comm, squares))
+        squares = np.empty((len(system.bodies), 3))
+        members = zip(system.bodies, system.slices, self.weights, squares, strict=True)
+        for body, own, weights, found in members:
+            loads, constant = self.load[own], self.constant[own]
+            found[:] = loads @ loads, constant @ constant, body.round_off(reached[own], weights)
+        sums = global_sum(system.comm, squares)
+        load, inertia, least = (math.sqrt(value) for value in sums.sum(axis=0))
         scale, least = load or inertia, ROUND_OFFS * least
-        most = math.sqrt(system.unknowns) * scale  # that it adds up to
+        each = sums[:, 0] if load else sums[:, 1]
+        given = float(np.max(np.sqrt(each * system.spread) / system.masses))
+        rough = float(np.max(ROUND_OFFS * np.sqrt(sums[:, 2]) / system.masses))
         return ResidualTolerance(
             norm=max(RESIDUAL_TOLERANCE * scale, least),
-            resultant=max(RESULTANT_TOLERANCE * system.lightest * most, least),
+            acceleration=max(RESULTANT_TOLERANCE * given, rough),
+            round_off=max(STAGNANT_TOLERANCE * scale, least),
         )
 
     def smooth_residual(self, system: System, u: Array) -> Array:

@@ -32,9 +32,9 @@ class IterationRecord(NamedTuple):
     """Norm of the unknowns, m."""
     forces: float
     """Largest norm of the contact forces so far, N."""
-    resultant: Callable[[], float]
-    """Gives the largest resultant of the residual on a body, N; collective, and asked for only
-    where the residual itself is small."""
+    acceleration: Callable[[], float]
+    """Gives the largest acceleration of a body by the resultant of the residual, m/s2; collective,
+    and asked for only where the residual itself is small."""
 
 
 class IterationTolerances(NamedTuple):
@@ -44,13 +44,15 @@ class IterationTolerances(NamedTuple):
         absolute: Euclidean norm of a residual, N.
         relative: The same over the first residual.
         correction: Norm of a correction over that of the unknowns.
-        resultant: Resultant of a residual on a body, N.
+        acceleration: What the resultant of a residual gives a body, m/s2.
+        round_off: Norm of a residual that may be round-off where it no longer falls, N.
     """
 
     absolute: float
     relative: float
     correction: float
-    resultant: float
+    acceleration: float
+    round_off: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +60,7 @@ class Convergence:
     """The rules by which an iteration ends."""
 
     round_off: float = 15.0
-    """A residual below this many absolute tolerances that no longer falls is round-off and is
+    """A residual below this many estimates of round-off that no longer falls is round-off and is
     accepted; found with the blocks of the verification tests, where the round-off of stiff stresses
     exceeds its estimate by less than that."""
     stagnation: float = 0.9
@@ -68,9 +70,9 @@ class Convergence:
     expected: float = 0.3
     """After several corrections the last one has to be expected to leave no more than this part
     of the absolute tolerance, by the rate at which the one before it shrank the residual. That rate
-    overstates what is left, by 2 to 50 times in the demo; but unlike the residual itself it is far
-    above round-off, so that one and several ranks take the same number of corrections, and their
-    histories differ by no more than round-off."""
+    mostly overstates what is left, four times in the median in the demo; and unlike the residual
+    itself it is far above round-off, so that one and several ranks take the same number of
+    corrections, and their histories differ by no more than round-off."""
     patience: int = 30
     """Iterations that are allowed before progress is asked for; found with soft strips whose volume
     hardly changes (nu close to 0.5), which converge slowly, but surely, where they are strained or
@@ -97,13 +99,13 @@ class Convergence:
             # Forces that balance need not obey the contact law of this step: correct at least once.
             return IterationVerdict.ITERATING
         if residual <= tolerances.absolute and self._settled(past, tolerances.absolute):
-            if record.resultant() <= tolerances.resultant:
+            if record.acceleration() <= tolerances.acceleration:
                 return IterationVerdict.SMALL_RESIDUAL
         if residual <= tolerances.relative * past[0]:
             return IterationVerdict.SMALL_RELATIVE_RESIDUAL
         if record.correction <= tolerances.correction * record.unknowns:
             return IterationVerdict.SMALL_CORRECTION
-        if self._stagnates(past, tolerances.absolute):
+        if self._stagnates(past, tolerances.round_off):
             return IterationVerdict.SMALL_CORRECTION
         if residual > self.growth * max(past[0], record.forces, tolerances.absolute):
             return IterationVerdict.GROWING
@@ -119,8 +121,8 @@ class Convergence:
         rate = past[-2] / past[-3] if past[-3] else 0.0
         return past[-2] * rate <= self.expected * tolerance
 
-    def _stagnates(self, past: Sequence[float], tolerance: float) -> bool:
+    def _stagnates(self, past: Sequence[float], round_off: float) -> bool:
         """Whether round-off keeps the residual from falling any further."""
         if len(past) == 2:
             return False
-        return past[-1] > self.stagnation * past[-2] and past[-1] < self.round_off * tolerance
+        return past[-1] > self.stagnation * past[-2] and past[-1] < self.round_off * round_off

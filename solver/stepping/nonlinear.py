@@ -62,10 +62,22 @@ class NewtonOutcome(NamedTuple):
 
 
 class ResidualTolerance(NamedTuple):
-    """Residuals that count as zero, N: by their norm, and by their resultant on a body."""
+    """Residuals that count as zero.
+
+    Attributes:
+        norm: Euclidean norm, N.
+        acceleration: What the resultant gives a body, m/s2.
+        round_off: Norm that may be round-off where it no longer falls, N.
+    """
 
     norm: float
-    resultant: float = math.inf
+    acceleration: float
+    round_off: float
+
+    @classmethod
+    def of_norm(cls, norm: float) -> ResidualTolerance:
+        """By the norm (N) alone."""
+        return cls(norm, math.inf, norm)
 
 
 class NonlinearProblem(Protocol):
@@ -81,8 +93,8 @@ class NonlinearProblem(Protocol):
     def correction(self, residual: Array) -> Array:
         """The correction du for the residual at the unknowns last given, m."""
 
-    def resultant(self) -> float:
-        """Largest resultant on a body of the residual at the unknowns last given, N; collective."""
+    def acceleration(self) -> float:
+        """Largest acceleration of a body by the resultant of that residual, m/s2; collective."""
 
 
 class Tangent:
@@ -224,7 +236,7 @@ class NonlinearSolver:
         self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
         """The user's tolerances: of the residual relative and absolute, N, and of a correction; the
         absolute one is 0 where options name none."""
-        self._tolerances = IterationTolerances(0.0, 0.0, 0.0, 0.0)
+        self._tolerances = IterationTolerances(0.0, 0.0, 0.0, 0.0, 0.0)
 
     def _set_up(self, comm: MPI.Intracomm, options: Sequence[str]) -> PETSc.SNES:
         """SNES with a correction in the place of a preconditioned Krylov method."""
@@ -281,7 +293,7 @@ class NonlinearSolver:
         self._residuals.append(residual)
         problem = self._problem
         progress = IterationRecord(
-            self._residuals, correction, unknowns, problem.forces, problem.resultant
+            self._residuals, correction, unknowns, problem.forces, problem.acceleration
         )
         return int(self._convergence.judge(progress, self._tolerances))
 
@@ -310,10 +322,14 @@ class NonlinearSolver:
         self._problem = problem
         self._correction.begin(problem)
         if self._tolerance:  # the user's
-            tolerance = ResidualTolerance(self._tolerance)
+            tolerance = ResidualTolerance.of_norm(self._tolerance)
         self.snes.setTolerances(atol=tolerance.norm)
         self._tolerances = IterationTolerances(
-            tolerance.norm, self._relative, self._smallest, tolerance.resultant
+            tolerance.norm,
+            self._relative,
+            self._smallest,
+            tolerance.acceleration,
+            tolerance.round_off,
         )
         self._arrays.written(self._x)[:] = unknowns
         late = in_data_base(self._late) if self._late else NOTHING

@@ -133,18 +133,24 @@ class StepProblem:
         self._residual = residual
         return residual
 
-    def resultant(self) -> float:
-        """Norm of the largest resultant of that force on a body, N; on rigid ones all of it is."""
-        largest = 0.0
-        for body, own in zip(self._system.bodies, self._system.slices, strict=True):
+    def acceleration(self) -> float:
+        """Largest acceleration that the resultant of that force gives a body, m/s2.
+
+        On rigid bodies all of it is resultant, moments by the metre.
+        """
+        system = self._system
+        sums = np.zeros((len(system.bodies), system.dimension))
+        rigid = np.zeros((len(system.bodies), 1))
+        members = zip(system.bodies, system.slices, sums, rigid, strict=True)
+        for body, own, total, square in members:
             force = self._residual[own]
             if isinstance(body, DenseBody):
-                square = global_sum(body.comm, np.array([force @ force]))[0]
+                square[:] = force @ force
             else:
-                total = global_sum(body.comm, body.resultant(force))
-                square = total @ total
-            largest = max(largest, float(square))
-        return math.sqrt(largest)
+                total[:] = body.resultant(force)
+        found = global_sum(system.comm, np.hstack([sums, rigid]))
+        squares = np.sum(found[:, :-1] ** 2, axis=1) + found[:, -1]
+        return float(np.max(np.sqrt(squares) / system.masses))
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
         """Subtract the forces of an interface on both its bodies."""

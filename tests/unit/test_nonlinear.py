@@ -27,7 +27,7 @@ class Problem:
     residual: Callable[[Array], Array]
     correction: Callable[[Array], Array]
     forces: float = 0.0
-    resultant: Callable[[], float] = lambda: 0.0
+    acceleration: Callable[[], float] = lambda: 0.0
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_an_iteration_that_diverges_is_ended_early(factor, reason):
 
     solver = NonlinearSolver(MPI.COMM_SELF, 2, ZeroDivisionError)
     problem = Problem(residual, lambda r: np.asarray(factor * r))
-    _, outcome = solver.solve(problem, np.ones(2), ResidualTolerance(1e-9))
+    _, outcome = solver.solve(problem, np.ones(2), ResidualTolerance.of_norm(1e-9))
     solver.destroy()
     assert outcome.converged == (not reason)
     assert reason in outcome.reason
@@ -54,7 +54,7 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
     """By a fifth each time: neither round-off nor the end, however near that is."""
     solver = NonlinearSolver(MPI.COMM_SELF, 1, ZeroDivisionError)
     problem = Problem(lambda u: u, lambda r: np.asarray(-0.2 * r))
-    _, outcome = solver.solve(problem, np.ones(1), ResidualTolerance(0.05))
+    _, outcome = solver.solve(problem, np.ones(1), ResidualTolerance.of_norm(0.05))
     solver.destroy()
     assert outcome.converged
     assert outcome.residual < 0.05
@@ -91,24 +91,27 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
 def test_verdicts(residuals: list[float], forces: float, verdict: IterationVerdict) -> None:
     """At a tolerance of 1e-9 N."""
     record = IterationRecord(
-        residuals, correction=1.0, unknowns=1.0, forces=forces, resultant=lambda: 0.0
+        residuals, correction=1.0, unknowns=1.0, forces=forces, acceleration=lambda: 0.0
     )
-    assert Convergence().judge(record, IterationTolerances(1e-9, 0.0, 1e-15, 0.0)) is verdict
+    tolerances = IterationTolerances(1e-9, 0.0, 1e-15, 0.0, 1e-9)
+    assert Convergence().judge(record, tolerances) is verdict
 
 
 @pytest.mark.parametrize(
-    ("residuals", "resultant", "verdict"),
+    ("residuals", "acceleration", "verdict"),
     [
         ([1.0, 1e-10], 1e-11, IterationVerdict.SMALL_RESIDUAL),
         ([1.0, 1e-10], 3e-11, IterationVerdict.ITERATING),
         ([1.0, 1e-10, 0.95e-10], 3e-11, IterationVerdict.SMALL_CORRECTION),  # round-off
+        ([1.0, 2e-10, 1.9e-10], 3e-11, IterationVerdict.ITERATING),  # too much for round-off
     ],
 )
 def test_a_small_residual_that_does_not_balance_itself_is_corrected(
-    residuals: list[float], resultant: float, verdict: IterationVerdict
+    residuals: list[float], acceleration: float, verdict: IterationVerdict
 ) -> None:
-    """At a tolerance of 1e-9 N, and of 2e-11 N for the resultant on a body."""
+    """At a tolerance of 1e-9 N, of 2e-11 m/s2 for the resultant, and round-off of 1e-11 N."""
     record = IterationRecord(
-        residuals, correction=1.0, unknowns=1.0, forces=0.0, resultant=lambda: resultant
+        residuals, correction=1.0, unknowns=1.0, forces=0.0, acceleration=lambda: acceleration
     )
-    assert Convergence().judge(record, IterationTolerances(1e-9, 0.0, 1e-15, 2e-11)) is verdict
+    tolerances = IterationTolerances(1e-9, 0.0, 1e-15, 2e-11, 1e-11)
+    assert Convergence().judge(record, tolerances) is verdict

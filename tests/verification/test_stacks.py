@@ -14,6 +14,7 @@ from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import Assembly, build, initial_state
 from solver.contact.memory import Memory
 from solver.reference.sliding import sliding
+from solver.stepping.nonlinear import NonlinearSolver, ResidualTolerance
 from solver.stepping.state import State
 
 Array = NDArray[np.float64]
@@ -143,6 +144,29 @@ def test_contact_forces_balance_momentum(models: tuple[str, ...], friction: floa
     """
     run = stack(models, f"contact.friction={friction}", slender=friction > 0.5)
     assert imbalance(run) < 1e-9
+
+
+@pytest.mark.parametrize("models", PAIRS, ids="-".join)
+def test_momentum_is_judged_alike_beside_a_fine_mesh(
+    models: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By an acceleration of some 5e-10 of gravity, on however many unknowns loads are spread."""
+    fine = NAMES[0] if models[0] == "elastic" else NAMES[2]
+    run = stack(models, f"{fine}.cells=[40, 30]")
+    assembly = build(run)
+    state, _ = initial_state(run, assembly)
+    seen: list[ResidualTolerance] = []
+    solve = NonlinearSolver.solve
+
+    def watched(self: Any, problem: Any, unknowns: Array, tolerance: ResidualTolerance) -> Any:
+        """What is solved, and how well."""
+        seen.append(tolerance)
+        return solve(self, problem, unknowns, tolerance)
+
+    monkeypatch.setattr(NonlinearSolver, "solve", watched)
+    assembly.stepper.advance(state, run.time.step)
+    (tolerance,) = seen
+    assert 2e-10 < tolerance.acceleration / G < 1e-9
 
 
 def test_each_pair_has_its_own_friction() -> None:
