@@ -12,7 +12,8 @@ from solver.contact.memory import Memory
 from solver.parallel import global_sum
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.contact_forces import Contact
-from solver.stepping.nonlinear import NewtonOutcome, ResidualTolerance
+from solver.stepping.convergence import ResidualTolerance
+from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Body, System
 from solver.types import Array
 

@@ -37,6 +37,25 @@ class IterationRecord(NamedTuple):
     and asked for only where the residual itself is small."""
 
 
+class ResidualTolerance(NamedTuple):
+    """Residuals that count as zero.
+
+    Attributes:
+        norm: Euclidean norm, N.
+        acceleration: What the resultant gives a body, m/s2.
+        round_off: Norm that may be round-off where it no longer falls, N.
+    """
+
+    norm: float
+    acceleration: float
+    round_off: float
+
+    @classmethod
+    def of_norm(cls, norm: float) -> ResidualTolerance:
+        """By the norm (N) alone."""
+        return cls(norm, math.inf, norm)
+
+
 class IterationTolerances(NamedTuple):
     """What counts as zero.
 

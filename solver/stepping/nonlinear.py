@@ -10,7 +10,6 @@ prefix, as in
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import NamedTuple, Protocol
@@ -21,7 +20,12 @@ from petsc4py import PETSc
 import numpy as np
 
 from solver.errors import RockslipError, SceneError, Statement
-from solver.stepping.convergence import Convergence, IterationRecord, IterationTolerances
+from solver.stepping.convergence import (
+    Convergence,
+    IterationRecord,
+    IterationTolerances,
+    ResidualTolerance,
+)
 from solver.stepping.petsc_options import PREFIX, PetscOptions, parse_options, refuse_unused
 from solver.types import Array
 
@@ -59,25 +63,6 @@ class NewtonOutcome(NamedTuple):
     """Euclidean norm of the last residual, N."""
     reason: str
     """Why it ended, in words."""
-
-
-class ResidualTolerance(NamedTuple):
-    """Residuals that count as zero.
-
-    Attributes:
-        norm: Euclidean norm, N.
-        acceleration: What the resultant gives a body, m/s2.
-        round_off: Norm that may be round-off where it no longer falls, N.
-    """
-
-    norm: float
-    acceleration: float
-    round_off: float
-
-    @classmethod
-    def of_norm(cls, norm: float) -> ResidualTolerance:
-        """By the norm (N) alone."""
-        return cls(norm, math.inf, norm)
 
 
 class NonlinearProblem(Protocol):

@@ -13,8 +13,9 @@ from solver.stepping.convergence import (
     IterationRecord,
     IterationTolerances,
     IterationVerdict,
+    ResidualTolerance,
 )
-from solver.stepping.nonlinear import NonlinearSolver, ResidualTolerance
+from solver.stepping.nonlinear import NonlinearSolver
 from solver.types import Array
 
 pytestmark = pytest.mark.serial

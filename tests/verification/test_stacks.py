@@ -14,7 +14,8 @@ from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import Assembly, build, initial_state
 from solver.contact.memory import Memory
 from solver.reference.sliding import sliding
-from solver.stepping.nonlinear import NonlinearSolver, ResidualTolerance
+from solver.stepping.convergence import ResidualTolerance
+from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.state import State
 
 Array = NDArray[np.float64]
