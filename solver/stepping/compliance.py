@@ -27,11 +27,19 @@ time: 2.2 for six and 5 for 24 in all, from 6 to 53 thousand unknowns in the pla
 
 KEPT_AT_ONCE = 0.25
 """Time to read all columns, over that of a back substitution, up to which they are kept as they are
-computed. Memory for more takes a fifth of the time of W, which bodies that rock never win back."""
+computed. To get the memory for more takes a fifth of the time of W, which rocking never wins back.
+"""
 
 WORTH_READING = 0.75
 """Time to read the columns of the ports that forces act at, over that of a back substitution, up to
 which they are worth having."""
+
+MOST_KEPT = 1.0
+"""Time to read all columns that are kept of such ports, over that of a back substitution, at most.
+"""
+
+COPIED = 3
+"""Times that columns are passed over which are copied from among others to be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,19 +207,24 @@ class Compliance:
 
         Columns that are missing are made once they would have saved as much time as they cost:
         forces that go on to act there, as under a block that stands or the corner on which one
-        rocks, save it from then on, and others lose no more than that.
+        rocks, save it from then on, and others lose no more than that. Those that are kept make way
+        where to read beside them takes too long.
         """
-        read = self._reading(len(ports))
-        if read > WORTH_READING:
-            return False
         missing = self._few.lacks(ports)
+        kept = len(self._few.ports) + len(missing)
+        read = self._reading(min(COPIED * len(ports), kept))
+        anew = read > WORTH_READING or self._reading(kept) > MOST_KEPT
+        if anew:
+            missing, read = ports, self._reading(len(ports))
+            if read > WORTH_READING:
+                return False
         if len(missing):
             self._without += 1.0 - read
             if self._without < 1.0 + TOGETHER * self.body.dimension * len(missing):
                 return False
             self._without = 0.0
-            if self._reading(len(self._few.ports) + len(missing)) > 1.0:
-                self._few, missing = self._no_columns(), ports
+            if anew:
+                self._few = self._no_columns()
                 self._made.clear()
             self._make_few(missing)
         return True
@@ -276,8 +289,8 @@ class Compliance:
         A back substitution with the mass of a small body reads next to nothing, but what comes
         before it takes longer than to read a few columns.
         """
-        few = count * self.body.dimension * self.body.unknowns <= FEW
-        if not few and self._reading(count) > KEPT_AT_ONCE:
+        numbers = count * self.body.dimension * self.body.unknowns
+        if numbers > FEW and self._reading(count) > KEPT_AT_ONCE:
             self.columns = None
         elif self.columns is not None:
             self.columns.extend(missing)
