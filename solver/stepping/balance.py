@@ -73,20 +73,25 @@ class Balance(NamedTuple):
         that comes down without loads may touch just where its displacement is zero.
         """
         reached = np.maximum(np.abs(guess), np.abs(self.start))
-        squares = np.empty((len(system.bodies), 3))
-        members = zip(system.bodies, system.slices, self.weights, squares, strict=True)
-        for body, own, weights, found in members:
-            loads, constant = self.load[own], self.constant[own]
-            found[:] = loads @ loads, constant @ constant, body.round_off(reached[own], weights)
-        sums = global_sum(system.comm, squares)
-        load, inertia, least = (math.sqrt(value) for value in sums.sum(axis=0))
-        scale, least = load or inertia, ROUND_OFFS * least
-        each = sums[:, 0] if load else sums[:, 1]
-        given = float(np.max(np.sqrt(each * system.spread) / system.masses))
-        rough = float(np.max(ROUND_OFFS * np.sqrt(sums[:, 2]) / system.masses))
+        squares = []
+        for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
+            load, constant = self.load[own], self.constant[own]
+            round_off = body.round_off(reached[own], weights)
+            squares.append((load @ load, constant @ constant, round_off))
+        loads, inertias, rough = global_sum(system.comm, np.array(squares)).T  # of each body
+        given = loads if loads.any() else inertias
+        scale, least = math.sqrt(sum(given)), ROUND_OFFS * math.sqrt(sum(rough))
+        accelerations = [
+            max(
+                RESULTANT_TOLERANCE * math.sqrt(body.unknowns * square),
+                ROUND_OFFS * math.sqrt(left),
+            )
+            / body.mass
+            for body, square, left in zip(system.bodies, given, rough, strict=True)
+        ]
         return ResidualTolerance(
             norm=max(RESIDUAL_TOLERANCE * scale, least),
-            acceleration=max(RESULTANT_TOLERANCE * given, rough),
+            acceleration=max(accelerations),
             round_off=max(STAGNANT_TOLERANCE * scale, least),
         )
 

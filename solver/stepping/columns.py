@@ -11,6 +11,9 @@ FEW = 50_000
 """Numbers in all columns that are few: to read them takes no longer than to prepare a back
 substitution, and those of the ports asked for last are kept together."""
 
+COPIED = 3
+"""Times that columns are passed over which are copied from among others to be read."""
+
 
 def rows_of(points: Indices, d: int) -> Indices:
     """Row numbers of the d directions of points."""
@@ -59,7 +62,7 @@ class Columns:
         acting = forces.any(axis=1)
         rows = rows_of(self._place[ports[acting]], self._d)
         flat, count = forces[acting].reshape(-1), len(self.values.T)
-        if 3 * len(rows) < count:  # columns that are copied are passed over three times
+        if COPIED * len(rows) < count:
             return np.asarray(flat @ self.values.T[rows])
         whole = np.zeros(count)
         whole[rows] = flat

@@ -18,7 +18,7 @@ from solver.bodies.memory import ASKED_PART, compliance_bytes, require
 from solver.bodies.reduced.body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.parallel import Layer
-from solver.stepping.columns import FEW, Columns, rows_of
+from solver.stepping.columns import COPIED, FEW, Columns, rows_of
 from solver.types import Array, Indices
 
 TOGETHER = 1.0 / 6.0
@@ -37,9 +37,6 @@ which they are worth having."""
 MOST_KEPT = 1.0
 """Time to read all columns that are kept of such ports, over that of a back substitution, at most.
 """
-
-COPIED = 3
-"""Times that columns are passed over which are copied from among others to be read."""
 
 
 @dataclass(frozen=True, slots=True)

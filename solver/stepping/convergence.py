@@ -60,18 +60,14 @@ class IterationTolerances(NamedTuple):
     """What counts as zero.
 
     Attributes:
-        absolute: Euclidean norm of a residual, N.
-        relative: The same over the first residual.
+        residual: Of a residual itself.
+        relative: Norm of a residual over that of the first one.
         correction: Norm of a correction over that of the unknowns.
-        acceleration: What the resultant of a residual gives a body, m/s2.
-        round_off: Norm of a residual that may be round-off where it no longer falls, N.
     """
 
-    absolute: float
+    residual: ResidualTolerance
     relative: float
     correction: float
-    acceleration: float
-    round_off: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,23 +106,23 @@ class Convergence:
 
     def judge(self, record: IterationRecord, tolerances: IterationTolerances) -> IterationVerdict:
         """The verdict after an iteration."""
-        past = record.residuals
+        past, zero = record.residuals, tolerances.residual
         residual, iterations = past[-1], len(past) - 1
         if not math.isfinite(residual):
             return IterationVerdict.NOT_A_NUMBER
         if iterations == 0:
             # Forces that balance need not obey the contact law of this step: correct at least once.
             return IterationVerdict.ITERATING
-        if residual <= tolerances.absolute and self._settled(past, tolerances.absolute):
-            if record.acceleration() <= tolerances.acceleration:
+        if residual <= zero.norm and self._settled(past, zero.norm):
+            if record.acceleration() <= zero.acceleration:
                 return IterationVerdict.SMALL_RESIDUAL
         if residual <= tolerances.relative * past[0]:
             return IterationVerdict.SMALL_RELATIVE_RESIDUAL
         if record.correction <= tolerances.correction * record.unknowns:
             return IterationVerdict.SMALL_CORRECTION
-        if self._stagnates(past, tolerances.round_off):
+        if self._stagnates(past, zero.round_off):
             return IterationVerdict.SMALL_CORRECTION
-        if residual > self.growth * max(past[0], record.forces, tolerances.absolute):
+        if residual > self.growth * max(past[0], record.forces, zero.norm):
             return IterationVerdict.GROWING
         if iterations >= self.patience and residual > 0.5 * past[-1 - self.window]:
             return IterationVerdict.TOO_MANY_ITERATIONS

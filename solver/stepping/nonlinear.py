@@ -221,7 +221,7 @@ class NonlinearSolver:
         self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
         """The user's tolerances: of the residual relative and absolute, N, and of a correction; the
         absolute one is 0 where options name none."""
-        self._tolerances = IterationTolerances(0.0, 0.0, 0.0, 0.0, 0.0)
+        self._tolerances = IterationTolerances(ResidualTolerance.of_norm(0.0), 0.0, 0.0)
 
     def _set_up(self, comm: MPI.Intracomm, options: Sequence[str]) -> PETSc.SNES:
         """SNES with a correction in the place of a preconditioned Krylov method."""
@@ -309,13 +309,7 @@ class NonlinearSolver:
         if self._tolerance:  # the user's
             tolerance = ResidualTolerance.of_norm(self._tolerance)
         self.snes.setTolerances(atol=tolerance.norm)
-        self._tolerances = IterationTolerances(
-            tolerance.norm,
-            self._relative,
-            self._smallest,
-            tolerance.acceleration,
-            tolerance.round_off,
-        )
+        self._tolerances = IterationTolerances(tolerance, self._relative, self._smallest)
         self._arrays.written(self._x)[:] = unknowns
         late = in_data_base(self._late) if self._late else NOTHING
         try:

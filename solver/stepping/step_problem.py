@@ -140,17 +140,17 @@ class StepProblem:
         """
         system = self._system
         sums = np.zeros((len(system.bodies), system.dimension))
-        rigid = np.zeros((len(system.bodies), 1))
-        members = zip(system.bodies, system.slices, sums, rigid, strict=True)
-        for body, own, total, square in members:
+        for body, own, total in zip(system.bodies, system.slices, sums, strict=True):
             force = self._residual[own]
-            if isinstance(body, DenseBody):
-                square[:] = force @ force
+            if isinstance(body, DenseBody):  # one rank has all of it, the others nothing
+                total[0] = math.sqrt(force @ force)
             else:
                 total[:] = body.resultant(force)
-        found = global_sum(system.comm, np.hstack([sums, rigid]))
-        squares = np.sum(found[:, :-1] ** 2, axis=1) + found[:, -1]
-        return float(np.max(np.sqrt(squares) / system.masses))
+        found = global_sum(system.comm, sums)
+        return max(
+            math.sqrt(total @ total) / body.mass
+            for body, total in zip(system.bodies, found, strict=True)
+        )
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
         """Subtract the forces of an interface on both its bodies."""

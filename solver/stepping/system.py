@@ -55,10 +55,6 @@ class System:
         )
         self.size = int(ends[-1])
         self.unknowns = sum(body.unknowns for body in bodies)
-        self.masses = np.array([body.mass for body in bodies])
-        """Mass of each body, (bodies,), kg."""
-        self.spread = np.array([float(body.unknowns) for body in bodies])
-        """Unknowns of each body, over which its loads are spread, (bodies,)."""
         self.directional_mass = np.hstack([body.directional_mass for body in bodies])
         self.fixed = np.concatenate(
             [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]

@@ -94,7 +94,7 @@ def test_verdicts(residuals: list[float], forces: float, verdict: IterationVerdi
     record = IterationRecord(
         residuals, correction=1.0, unknowns=1.0, forces=forces, acceleration=lambda: 0.0
     )
-    tolerances = IterationTolerances(1e-9, 0.0, 1e-15, 0.0, 1e-9)
+    tolerances = IterationTolerances(ResidualTolerance(1e-9, 0.0, 1e-9), 0.0, 1e-15)
     assert Convergence().judge(record, tolerances) is verdict
 
 
@@ -114,5 +114,5 @@ def test_a_small_residual_that_does_not_balance_itself_is_corrected(
     record = IterationRecord(
         residuals, correction=1.0, unknowns=1.0, forces=0.0, acceleration=lambda: acceleration
     )
-    tolerances = IterationTolerances(1e-9, 0.0, 1e-15, 2e-11, 1e-11)
+    tolerances = IterationTolerances(ResidualTolerance(1e-9, 2e-11, 1e-11), 0.0, 1e-15)
     assert Convergence().judge(record, tolerances) is verdict
