@@ -146,11 +146,9 @@ class StepProblem:
                 total[0] = math.sqrt(force @ force)
             else:
                 total[:] = body.resultant(force)
-        found = global_sum(system.comm, sums)
-        return max(
-            math.sqrt(total @ total) / body.mass
-            for body, total in zip(system.bodies, found, strict=True)
-        )
+        forces = np.linalg.norm(global_sum(system.comm, sums), axis=1)
+        members = zip(system.bodies, forces, strict=True)
+        return max(float(force) / body.mass for body, force in members)
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
         """Subtract the forces of an interface on both its bodies."""
