@@ -61,6 +61,8 @@ class Placed(NamedTuple):
     """m."""
     smooth: Array
     """Residual without contact, N."""
+    inertia: Array
+    """M (u - u_n - dt v_n), kg m."""
     surface: SurfaceState
     """Contact points."""
     kinematics: ContactKinematics
@@ -161,14 +163,15 @@ class FullNewton:
             force = force + np.einsum("pij,pj->pi", change, moved)
         outcome = NewtonOutcome(converged, len(norms) - 1, norms[-1], "full Newton")
         contact = Contact(here.surface, here.kinematics, force, law.bounds)
-        return StepSolution(u, [contact] if converged else [], left, outcome, np.empty(0))
+        contacts = [contact] if converged else []
+        return StepSolution(u, contacts, left, here.inertia, outcome, np.empty(0))
 
     def place(self, balance: Balance, u: Array) -> Placed:
         """The body and its points at u."""
         interface = self._link.interface
         surface, kinematics = interface.observe(u, None)
         y = interface.augmented(surface, kinematics)
-        return Placed(u, balance.smooth_residual(self._system, u), surface, kinematics, y)
+        return Placed(u, *balance.smooth_residual(self._system, u), surface, kinematics, y)
 
     def residual(self, balance: Balance, here: Placed, force: Array) -> Array:
         """Out-of-balance force with these point forces, N."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import move_on, turn_all
+from solver.bodies.kernels.momenta import move_on, resultant, turn_all
 from solver.bodies.kinematics import RigidMotion, rigid_modes
 from solver.bodies.mass_properties import MassProperties
 from solver.bodies.supports import GroundSpring, Support
@@ -147,7 +147,7 @@ class ElasticBody:
         """
         if self.clamped:
             return u + dt * v
-        after, way = np.empty_like(u), dt * motion.velocity
+        after, way = np.empty(len(u)), dt * motion.velocity
         move_on(self.arm, u, motion.moved, angle, way, after)
         return after
 
@@ -155,7 +155,7 @@ class ElasticBody:
         """Nodal forces that turn with the body, by an angle or a rotation vector."""
         if self.clamped:
             return force
-        turned = np.empty_like(force)
+        turned = np.empty(len(force))
         turn_all(force, vector, turned)
         return turned
 
@@ -230,7 +230,9 @@ class ElasticBody:
 
     def resultant(self, force: Array) -> Array:
         """Sum of the forces on the owned unknowns along each direction, (d,), N."""
-        return np.asarray(force.reshape(-1, self.dimension).sum(axis=0))
+        total = np.empty(self.dimension)
+        resultant(force, total)
+        return total
 
     def dashpot(self, velocity: Array) -> Array:
         """Force of the dashpot beside the spring to the ground, which there is."""
@@ -250,7 +252,7 @@ class ElasticBody:
             stiffness = terms * max(1.0, weights.stiffness) * self._diagonal
             stiffness += 0.1 * weights.mass * node_mass
             self._rounding = weights, (float(np.finfo(float).eps) * stiffness) ** 2
-        return float(self._rounding[1] @ u**2)
+        return float(self._rounding[1].dot(u**2))
 
     def strain_energy(self, u: Array) -> float:
         """Integral of E:C:E/2 over this rank's cells at displacement u, J."""

@@ -51,7 +51,7 @@ class MassProperties:
         if self._comm.size > 1:
             moment = u.reshape(self.arm.shape).T @ self._moment_row
             return polar_rotation(global_sum(self._comm, moment) + self._moment)
-        rotation = np.empty_like(self._moment)
+        rotation = np.empty(self._moment.shape)
         best_rotation(u, self._moment_row, self._moment, rotation)
         return rotation
 

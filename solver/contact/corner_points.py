@@ -40,7 +40,7 @@ class CornerPoints:
 
     def closed_to_all(self, may_touch: Mask) -> Mask:
         """Points that may not touch, but for those at whose corner another one may."""
-        outside = np.empty_like(may_touch)
+        outside = np.empty(len(may_touch), dtype=np.bool_)
         exclude_groups(self._member, self._first, may_touch, outside)
         return outside
 

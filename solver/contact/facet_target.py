@@ -96,7 +96,7 @@ class Face(FacetCarrier):
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
-        vectors = np.empty_like(force)
+        vectors = np.empty(force.shape)
         forces_in_space(_stand(old), _stand(new), self.frame, self.facet, force, vectors)
         return vectors
 

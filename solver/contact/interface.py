@@ -294,7 +294,7 @@ class Interface:
         equilibrium.
         """
         y_old, y = self.augmented(old.surface, old.kinematics), self.augmented(surface, kinematics)
-        anchor = np.empty_like(old.anchor)
+        anchor = np.empty(old.anchor.shape)
         past, friction, contact = after_step(
             tuple(self._laws),
             force,

@@ -15,8 +15,10 @@ SUNK_IN = 1e-9
 """Part of a face's length: points deeper than closed ones by more have sunk in elsewhere."""
 
 
-def _ignored_until_open(interface: Interface, memory: Memory) -> Mask:
+def _ignored_until_open(interface: Interface, memory: Memory) -> Mask | None:
     """Points that sank in elsewhere: until they are out again contact would throw them out.
+
+    None where no point is outside.
 
     They did so beside a face, or before the face that they are on joined: Gauss points of one
     face do not keep another from sinking in at an edge between them.
@@ -27,7 +29,7 @@ def _ignored_until_open(interface: Interface, memory: Memory) -> Mask:
     beyond = interface.carrier.beyond_edge(memory.kinematics)
     if beyond is not None:
         outside |= beyond
-    return outside & penetrating(interface, memory) if outside.any() else outside
+    return outside & penetrating(interface, memory) if np.count_nonzero(outside) else None
 
 
 def penetrating(interface: Interface, memory: Memory) -> Mask:
@@ -60,10 +62,11 @@ def rotate_frame(
     exchanged = 0.0
     if isinstance(interface.carrier, Face) and carrier_rotation is not None:
         memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
-    may_touch = interface.may_touch(rotation, memory.kinematics) & ~_ignored_until_open(
-        interface, memory
-    )
-    if (may_touch == memory.may_touch).all():
+    may_touch = interface.may_touch(rotation, memory.kinematics)
+    ignored = _ignored_until_open(interface, memory)
+    if ignored is not None:
+        may_touch &= ~ignored
+    if may_touch.tobytes() == memory.may_touch.tobytes():
         return memory, exchanged
     before = interface.energy(memory)
     y = interface.augmented(memory.surface, memory.kinematics)

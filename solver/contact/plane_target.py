@@ -78,7 +78,7 @@ class Plane:
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         shift = self._unmoved if carrier is None else carrier.position[0]
-        place = np.empty_like(position)
+        place = np.empty(position.shape)
         places(position, self.origin, shift, self.frame, place)
         return ContactKinematics(place, self.frame, carrier)
 

@@ -104,7 +104,7 @@ def in_frames(vectors: Array, frames: Array) -> Array:
 def in_space(components: Array, frames: Array) -> Array:
     """Vectors in space of components (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
     if frames.ndim == 2:
-        vectors = np.empty_like(components)
+        vectors = np.empty(components.shape)
         vectors_of(components, frames, vectors)
         return vectors
     return (components[:, None, :] @ frames)[:, 0]

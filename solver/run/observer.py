@@ -129,8 +129,8 @@ class Observer:
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""
         stepper, system = self._stepper, self._stepper.system
-        moved = global_sum(system.comm, system.directional_mass @ state.u)
-        gravity = -self._at_rest - float(stepper.gravity @ moved)
+        moved = global_sum(system.comm, system.directional_mass.dot(state.u))
+        gravity = -self._at_rest - float(stepper.gravity.dot(moved))
         interface = stepper.interface_energy(state)
         stored = state.kinetic, state.strain, gravity, state.spring, interface
         now = zip(self._exchanged, _EXCHANGED(exchange), strict=True)

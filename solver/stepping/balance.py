@@ -77,9 +77,9 @@ class Balance(NamedTuple):
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
             load, constant = self.load[own], self.constant[own]
             round_off = body.round_off(reached[own], weights)
-            squares.append((load @ load, constant @ constant, round_off))
+            squares.append((load.dot(load), constant.dot(constant), round_off))
         loads, inertias, rough = global_sum(system.comm, np.array(squares)).T  # of each body
-        given = loads if loads.any() else inertias
+        given = loads if any(loads) else inertias
         scale, least = math.sqrt(sum(given)), ROUND_OFFS * math.sqrt(sum(rough))
         accelerations = [
             max(
@@ -95,24 +95,29 @@ class Balance(NamedTuple):
             round_off=max(STAGNANT_TOLERANCE * scale, least),
         )
 
-    def smooth_residual(self, system: System, u: Array) -> Array:
-        """Out-of-balance force at the displacement u (m) without that of contact, N."""
+    def smooth_residual(self, system: System, u: Array) -> tuple[Array, Array]:
+        """Out-of-balance force at the displacement u (m) without that of contact, N.
+
+        Also M (u - start - way), kg m, of which it holds the inertia; zero in equilibrium.
+        """
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
         travel = None
         if self.way is not None:
             travel = u - self.start
             travel -= self.way
-        residual: Array = np.empty_like(u)
+        residual: Array = np.empty(u.shape)
+        inertia: Array = np.zeros(u.shape) if travel is None else np.empty(u.shape)
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
             part, internal = residual[own], body.internal_force(u[own], static=self.static)
             part[:] = self.constant[own]
             if internal is not None:
                 part += internal
             if travel is not None:
-                part += weights.mass * body.inertia(travel[own])
+                inertia[own] = body.inertia(travel[own])
+                part += weights.mass * inertia[own]
             if body.has_spring:
                 part += _spring(body, weights, u[own], None if travel is None else travel[own])
-        return residual
+        return residual, inertia
 
 
 def _spring(body: Body, weights: TangentWeights, u: Array, travel: Array | None) -> Array:
@@ -134,6 +139,8 @@ class StepSolution(NamedTuple):
     """Interfaces and point forces; empty where the iteration did not converge."""
     residual: Array
     """What is left of the out-of-balance force, N."""
+    inertia: Array
+    """M (u - u_n - dt v_n), kg m; zero in equilibrium."""
     outcome: NewtonOutcome
     """How the iteration ended."""
     held: Array

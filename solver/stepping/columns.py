@@ -58,7 +58,7 @@ class Columns:
         if self.values.size <= FEW:
             if not same(ports, self._last[0]):
                 self._last = ports, self.values.T[rows_of(self._place[ports], self._d)]
-            return np.asarray(forces.reshape(-1) @ self._last[1])
+            return forces.reshape(-1).dot(self._last[1])
         acting = forces.any(axis=1)
         rows = rows_of(self._place[ports[acting]], self._d)
         flat, count = forces[acting].reshape(-1), len(self.values.T)

@@ -97,16 +97,13 @@ class ContactSolve:
         if outcome.converged and problem.sleepers.overran:
             outcome = outcome._replace(converged=False, reason="bodies move too far in one step")
         contacts = problem.contacts() if outcome.converged else []
-        return StepSolution(u, contacts, self._solver.residual, outcome, problem.held)
+        residual = self._solver.residual
+        return StepSolution(u, contacts, residual, problem.inertia, outcome, problem.held)
 
     def _restiffens(self, balance: Balance) -> bool:
         """Give meshed bodies the stiffness of the strained state of a step that failed, once."""
         system, start = self._model.system, balance.start
-        meshed = [
-            (body, own)
-            for body, own in zip(system.bodies, system.slices, strict=True)
-            if not isinstance(body, DenseBody)
-        ]
+        meshed = [(body, own) for body, own in system.members if not isinstance(body, DenseBody)]
         if balance.static or not meshed or self._was_strained_at(start):
             return False
         self._strained_at = start

@@ -21,6 +21,7 @@ from solver.contact.kernels.turned import (
     largest_change,
     mark_ports,
     middle_of,
+    out_of_frame,
     point_vectors,
     read_points,
 )
@@ -234,7 +235,7 @@ class ElasticResponse:
         """Add what forces at near points do; nothing where the body has none of them."""
         if not len(coupling.ports):
             return
-        vectors = np.empty_like(force)
+        vectors = np.empty(force.shape)
         point_vectors(force, weight, near.frames, at.middle, vectors)
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
@@ -243,4 +244,6 @@ class ElasticResponse:
 
     def owned(self, at: ElasticConfiguration, motion: Array) -> Array:
         """A motion of the owned unknowns, from the frame of the body back into space."""
-        return (motion @ at.rotation.T).ravel()
+        vectors = np.empty(motion.size)
+        out_of_frame(motion, at.rotation, vectors)
+        return vectors

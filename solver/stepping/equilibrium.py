@@ -36,7 +36,7 @@ def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights
 def consistent(system: System, links: Sequence[Link], state: State) -> State:
     """Fill in p_0 = -F(u_0) and the energies of a state."""
     forces, held = np.zeros(system.size), np.zeros(system.size)
-    for body, own in zip(system.bodies, system.slices, strict=True):
+    for body, own in system.members:
         u = state.u[own]
         body.begin_static(u)
         internal, spring = body.internal_force(u, static=True), body.spring(u)

@@ -125,7 +125,7 @@ class VelocityImpulses:
             joined([contact.bounds.mu for contact in contacts]),
             joined([contact.bounds.cohesion for contact in contacts]),
         )
-        q = np.empty_like(velocity)
+        q = np.empty(velocity.shape)
         if q.size > MANY_ROWS:
             found = self._correct_many(points, velocity, W, operator.W, dt, taken, q)
         else:

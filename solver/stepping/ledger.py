@@ -65,8 +65,8 @@ def energies(system: System, u: Array, v: Array) -> Energies:
 def _own_energies(system: System, u: Array, v: Array) -> Energies:
     """This rank's part of the energies."""
     total = Energies()
-    for body, own in zip(system.bodies, system.slices, strict=True):
-        total.kinetic += 0.5 * float(v[own] @ body.inertia(v[own]))
+    for body, own in system.members:
+        total.kinetic += 0.5 * float(v[own].dot(body.inertia(v[own])))
         if not isinstance(body, DenseBody):
             total.strain += body.strain_energy(u[own])
     for body, own in system.tied:
@@ -93,6 +93,8 @@ class StepEnds(NamedTuple):
     """What `impulsive_force` gives of each body, N; None: it has none."""
     residual: Array
     """What the iteration left out of balance, N."""
+    inertia: Array
+    """M (u_{n+1} - u_n - dt v_n), kg m."""
 
 
 def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
@@ -103,14 +105,14 @@ def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
     du, dt = ends.du, ends.dt
     sums = StepSums(
         energies=_own_energies(system, ends.u, ends.v),
-        moved=system.directional_mass @ du,
-        increment=float(du @ dp),
-        residual=float(ends.residual @ du),
+        moved=system.directional_mass.dot(du),
+        increment=float(du.dot(dp)),
+        residual=float(ends.residual.dot(du)),
     )
     for body, own, viscous in zip(system.bodies, system.slices, ends.impulsive, strict=True):
         if isinstance(body, ElasticBody) and viscous is not None:
             # The gradient of du at the midpoint is dE: du.C du/dt is beta_R/dt times int dE:C:dE.
-            lost = float(viscous @ du[own])
+            lost = float(viscous.dot(du[own]))
             sums.damping += lost
             sums.increment += dt / body.damping.stiffness * lost
         elif not isinstance(body, DenseBody):

@@ -71,10 +71,9 @@ class LocalError:
     def __init__(self, system: System, size: float):
         """Refer errors to a length R, m."""
         self._system, self._size = system, size
-        bodies = zip(system.bodies, system.slices, strict=True)
         self._meshed = [
             (number, body, own)
-            for number, (body, own) in enumerate(bodies)
+            for number, (body, own) in enumerate(system.members)
             if not isinstance(body, DenseBody)
         ]
 

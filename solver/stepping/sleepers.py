@@ -117,8 +117,7 @@ def ways_of(system: System, change: Array) -> list[float]:
 
     By positions relative to the ground.
     """
-    parts = zip(system.bodies, system.slices, strict=True)
-    return global_max(system.comm, [_way(body, change[own]) for body, own in parts])
+    return global_max(system.comm, [_way(body, change[own]) for body, own in system.members])
 
 
 def _way(body: Body, change: Array) -> float:

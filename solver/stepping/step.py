@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from solver.contact.memory import Dissipation, Memory
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.balance import Balance
@@ -48,7 +50,7 @@ def balance_of(
     af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
     weighted = scheme.contact_weight * step.load
     constant = (am - (1 - am) * (0.5 - beta) / beta) * step.p - weighted
-    for body, own in zip(system.bodies, system.slices, strict=True):
+    for body, own in system.members:
         body.begin_step(state.u[own], scheme, dt)
     for body, own in system.tied:
         drag, spring = body.drag(state.v[own]), body.spring(state.u[own])
@@ -100,8 +102,7 @@ def impulsive_forces(system: System, u: Array, dt: float) -> list[Array | None]:
 
     Of meshed bodies that is C du/dt by strain rates.
     """
-    bodies = zip(system.bodies, system.slices, strict=True)
-    return [body.impulsive_force(u[own], dt) for body, own in bodies]
+    return [body.impulsive_force(u[own], dt) for body, own in system.members]
 
 
 def inertia_force(
@@ -118,8 +119,7 @@ def inertia_force(
     """
     scheme, dt = step.scheme, step.dt
     impulse = 0.5 / scheme.beta
-    p = system.inertia(ends.du - dt * state.v)
-    p /= scheme.beta * dt**2
+    p: Array = np.divide(ends.inertia, scheme.beta * dt**2)
     p -= (impulse - 1) * step.p
     for own, rates in zip(system.slices, ends.impulsive, strict=True):
         if rates is not None:

@@ -62,6 +62,7 @@ class StepProblem:
         friction: Bounds of friction.
         forces: Largest norm of the contact forces so far, N.
         held: Residual of the iterate at the unknowns that do not move, N.
+        inertia: M (u - u_n - dt v_n) at the iterate, kg m; zero in equilibrium.
     """
 
     def __init__(
@@ -108,12 +109,13 @@ class StepProblem:
         self._corrections = 0
         self.forces = 0.0
         self.held: Array = np.empty(0)
+        self.inertia: Array = self.held
         self._residual: Array = self.held
 
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
         balance = self._balance
-        residual = balance.smooth_residual(self._system, u)
+        residual, self.inertia = balance.smooth_residual(self._system, u)
         seen: list[Observed] = []
         asleep = self.sleepers.asleep
         for number, memory in enumerate(balance.contact):
@@ -127,8 +129,7 @@ class StepProblem:
             residual[self._system.fixed] = 0.0
         self._iterate = Iterate(u, seen)
         self._kinematics = [
-            None if left_out else kinematics
-            for (_, kinematics), left_out in zip(seen, asleep, strict=True)
+            None if asleep[number] else kinematics for number, (_, kinematics) in enumerate(seen)
         ]
         self._residual = residual
         return residual
@@ -140,15 +141,16 @@ class StepProblem:
         """
         system = self._system
         sums = np.zeros((len(system.bodies), system.dimension))
-        for body, own, total in zip(system.bodies, system.slices, sums, strict=True):
+        for number, (body, own) in enumerate(system.members):
             force = self._residual[own]
             if isinstance(body, DenseBody):  # one rank has all of it, the others nothing
-                total[0] = math.sqrt(force @ force)
+                sums[number, 0] = math.sqrt(force @ force)
             else:
-                total[:] = body.resultant(force)
-        forces = np.linalg.norm(global_sum(system.comm, sums), axis=1)
-        members = zip(system.bodies, forces, strict=True)
-        return max(float(force) / body.mass for body, force in members)
+                sums[number] = body.resultant(force)
+        totals = global_sum(system.comm, sums)
+        return max(
+            math.hypot(*totals[number]) / body.mass for number, body in enumerate(system.bodies)
+        )
 
     def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
         """Subtract the forces of an interface on both its bodies."""
@@ -182,7 +184,7 @@ class StepProblem:
         if len(near):
             delassus = self._delassus(near)
             new = self._solved(delassus, y)
-            weight, change = self._weight, np.empty_like(new)
+            weight, change = self._weight, np.empty(new.shape)
             squares = take_over(self.force, near, new, change)
             self.forces = max(self.forces, weight * math.sqrt(squares))
             for k, response in enumerate(self._tangents.responses):

@@ -116,8 +116,7 @@ class Stepper:
         The frames of carriers are those of this step afterwards, and faces that have turned to
         their carriers take part; the state stays as it is.
         """
-        rotations = self._interfaces.rotations_of(state)
-        faces = self._interfaces.joined_by(state.faces, rotations)
+        faces = self._interfaces.joined_by(state.faces, self._interfaces.rotations_of(state))
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
 
@@ -210,7 +209,7 @@ class Stepper:
         state = start or self.start(u, np.zeros_like(u), time)
         self._join(state.faces)
         system = self.system
-        for body, own in zip(system.bodies, system.slices, strict=True):
+        for body, own in system.members:
             body.begin_static(u[own])
         gravity = self.gravity @ system.directional_mass
         total = gravity if load is None else gravity + load
@@ -291,9 +290,10 @@ class Stepper:
         """State at t_{n+1}, `end` (s), and the ledger of the step."""
         system, dt, old = self.system, step.dt, step.start.contacts
         u, du = solution.u, solution.u - state.u
-        mean = np.asarray(du / dt)
+        mean: Array = np.divide(du, dt)
         v = 2 * mean - state.v
-        ends = StepEnds(dt, u, v, du, mean, impulsive_forces(system, u, dt), solution.residual)
+        impulsive, residual = impulsive_forces(system, u, dt), solution.residual
+        ends = StepEnds(dt, u, v, du, mean, impulsive, residual, solution.inertia)
         p = inertia_force(system, self.links, state, step, ends, solution.contacts)
         at_supports = np.empty(0)
         if len(system.fixed):

@@ -64,8 +64,10 @@ class System:
         self._unturned: Array = np.eye(self.dimension)
         self._unturned.flags.writeable = False
 
-        members = tuple(zip(self.bodies, self.slices, strict=True))
-        self.grounded = tuple((body, own) for body, own in members if _stands_on_ground(body))
+        self.members = tuple(zip(self.bodies, self.slices, strict=True))
+        """All bodies, and where their unknowns are."""
+
+        self.grounded = tuple((body, own) for body, own in self.members if _stands_on_ground(body))
         """Bodies that supports or springs to the ground hold, and where their unknowns are."""
         self.clamped = tuple(
             (body, own) for body, own in self.grounded if not isinstance(body, DenseBody)
@@ -73,7 +75,7 @@ class System:
         """The meshed ones of these; the same on all ranks."""
 
         self.tied = tuple(
-            (body, own) for body, own in members if _is_tied(body, np.zeros(body.size))
+            (body, own) for body, own in self.members if _is_tied(body, np.zeros(body.size))
         )
         """Bodies on which springs or dashpots to the ground act, or damping like these, and where
         their unknowns are."""
@@ -91,19 +93,11 @@ class System:
         """The unknowns of one body; None for the ground."""
         return None if body is None else vector[self.slices[body]]
 
-    def inertia(self, vector: Array) -> Array:
-        """M x."""
-        if len(self.bodies) == 1:
-            return self.bodies[0].inertia(vector)
-        parts = zip(self.bodies, self.slices, strict=True)
-        return np.concatenate([body.inertia(vector[own]) for body, own in parts])
-
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from, of those at the end of a step."""
         if len(self.bodies) == 1:
             return self.bodies[0].settled(u)
-        parts = zip(self.bodies, self.slices, strict=True)
-        return np.concatenate([body.settled(u[own]) for body, own in parts])
+        return np.concatenate([body.settled(u[own]) for body, own in self.members])
 
     def rigid(self, link: Link) -> bool:
         """Whether neither of the two bodies is meshed: their point forces are not unique then."""

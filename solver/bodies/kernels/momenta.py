@@ -41,6 +41,16 @@ def momenta(
 
 
 @compiled
+def resultant(forces: Array, total: Array) -> None:
+    """Fill in the sum (d,) of forces on nodes, one after another in (n d,), N."""
+    d = len(total)
+    total[:] = 0.0
+    for n in range(0, len(forces), d):
+        for i in range(d):
+            total[i] += forces[n + i]
+
+
+@compiled
 def velocities(
     sums: Array, mass: float, rotation: Array, inertia: Array, motion: Array, spin: Array
 ) -> None:

@@ -35,6 +35,18 @@ def into_frame(vectors: Array, rotation: Array, turned: Array, total: Array) -> 
 
 
 @compiled
+def out_of_frame(turned: Array, rotation: Array, vectors: Array) -> None:
+    """Fill in R x of rows x, (n, d), as vectors one after another in (n d,)."""
+    d = len(rotation)
+    for n in range(len(turned)):
+        for i in range(d):
+            along = 0.0
+            for j in range(d):
+                along += rotation[i, j] * turned[n, j]
+            vectors[n * d + i] = along
+
+
+@compiled
 def free_step(motion: Array, shift: Array, total: Array) -> None:
     """Let a motion (n, d), K_0^-1 r, become -(K_0^-1 + S) r in place, with the sum of r, (d,)."""
     d = len(total)
