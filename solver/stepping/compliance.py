@@ -193,11 +193,8 @@ class Compliance:
         return Columns(self.body.size, self.body.dimension, int(self._first[-1]))
 
     def _reading(self, ports: int) -> float:
-        """Time to read the columns of so many ports, over that of a back substitution.
-
-        This passes over the factor twice.
-        """
-        return ports * self.body.dimension * self.body.unknowns / (2 * self.factor.entries)
+        """Time to read the columns of so many ports, over that of a back substitution."""
+        return ports * self.body.dimension * self.body.unknowns / self.factor.reads
 
     def _has_few(self, ports: Indices) -> bool:
         """Whether there are columns of the ports that forces act at.

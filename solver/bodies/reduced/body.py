@@ -28,18 +28,26 @@ class DenseFactor:
 
     name = "dense Cholesky"
 
-    def __init__(self, matrix: Array, held: NDArray[np.int32]):
-        """Factorize the matrix of the unknowns that are not held; what is held does not move."""
+    def __init__(self, matrix: Array, held: NDArray[np.int32], unknowns: int):
+        """Factorize the matrix of the unknowns that are not held; what is held does not move.
+
+        The first rank has all of the matrix, the others nothing; all know its unknowns.
+        """
         self._held, own = held, matrix.copy()
         own[held], own[:, held] = 0.0, 0.0
         own[held, held] = 1.0
         self._factor = la.cho_factor(own, lower=True) if len(own) else None
-        self.entries = float(max(1, matrix.size))
+        self._entries = float(unknowns) ** 2
+
+    @property
+    def reads(self) -> float:
+        """Numbers that a solve for one vector reads: each substitution half of them."""
+        return self._entries
 
     @property
     def nbytes(self) -> float:
         """Memory of the factor, bytes."""
-        return 8.0 * self.entries
+        return 8.0 * self._entries
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
@@ -272,7 +280,7 @@ class ReducedBody:
                 matrix += (weights.stiffness - weights.interface) * own.undeformed
             if self.has_spring:
                 matrix += weights.spring * own.spring
-            self._factorizations[weights] = DenseFactor(matrix, self.fixed)
+            self._factorizations[weights] = DenseFactor(matrix, self.fixed, self.unknowns)
             self.factorizations += 1
             self.solvers.add(DenseFactor.name)
         return self._factorizations[weights]
@@ -283,4 +291,4 @@ class ReducedBody:
 
     def mass_inverse(self) -> DenseFactor:
         """The factorized mass."""
-        return DenseFactor(self._own.mass, self.fixed)
+        return DenseFactor(self._own.mass, self.fixed, self.unknowns)
