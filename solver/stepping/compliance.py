@@ -5,9 +5,10 @@ It is computed many columns at a time, as points come near contact.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,8 +18,8 @@ from solver.bodies.factorization import Inverse, blocks
 from solver.bodies.memory import ASKED_PART, compliance_bytes, require
 from solver.bodies.reduced.body import ReducedBody
 from solver.contact.nitsche_points import same
-from solver.parallel import Layer
 from solver.stepping.columns import COPIED, FEW, Columns, rows_of
+from solver.stepping.ports import InterfaceDofs, PointRows
 from solver.types import Array, Indices
 
 TOGETHER = 1.0 / 6.0
@@ -39,36 +40,8 @@ MOST_KEPT = 1.0
 """
 
 
-@dataclass(frozen=True, slots=True)
-class InterfaceDofs:
-    """Points of a body where forces act and motions are read."""
-
-    layer: Layer
-    """The nodes that the rows refer to."""
-    force_rows: Any
-    """(points d, layer unknowns): its transpose turns point forces into nodal ones."""
-    read_rows: Any
-    """Rows of the same shape that read the response."""
-    count: int
-    """Number of points."""
-    symmetric: bool
-    """Whether both are the same numbers."""
-
-
-class PointRows(NamedTuple):
-    """Points of one group in a set of points.
-
-    Attributes:
-        layer: The nodes that their rows refer to.
-        force: Their force rows, (rows, layer unknowns).
-        read: Their read rows, likewise.
-        place: Where their rows are among those of the set.
-    """
-
-    layer: Layer
-    force: sp.csr_matrix
-    read: sp.csr_matrix
-    place: Indices
+NONE: Indices = np.empty(0, dtype=np.int64)
+"""No ports."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +58,14 @@ class SavedCompliance(NamedTuple):
     """What the digits of further answers of a compliance depend on.
 
     Attributes:
-        batches: Ports whose compliance was computed together, in order.
+        batches: Ports whose compliance was computed together, and ports whose columns were to be
+            kept with that because forces act there; either may be none. In order.
         gathered: Ports that were asked for last.
-        few: Ports whose columns were made together because forces act there, in order.
-        without: Back substitutions' time that such columns would have saved since then.
+        without: Back substitutions' time that columns of such ports would have saved since then.
     """
 
-    batches: list[Indices]
+    batches: list[tuple[Indices, Indices]]
     gathered: Indices
-    few: list[Indices]
     without: float
 
 
@@ -117,47 +89,53 @@ class Compliance:
         self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])
         self._place = np.full(int(self._first[-1]), -1)
         self._known: Indices = np.empty(0, dtype=np.int64)
-        self._batches: list[Indices] = []
+        self._batches: list[tuple[Indices, Indices]] = []
         self._matrix = np.empty((0, 0))
         self.columns: Columns | None = self._no_columns()
         """Columns of all ports that have been near; None where these are too many."""
-        self._few, self._made, self._without = self._no_columns(), list[Indices](), 0.0
+        self._acting, self._without = self._no_columns(), 0.0
         self._gathered = PortCompliance(self._known, self._matrix)
 
     @property
     def nbytes(self) -> float:
         """Memory of the factor and of what is kept of its columns, on all ranks together, bytes."""
-        columns = len(self._few.values.T)
+        columns = len(self._acting.values.T)
         if self.columns is not None:
             columns += len(self.columns.values.T)
         compliance = self.body.comm.size * self._matrix.nbytes
         return self.factor.nbytes + 8.0 * columns * self.body.unknowns + compliance
 
-    def among(self, chosen: Indices) -> PortCompliance:
-        """The compliance of some ports; kept for as long as the same ports are asked for."""
+    def among(
+        self, chosen: Indices, pressed: Callable[[], Indices] = lambda: NONE
+    ) -> PortCompliance:
+        """The compliance of some ports; kept for as long as the same ports are asked for.
+
+        Where some of it has to be computed, it is asked which ports are pressed.
+        """
         if not same(chosen, self._gathered.ports):
-            self._compute_missing(chosen)
+            self._compute_missing(chosen, pressed)
             self._gathered = self._gather(chosen)
         return self._gathered
 
-    def _compute_missing(self, ports: Indices) -> None:
+    def _compute_missing(
+        self, ports: Indices, pressed: Callable[[], Indices] = lambda: NONE
+    ) -> None:
         """Compute the columns that some of these ports still lack; collective."""
         missing = ports[self._place[ports] < 0]
         if len(missing):
-            self._compute(missing)
+            self._compute(missing, pressed())
 
     def saved(self) -> SavedCompliance:
         """What `repeat` needs to find the same digits."""
-        return SavedCompliance(
-            list(self._batches), self._gathered.ports, list(self._made), self._without
-        )
+        return SavedCompliance(list(self._batches), self._gathered.ports, self._without)
 
     def repeat(self, saved: SavedCompliance) -> None:
         """Compute what another compliance of the same body and factor has; collective."""
-        for batch in saved.batches:
-            self._compute(batch)
-        for batch in saved.few:
-            self._make_few(batch)
+        for ports, acting in saved.batches:
+            if len(ports):
+                self._compute(ports, acting)
+            else:
+                self._make_columns(acting)
         self._without = saved.without
         if len(saved.gathered):
             self.among(saved.gathered)
@@ -177,8 +155,8 @@ class Compliance:
             return self.columns.under(ports, vectors)
         acting = vectors.any(axis=1)
         ports, vectors = ports[acting], vectors[acting]
-        if self._has_few(ports):
-            return self._few.under(ports, vectors)
+        if self._has_columns(ports):
+            return self._acting.under(ports, vectors)
         right = np.zeros((self.body.owned, self.body.dimension))
         for port, own, mine in self._groups(ports):
             rows = port.force_rows[self._expand(own)]
@@ -196,7 +174,17 @@ class Compliance:
         """Time to read the columns of so many ports, over that of a back substitution."""
         return ports * self.body.dimension * self.body.unknowns / self.factor.reads
 
-    def _has_few(self, ports: Indices) -> bool:
+    def _beside(self, ports: int, missing: int) -> float:
+        """Time to read the columns of so many ports beside those of ports that forces act at.
+
+        So many are missing as yet; infinite where more would be kept then than may be.
+        """
+        kept = len(self._acting.ports) + missing
+        if self._reading(kept) > MOST_KEPT:
+            return math.inf
+        return self._reading(min(COPIED * ports, kept))
+
+    def _has_columns(self, ports: Indices) -> bool:
         """Whether there are columns of the ports that forces act at.
 
         Columns that are missing are made once they would have saved as much time as they cost:
@@ -204,10 +192,9 @@ class Compliance:
         rocks, save it from then on, and others lose no more than that. Those that are kept make way
         where to read beside them takes too long.
         """
-        missing = self._few.lacks(ports)
-        kept = len(self._few.ports) + len(missing)
-        read = self._reading(min(COPIED * len(ports), kept))
-        anew = read > WORTH_READING or self._reading(kept) > MOST_KEPT
+        missing = self._acting.lacks(ports)
+        read = self._beside(len(ports), len(missing))
+        anew = read > WORTH_READING
         if anew:
             missing, read = ports, self._reading(len(ports))
             if read > WORTH_READING:
@@ -218,18 +205,18 @@ class Compliance:
                 return False
             self._without = 0.0
             if anew:
-                self._few = self._no_columns()
-                self._made.clear()
-            self._make_few(missing)
+                self._acting = self._no_columns()
+                self._batches = [(known, NONE) for known, _ in self._batches if len(known)]
+            self._make_columns(missing)
         return True
 
-    def _make_few(self, ports: Indices) -> None:
-        """Solve for the columns of a few ports that forces act at, and keep them."""
-        self._made.append(ports.copy())
+    def _make_columns(self, ports: Indices) -> None:
+        """Solve for the columns of ports that forces act at, and keep them."""
+        self._batches.append((NONE, ports.copy()))
         acting, count = self._parts(ports), len(ports) * self.body.dimension
-        self._few.extend(ports)
+        self._acting.extend(ports)
         unit = self._unit_forces(acting, slice(0, count), forces=True)
-        self._few.values[:, -count:] = self.factor.solve_many(unit)
+        self._acting.values[:, -count:] = self.factor.solve_many(unit)
 
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
@@ -242,13 +229,15 @@ class Compliance:
             if len(mine):
                 yield port, points[mine] - first, mine
 
-    def _compute(self, missing: Indices) -> None:
-        """Solve for the columns of further points, and keep them beside those known before.
+    def _compute(self, missing: Indices, pressed: Indices) -> None:
+        """Solve for the columns of further points, and keep their rows beside those known before.
+
+        Where columns are not kept, those of ports that are pressed are, if they pay.
 
         Raises:
             MemoryExceeded: There is no room for as many.
         """
-        self._batches.append(missing.copy())
+        self._batches.append((missing.copy(), pressed.copy()))
         d, before = self.body.dimension, len(self._matrix)
         known = np.concatenate([self._known, missing])
         require(
@@ -260,6 +249,8 @@ class Compliance:
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix
         self._make_room(missing, len(known))
+        wanted = self._expand(self._keep(missing, pressed))
+        kept = self._acting.values[:, len(self._acting.values.T) - len(wanted) :]
         acting, near = self._parts(missing), self._parts(known)
         for block in blocks(len(matrix) - before, self.body.unknowns):
             place = slice(before + block.start, before + block.stop)
@@ -267,6 +258,8 @@ class Compliance:
             matrix[:, place] = self._read(near, response, forces=False)
             if self.columns is not None:
                 self.columns.values[:, place] = response
+            inside = np.flatnonzero((wanted >= block.start) & (wanted < block.stop))
+            kept[:, inside] = response[:, wanted[inside] - block.start]
             if before and not self._symmetric:
                 response = self.factor.solve_many(self._unit_forces(acting, block, forces=False))
                 matrix[place, :before] = self._read(near, response, forces=True)[:before].T
@@ -288,6 +281,17 @@ class Compliance:
             self.columns = None
         elif self.columns is not None:
             self.columns.extend(missing)
+
+    def _keep(self, missing: Indices, pressed: Indices) -> Indices:
+        """Make room for the columns of ports that are pressed; their places among the missing.
+
+        They are solved for anyway, and to read them takes less than a back substitution.
+        """
+        kept = np.flatnonzero(np.isin(missing, pressed))
+        if self.columns is not None or self._beside(len(kept), len(kept)) > WORTH_READING:
+            kept = np.empty(0, dtype=np.int64)
+        self._acting.extend(missing[kept])
+        return kept
 
     def _parts(self, points: Indices) -> list[PointRows]:
         """Rows of points, and of their layers the nodes that these touch; collective."""

@@ -27,9 +27,10 @@ from solver.contact.kernels.turned import (
 )
 from solver.contact.projection import Interpolation
 from solver.parallel import global_sum
-from solver.stepping.compliance import Compliance, InterfaceDofs
+from solver.stepping.compliance import Compliance
+from solver.stepping.ports import InterfaceDofs
 from solver.stepping.response import BodyRole, CandidateSet, Kinematics
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
 
 TURNED = 1e-5
 """Change of the entries of a rotation below which the compliance of a body is not made anew: it is
@@ -61,6 +62,13 @@ class ElasticCoupling(NamedTuple):
 
     ports: Indices
     load: Array | None
+
+
+def _pressed_ports(coupling: ElasticCoupling, pressed: Mask) -> Indices:
+    """The ports that points act on which are pressed, (m,)."""
+    if coupling.load is None:
+        return coupling.ports[pressed]
+    return coupling.ports[coupling.load[pressed].any(axis=0)]
 
 
 class _ReadRows(NamedTuple):
@@ -186,7 +194,10 @@ class ElasticResponse:
         if not len(coupling.ports):
             return coupling
         count, d, load = len(coupling.ports), self.body.dimension, coupling.load
-        C: Any = self.compliance.among(coupling.ports).matrix.reshape(count, d, count, d)
+        known = self.compliance.among(
+            coupling.ports, lambda: _pressed_ports(coupling, near.pressed)
+        )
+        C: Any = known.matrix.reshape(count, d, count, d)
         share = self._whole[:count]
         if load is not None:
             m, share = len(load), load.sum(axis=1)

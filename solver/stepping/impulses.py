@@ -190,7 +190,8 @@ class VelocityImpulses:
             if not self._any_changes or not self._changes[closed].any():
                 return self._kept
         frames = self._points.frames_at(closed)
-        near = CandidateSet(closed, frames, [contact.kinematics for contact in contacts])
+        kinematics = [contact.kinematics for contact in contacts]
+        near = CandidateSet(closed, frames, kinematics, np.ones(len(closed), dtype=np.bool_))
         W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
         configurations = [
             response.of_mass(u[own])

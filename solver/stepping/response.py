@@ -22,7 +22,7 @@ import numpy as np
 from solver.bodies.dense_body import DenseBody
 from solver.contact.body_points import SurfacePoints
 from solver.contact.projection import ContactKinematics, Interpolation, in_frames
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
 
 Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
@@ -76,11 +76,13 @@ class CandidateSet(NamedTuple):
         number: Their numbers among all points, rising.
         frames: Rows normal and tangents at each of them, (m, d, d).
         kinematics: Kinematics of all interfaces, for where carried points stand.
+        pressed: Those that are in contact, as far as is known beforehand, (m,).
     """
 
     number: Indices
     frames: Array
     kinematics: Kinematics
+    pressed: Mask
 
     def members(self, sides: Sequence[BodyRole]) -> list[tuple[int, Indices, Indices]]:
         """For each side that has any: its number, places of its points here, their own numbers."""

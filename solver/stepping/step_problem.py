@@ -180,9 +180,9 @@ class StepProblem:
             self._configurations = self._placed()
         y, beyond = self.augmented()
         free = self._free(residual, y)
-        near = self.near(y, beyond)
+        near, pressed = self.near(y, beyond)
         if len(near):
-            delassus = self._delassus(near)
+            delassus = self._delassus(near, pressed)
             new = self._solved(delassus, y)
             weight, change = self._weight, np.empty(new.shape)
             squares = take_over(self.force, near, new, change)
@@ -245,8 +245,8 @@ class StepProblem:
             y[:, 0] += self._beds.offset
         return y, self._watch.settled(beyond)
 
-    def near(self, y: Array, beyond: Mask | None) -> Indices:
-        """Numbers of the points that may be in contact at augmented positions y.
+    def near(self, y: Array, beyond: Mask | None) -> tuple[Indices, Mask]:
+        """Numbers of the points that may be in contact at augmented positions y; which are pressed.
 
         Those of sleeping interfaces and beyond an edge are put far from their carrier in y,
         whatever their gap: a foot far beyond an edge goes to and fro with the face.
@@ -254,10 +254,11 @@ class StepProblem:
         points = self._points
         if beyond is not None:
             put_away(y, beyond, points.size)
-        number = np.empty(len(y), dtype=np.int64)
-        return number[: candidates(y, points.reach, self._may_touch, self.force, number)]
+        number, pressed = np.empty(len(y), dtype=np.int64), np.empty(len(y), dtype=np.bool_)
+        count = candidates(y, points.reach, self._may_touch, self.force, number, pressed)
+        return number[:count], pressed[:count]
 
-    def _delassus(self, near: Indices) -> Delassus:
+    def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
         """The operator at candidate points."""
         tangents = self._tangents
         step = 0.0 if self._beds is None else self._balance.step
@@ -269,7 +270,7 @@ class StepProblem:
                 key,
                 tangents.responses,
                 self._configurations,
-                CandidateSet(near, self._points.frames_at(near), self._kinematics),
+                CandidateSet(near, self._points.frames_at(near), self._kinematics, pressed),
                 contact_weight=self._weight,
                 softness=self._points.softness,
                 beds=self._beds,

@@ -19,8 +19,9 @@ from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.compliance import Compliance, InterfaceDofs
+from solver.stepping.compliance import Compliance
 from solver.stepping.elastic_response import ElasticResponse
+from solver.stepping.ports import InterfaceDofs
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse
 from solver.types import Array
 

@@ -192,8 +192,38 @@ def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
     assert again.saved().without == compliance.saved().without == 0.25
     last = np.arange(count - 2, count)
     assert (
-        again._few.under(last, np.ones((2, d))) == compliance._few.under(last, np.ones((2, d)))
+        again._acting.under(last, np.ones((2, d)))
+        == compliance._acting.under(last, np.ones((2, d)))
     ).all()
+
+
+@pytest.mark.parametrize("most", [np.inf, 0.0])
+def test_columns_of_pressed_points_are_kept_where_they_are_computed(
+    most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without solving for them once more, and unless they are too many; a saved one has them."""
+    monkeypatch.setattr(compliance_module, "FEW", 0)
+    monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", 0.0)
+    monkeypatch.setattr(compliance_module, "MOST_KEPT", most)
+    monkeypatch.setattr(compliance_module, "WORTH_READING", 1e9)
+    made = response(scene_of(SPACE))
+    compliance, d = made.compliance, 3
+    factor, pressed = compliance.factor, np.array([1, 4, 17])
+    compliance.among(np.arange(9), lambda: pressed)
+    compliance.among(np.arange(18), lambda: pressed)
+    assert compliance.columns is None
+    solved: list[int] = []
+    solve = factor.solve
+    monkeypatch.setattr(factor, "solve", lambda r: (solved.append(1), solve(r))[1])
+    force = np.zeros((18, d))
+    force[pressed[1:]] = np.random.default_rng(2).standard_normal((2, d))
+    found = compliance.displacement(np.arange(18), force)
+    assert len(solved) == (most == 0.0)
+    exact = solve(whole_rows(made, forces=True)[: 18 * d].T @ force.ravel())
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
+    again = response(scene_of(SPACE)).compliance
+    again.repeat(compliance.saved())
+    assert (again.displacement(np.arange(18), force) == found).all()
 
 
 def histories(scene: dict[str, object]) -> dict[str, np.ndarray]:

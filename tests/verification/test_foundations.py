@@ -318,6 +318,6 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
     assert off.any() and not off.all()
     y, beyond = problem.augmented()
     y[:, 0] = -1.0
-    near = problem.near(y, beyond)
-    assert len(near)
+    near, pressed = problem.near(y, beyond)
+    assert len(near) and pressed.all()
     assert not off[near].any()

@@ -7,12 +7,18 @@ from solver.types import Array, Indices, Mask
 
 
 @compiled
-def candidates(y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices) -> int:
-    """Fill in numbers of points that may touch at augmented positions y, (points, d); how many."""
+def candidates(
+    y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices, pressed: Mask
+) -> int:
+    """Fill in numbers of points that may touch at augmented positions y, (points, d); how many.
+
+    Also which of these are pressed, or would be without forces; both arrays have room for all.
+    """
     count = 0
     for p in range(len(y)):
         if (y[p, 0] < reach[p] and may_touch[p]) or force[p, 0] > 0.0:
             number[count] = p
+            pressed[count] = y[p, 0] < 0.0 or force[p, 0] > 0.0
             count += 1
     return count
 
