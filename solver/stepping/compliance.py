@@ -250,7 +250,7 @@ class Compliance:
         matrix[:before, :before] = self._matrix
         self._make_room(missing, len(known))
         wanted = self._expand(self._keep(missing, pressed))
-        kept = self._acting.values[:, len(self._acting.values.T) - len(wanted) :]
+        kept = self._acting.values.T[len(self._acting.values.T) - len(wanted) :]
         acting, near = self._parts(missing), self._parts(known)
         for block in blocks(len(matrix) - before, self.body.unknowns):
             place = slice(before + block.start, before + block.stop)
@@ -258,8 +258,8 @@ class Compliance:
             matrix[:, place] = self._read(near, response, forces=False)
             if self.columns is not None:
                 self.columns.values[:, place] = response
-            inside = np.flatnonzero((wanted >= block.start) & (wanted < block.stop))
-            kept[:, inside] = response[:, wanted[inside] - block.start]
+            first, last = wanted.searchsorted((block.start, block.stop))
+            kept[first:last] = response.T[wanted[first:last] - block.start]
             if before and not self._symmetric:
                 response = self.factor.solve_many(self._unit_forces(acting, block, forces=False))
                 matrix[place, :before] = self._read(near, response, forces=True)[:before].T
