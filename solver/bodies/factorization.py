@@ -47,6 +47,9 @@ error is as small a part of it."""
 MOST_CG_ITERATIONS = 1000
 """Iterations after which CG is given up."""
 
+PASSES = {"CHOLMOD": 2.0, "MUMPS": 1.0}
+"""How often a solve passes over what a package counts as entries: of one factor or of both."""
+
 CG_PASSES = 30.0
 """Work of a solve by CG, in passes over the matrix."""
 
@@ -123,8 +126,8 @@ class Factorization:
 
     @property
     def reads(self) -> float:
-        """Numbers that a solve for one vector reads: both substitutions pass over the factor."""
-        return self.entries * (2.0 if self._solver is None else CG_PASSES)
+        """Numbers that a solve for one vector reads, on all ranks together."""
+        return self.entries * (CG_PASSES if self._solver is not None else PASSES[self.name])
 
     @property
     def nbytes(self) -> float:

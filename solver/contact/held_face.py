@@ -33,7 +33,7 @@ class HeldFace(Face):
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
-        place, beyond = np.empty_like(position), np.empty(len(position), dtype=np.bool_)
+        place, beyond = np.empty(position.shape), np.empty(len(position), dtype=np.bool_)
         places_within(position, self._level, self.frame, *self._ends, place, beyond)
         return ContactKinematics(place, self.frame, carrier, beyond_edge=beyond)
 

@@ -18,10 +18,8 @@ SUNK_IN = 1e-9
 def _ignored_until_open(interface: Interface, memory: Memory) -> Mask | None:
     """Points that sank in elsewhere: until they are out again contact would throw them out.
 
-    None where no point is outside.
-
     They did so beside a face, or before the face that they are on joined: Gauss points of one
-    face do not keep another from sinking in at an edge between them.
+    face do not keep another from sinking in at an edge between them. None where there are none.
     """
     outside = ~memory.may_touch
     if interface.corners is not None:

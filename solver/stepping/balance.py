@@ -98,7 +98,7 @@ class Balance(NamedTuple):
     def smooth_residual(self, system: System, u: Array) -> tuple[Array, Array]:
         """Out-of-balance force at the displacement u (m) without that of contact, N.
 
-        Also M (u - start - way), kg m, of which it holds the inertia; zero in equilibrium.
+        And M (u - start - way), kg m, from which its inertia is made; zero in equilibrium.
         """
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
         travel = None

@@ -41,7 +41,7 @@ class CarrierEdges:
 def _points_beyond(carrier: Carrier, memory: Memory) -> Mask | None:
     """Points that a step begins with beyond the edge of their carrier; None: there are none."""
     beyond = None if memory.clear else carrier.beyond_edge(memory.kinematics)
-    return beyond if beyond is not None and beyond.any() else None
+    return beyond if beyond is not None and np.count_nonzero(beyond) else None
 
 
 class EdgeWatch:

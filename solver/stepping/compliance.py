@@ -94,6 +94,7 @@ class Compliance:
         self.columns: Columns | None = self._no_columns()
         """Columns of all ports that have been near; None where these are too many."""
         self._acting, self._without = self._no_columns(), 0.0
+        """Where not all columns are kept, those of ports that are pressed, or were."""
         self._gathered = PortCompliance(self._known, self._matrix)
 
     @property
@@ -132,10 +133,11 @@ class Compliance:
     def repeat(self, saved: SavedCompliance) -> None:
         """Compute what another compliance of the same body and factor has; collective."""
         for ports, acting in saved.batches:
+            missing = self._acting.lacks(acting)
             if len(ports):
                 self._compute(ports, acting)
-            else:
-                self._make_columns(acting)
+            elif self.columns is None and len(missing):  # more ranks may have others already
+                self._make_acting(missing)
         self._without = saved.without
         if len(saved.gathered):
             self.among(saved.gathered)
@@ -155,7 +157,7 @@ class Compliance:
             return self.columns.under(ports, vectors)
         acting = vectors.any(axis=1)
         ports, vectors = ports[acting], vectors[acting]
-        if self._has_columns(ports):
+        if self._has_acting(ports):
             return self._acting.under(ports, vectors)
         right = np.zeros((self.body.owned, self.body.dimension))
         for port, own, mine in self._groups(ports):
@@ -174,17 +176,18 @@ class Compliance:
         """Time to read the columns of so many ports, over that of a back substitution."""
         return ports * self.body.dimension * self.body.unknowns / self.factor.reads
 
-    def _beside(self, ports: int, missing: int) -> float:
-        """Time to read the columns of so many ports beside those of ports that forces act at.
+    def _reading_of(self, ports: int, kept: int) -> float:
+        """Time to read the columns of so many ports among those that are kept of acting ones.
 
-        So many are missing as yet; infinite where more would be kept then than may be.
+        Over that of a back substitution; infinite where too many are kept, by the time to read them
+        all or by their memory.
         """
-        kept = len(self._acting.ports) + missing
-        if self._reading(kept) > MOST_KEPT:
+        numbers = kept * self.body.dimension * self.body.unknowns
+        if self._reading(kept) > MOST_KEPT or 8.0 * numbers > self.factor.nbytes:
             return math.inf
         return self._reading(min(COPIED * ports, kept))
 
-    def _has_columns(self, ports: Indices) -> bool:
+    def _has_acting(self, ports: Indices) -> bool:
         """Whether there are columns of the ports that forces act at.
 
         Columns that are missing are made once they would have saved as much time as they cost:
@@ -193,10 +196,10 @@ class Compliance:
         where to read beside them takes too long.
         """
         missing = self._acting.lacks(ports)
-        read = self._beside(len(ports), len(missing))
+        read = self._reading_of(len(ports), len(self._acting.ports) + len(missing))
         anew = read > WORTH_READING
         if anew:
-            missing, read = ports, self._reading(len(ports))
+            missing, read = ports, self._reading_of(len(ports), len(ports))
             if read > WORTH_READING:
                 return False
         if len(missing):
@@ -207,10 +210,10 @@ class Compliance:
             if anew:
                 self._acting = self._no_columns()
                 self._batches = [(known, NONE) for known, _ in self._batches if len(known)]
-            self._make_columns(missing)
+            self._make_acting(missing)
         return True
 
-    def _make_columns(self, ports: Indices) -> None:
+    def _make_acting(self, ports: Indices) -> None:
         """Solve for the columns of ports that forces act at, and keep them."""
         self._batches.append((NONE, ports.copy()))
         acting, count = self._parts(ports), len(ports) * self.body.dimension
@@ -288,7 +291,8 @@ class Compliance:
         They are solved for anyway, and to read them takes less than a back substitution.
         """
         kept = np.flatnonzero(np.isin(missing, pressed))
-        if self.columns is not None or self._beside(len(kept), len(kept)) > WORTH_READING:
+        read = self._reading_of(len(kept), len(self._acting.ports) + len(kept))
+        if self.columns is not None or read > WORTH_READING:
             kept = np.empty(0, dtype=np.int64)
         self._acting.extend(missing[kept])
         return kept

@@ -124,4 +124,4 @@ def _way(body: Body, change: Array) -> float:
     """At most how far a point moves that this rank knows of, m."""
     if isinstance(body, DenseBody):
         return body.way(change)
-    return math.sqrt(body.dimension) * float(np.abs(change).max(initial=0.0))
+    return math.sqrt(body.dimension) * float(np.maximum.reduce(np.abs(change), initial=0.0))

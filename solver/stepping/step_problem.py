@@ -236,7 +236,7 @@ class StepProblem:
             off = None
             if not self.sleepers.asleep[number]:
                 off = self._edges.beyond(number, kinematics)
-            if off is not None and off.any():
+            if off is not None and np.count_nonzero(off):
                 none = np.zeros(points.count, dtype=np.bool_)
                 beyond = none if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off

@@ -16,7 +16,8 @@ from benchmarks import scaling
 from rockslip import parse_scene, simulate
 from solver.bodies import factorization, memory
 from solver.bodies.elastic_body import ElasticBody
-from solver.build.assembly import build
+from solver.bodies.reduced.body import DenseFactor
+from solver.build.assembly import build, initial_state
 from solver.cli import main
 from solver.scene import scene_to_toml
 from solver.stepping import compliance as compliance_module
@@ -154,6 +155,7 @@ def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
     # Three points are worth it, and four are kept.
     reads = 3 * d * unknowns / compliance_module.WORTH_READING
     monkeypatch.setattr(type(factor), "reads", reads)
+    monkeypatch.setattr(type(factor), "nbytes", 1e9)
     solved: list[int] = []
     solve, solve_many = factor.solve, factor.solve_many
     monkeypatch.setattr(factor, "solve", lambda r: (solved.append(1), solve(r))[1])
@@ -188,6 +190,7 @@ def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
             moved(first, first + 1)
     moved(0)
     again = response(scene_of(SPACE)).compliance
+    again.columns = None
     again.repeat(compliance.saved())
     assert again.saved().without == compliance.saved().without == 0.25
     last = np.arange(count - 2, count)
@@ -206,6 +209,8 @@ def test_columns_of_pressed_points_are_kept_where_they_are_computed(
     monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", 0.0)
     monkeypatch.setattr(compliance_module, "MOST_KEPT", most)
     monkeypatch.setattr(compliance_module, "WORTH_READING", 1e9)
+    monkeypatch.setattr(factorization.Factorization, "nbytes", 1e9)
+    monkeypatch.setattr(factorization, "BLOCK", 7)  # ports are split
     made = response(scene_of(SPACE))
     compliance, d = made.compliance, 3
     factor, pressed = compliance.factor, np.array([1, 4, 17])
@@ -224,6 +229,50 @@ def test_columns_of_pressed_points_are_kept_where_they_are_computed(
     again = response(scene_of(SPACE)).compliance
     again.repeat(compliance.saved())
     assert (again.displacement(np.arange(18), force) == found).all()
+
+
+PLATE = {
+    "kind": "elastic",
+    "support": "bottom",
+    "width": 2.0,
+    "height": 0.5,
+    "mass_ratio": 2.0,
+    "young": 5e9,
+    "poisson": 0.2,
+    "cells": [8, 2],
+}
+
+
+@pytest.mark.parametrize("foundation", [{}, {"foundation": PLATE}])
+def test_steps_say_which_points_are_pressed(
+    foundation: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The corner on which a block rocks, and what carries it: nothing is solved for anew."""
+    monkeypatch.setattr(compliance_module, "FEW", 0)
+    monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", 0.0)
+    for name in ("reads", "nbytes"):
+        monkeypatch.setattr(factorization.Factorization, name, 1e6)
+    scene = parse_scene(scene_of(BLOCK | {"tilt_deg": 0.5}) | foundation)
+    assembly = build(scene, comm=MPI.COMM_SELF)
+    stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
+    state, _ = stepper.advance(state, 1e-3)
+    (tangents,) = stepper._solve._tangents.values()
+    closed = np.flatnonzero(state.contacts[0].force[:, 0] > 0)
+    assert len(closed) == 1
+    for response, few in zip(tangents.responses, (1, 2), strict=False):
+        assert isinstance(response, ElasticResponse)
+        acting = response.compliance._acting.ports
+        assert response.compliance.columns is None and 1 <= len(acting) <= few
+        if response.sides[0].carries is False:
+            assert (acting == closed).all()
+
+
+def test_all_ranks_know_what_a_reduced_body_reads() -> None:
+    """Though the first one has all of its matrix: what is kept is decided by it."""
+    held = np.empty(0, dtype=np.int32)
+    first, other = (DenseFactor(np.eye(size), held, 5) for size in (5, 0))
+    assert first.reads == other.reads == 25.0
+    assert first.nbytes == other.nbytes == 200.0
 
 
 def histories(scene: dict[str, object]) -> dict[str, np.ndarray]:

@@ -12,7 +12,8 @@ def candidates(
 ) -> int:
     """Fill in numbers of points that may touch at augmented positions y, (points, d); how many.
 
-    Also which of these are pressed, or would be without forces; both arrays have room for all.
+    Also which of these carry a force, or would sink in under the forces so far; both arrays have
+    room for all.
     """
     count = 0
     for p in range(len(y)):
