@@ -40,6 +40,9 @@ MOST_KEPT = 1.0
 """
 
 
+MOST_MEMORY = 2.0
+"""Memory of these columns, over that of the factor, at most: CG reads much more than it takes."""
+
 NONE: Indices = np.empty(0, dtype=np.int64)
 """No ports."""
 
@@ -183,7 +186,7 @@ class Compliance:
         all or by their memory.
         """
         numbers = kept * self.body.dimension * self.body.unknowns
-        if self._reading(kept) > MOST_KEPT or 8.0 * numbers > self.factor.nbytes:
+        if self._reading(kept) > MOST_KEPT or 8.0 * numbers > MOST_MEMORY * self.factor.nbytes:
             return math.inf
         return self._reading(min(COPIED * ports, kept))
 
