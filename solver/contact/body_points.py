@@ -1,14 +1,13 @@
 """Surface points of bodies as contact sees them: where they are, and forces put on them.
 
-Three kinds with the same verbs: points with Nitsche tractions on a meshed body, nodes of a meshed
-body, material points of a rigid one. Forces, (points, d), N, act between two states of a surface,
-at t_n and at t_{n+1}, on whose increment they do work; `pull` is what the derivative of the
-traction is multiplied by, None: nothing.
+Three kinds with the same four verbs: points with Nitsche tractions on a meshed body, nodes of a
+meshed body, material points of a rigid one.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,6 +45,22 @@ SurfaceState = PointState | NitscheState
 """What is known of surface points at one instant."""
 
 
+class PointForces(NamedTuple):
+    """Forces on surface points between the two states whose increment they do work on.
+
+    Attributes:
+        old: The surface at t_n.
+        new: At t_{n+1}.
+        force: In space, (points, d), N.
+        pull: What the derivative of the traction is multiplied by; None: nothing.
+    """
+
+    old: SurfaceState
+    new: SurfaceState
+    force: Array
+    pull: TractionPull | None = None
+
+
 class FixedPoints:
     """Points that stand still: of what is held altogether."""
 
@@ -63,14 +78,7 @@ class FixedPoints:
         """Zero: they stand still."""
         return np.zeros_like(self.reference)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: TractionPull | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """What holds them takes the forces."""
 
 
@@ -108,15 +116,9 @@ class NodePoints:
         assert v is not None
         return self._gather(v)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: TractionPull | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the nodes to the owned unknowns' forces."""
+        force = forces.force
         if not self._all:
             whole = np.zeros((self.layer.size, self.dimension))
             whole[self.chosen] = force
@@ -146,15 +148,9 @@ class RigidPoints:
         rows = self.body.rows(self.reference, self.body.replicate(u))
         return rows @ self.body.replicate(v)
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: TractionPull | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the points to the owned unknowns' forces: their work is exact."""
+        old, new, force, _ = forces
         assert isinstance(old, PointState) and isinstance(new, PointState)
         assert old.pose is not None and new.pose is not None
         rows = self.body.increment_rows(self.reference, old.pose, new.pose)
@@ -190,15 +186,9 @@ class NitschePoints:
         point_values(self._index, self._table, nodal, velocity)
         return velocity
 
-    def add_forces(
-        self,
-        target: Array,
-        old: SurfaceState,
-        new: SurfaceState,
-        force: Array,
-        pull: TractionPull | None = None,
-    ) -> None:
+    def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the points, and `pull` times the traction's derivative, to the forces."""
+        old, new, force, pull = forces
         owned = target.reshape(-1, self.dimension)
         nodal = self._layer.room(owned)
         if pull is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from solver.contact.body_points import SurfaceState
+from solver.contact.body_points import PointForces, SurfaceState
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
 from solver.law.friction import Bounds
@@ -86,9 +86,10 @@ def add_contact_forces(
         pull = interface.traction_pull(weighted, traction_weight=traction_weight, sign=sign)
     if link.body is not None:
         own = target[system.slices[link.body]]
-        interface.points.add_forces(own, before.surface, after.surface, vectors, pull)
+        forces = PointForces(before.surface, after.surface, vectors, pull)
+        interface.points.add_forces(own, forces)
     if link.carrier is not None and reaction is not None:
         carrier, points = target[system.slices[link.carrier]], interface.carrier.points
         first, last = before.kinematics.carrier, after.kinematics.carrier
         assert points is not None and first is not None and last is not None
-        points.add_forces(carrier, first, last, reaction)
+        points.add_forces(carrier, PointForces(first, last, reaction))

@@ -114,23 +114,25 @@ class VectorArrays:
 
     def read(self, vector: PETSc.Vec) -> Array:
         """The numbers of a vector that may be locked, to be read only."""
-        found = self._arrays.get((vector.handle, False))
-        return self._kept(vector, False, vector.array_r) if found is None else found
+        return self._of(vector, False)
 
     def written(self, vector: PETSc.Vec) -> Array:
         """The numbers of a vector, to be written now."""
         vector.stateIncrease()  # PETSc keeps norms of what stays the same
-        found = self._arrays.get((vector.handle, True))
-        return self._kept(vector, True, vector.array) if found is None else found
+        return self._of(vector, True)
 
     def forget(self) -> None:
         """Keep none any more."""
         self._arrays.clear()
 
-    def _kept(self, vector: PETSc.Vec, writes: bool, found: Array) -> Array:
-        """An array that PETSc was asked for, kept where there is room."""
-        if len(self._arrays) < self.MOST:
-            self._arrays[vector.handle, writes] = found
+    def _of(self, vector: PETSc.Vec, writes: bool) -> Array:
+        """The array that is kept, or a new one."""
+        key = vector.handle, writes
+        found = self._arrays.get(key)
+        if found is None:
+            found = vector.array if writes else vector.array_r
+            if len(self._arrays) < self.MOST:
+                self._arrays[key] = found
         return found
 
 
