@@ -39,7 +39,6 @@ MOST_KEPT = 1.0
 """Time to read all columns that are kept of such ports, over that of a back substitution, at most.
 """
 
-
 MOST_MEMORY = 2.0
 """Memory of these columns, over that of the factor, at most: CG reads much more than it takes."""
 
@@ -136,11 +135,10 @@ class Compliance:
     def repeat(self, saved: SavedCompliance) -> None:
         """Compute what another compliance of the same body and factor has; collective."""
         for ports, acting in saved.batches:
-            missing = self._acting.lacks(acting)
             if len(ports):
                 self._compute(ports, acting)
-            elif self.columns is None and len(missing):  # more ranks may have others already
-                self._make_acting(missing)
+            elif self.columns is None and len(missing := self._acting.lacks(acting)):
+                self._make_acting(missing)  # more ranks may have some of them already
         self._without = saved.without
         if len(saved.gathered):
             self.among(saved.gathered)
