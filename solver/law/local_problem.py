@@ -117,13 +117,8 @@ def _settle(local: Local, f: Array, states: Indices, counts: Indices) -> bool:
 class LocalProblem:
     """Solver of local problems of points with d rows each, as arrays (m, d)."""
 
-    def __init__(self, dimension: int = 2):
-        """Let what is compiled be compiled, or read what was kept, before time counts."""
-        self.counts = new_counts()
-        ones = np.ones((1, dimension))
-        self.solve(
-            np.eye(dimension).reshape(1, dimension, 1, -1), ones, ones, Bounds.uniform(0.5, 1)
-        )
+    def __init__(self) -> None:
+        """Begin without having solved any."""
         self.counts = new_counts()
         self.forget()
 

@@ -19,6 +19,7 @@ from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable
 from solver.stepping.resuming import repeat_compliances, saved_compliances
+from solver.stepping.step_contact import compile_laws
 from solver.stepping.step_problem import StepProblem
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array
@@ -37,6 +38,7 @@ class ContactSolve:
     ):
         """Set SNES up for the bodies and their interfaces."""
         points = PointTable(system, links)
+        compile_laws(points, local, system.dimension)
         self._model = ContactModel(
             system=system,
             points=points,
@@ -45,7 +47,7 @@ class ContactSolve:
         )
         self._solver = NonlinearSolver(system.comm, system.size, NoContactSolution, options)
         self._tangents: dict[tuple[TangentWeights, ...], Tangents] = {}
-        self._kept = LastDelassus()
+        self._kept = LastDelassus(system.dimension)
         self._solves = self._stiffness = 0
         self._strained_at: Array | None = None
         """Displacement that the stiffness of bodies was made anew at, last."""

@@ -4,12 +4,13 @@
 
 with the softness of Nitsche's method, and in the normal direction of beds below the points.
 
-It is made anew only where what it depends on has changed; its key says what that is.
+It is made anew only where what it depends on has changed: its points, the configurations of the
+bodies, and what its key says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -38,10 +39,9 @@ points on another rigid one makes, at least."""
 
 
 class DelassusKey(NamedTuple):
-    """What a Delassus operator depends on, besides the configurations of the bodies.
+    """What a Delassus operator depends on, besides its points and the configurations of the bodies.
 
     Attributes:
-        near: Numbers of the candidate points, as bytes.
         weights: Weights of the tangent of each body: they go with the step size and rho_inf.
         stiffness: How often the stiffness of bodies was made anew.
         step: dt, s, which beds go with; 0 where there are none.
@@ -49,7 +49,6 @@ class DelassusKey(NamedTuple):
             points on planes that stand or only move along see the same operator in every step.
     """
 
-    near: bytes
     weights: tuple[TangentWeights, ...]
     stiffness: int
     step: float
@@ -75,39 +74,42 @@ class Delassus(NamedTuple):
     W: Array
     softening: Array
 
+    @classmethod
+    def of_no_points(cls, d: int) -> Delassus:
+        """The operator where no point is near."""
+        key, none = DelassusKey((), 0, 0.0, 0), np.empty(0)
+        near = CandidateSet(none.astype(np.int64), np.empty((0, d, d)), (), none.astype(np.bool_))
+        return cls(key, (), near, (), np.empty((0, d, 0, d)), none)
+
 
 class LastDelassus:
     """The operator that was made last, given again for as long as it fits."""
 
-    def __init__(self) -> None:
+    def __init__(self, dimension: int) -> None:
         """Start without any."""
         self.operator: Delassus | None = None
+        self._of_no_points = Delassus.of_no_points(dimension)
 
     def forget(self) -> None:
         """Keep none: it belongs to compliances that are dropped."""
         self.operator = None
 
-    def get(
-        self,
-        key: DelassusKey,
-        responses: Sequence[AnyResponse],
-        configurations: Sequence[Any],
-        make: Callable[[], Delassus],
+    def fitting(
+        self, key: DelassusKey, responses: Sequence[AnyResponse], configurations: Sequence[Any]
     ) -> Delassus:
-        """The operator for a key and configurations, made where the last one does not fit.
+        """The operator, if it fits a key and configurations, else that of no points.
 
-        Their responses tell when configurations are the same.
+        Which points it is of, the caller has to look at. Their responses tell when configurations
+        are the same.
         """
         kept = self.operator
-        if kept is not None and kept.key == key:
-            pairs = zip(configurations, kept.configurations, strict=True)
-            for response, (now, before) in zip(responses, pairs, strict=True):
-                if not response.close(now, before):
-                    break
-            else:
-                return kept
-        self.operator = make()
-        return self.operator
+        if kept is None or kept.key != key:
+            return self._of_no_points
+        pairs = zip(configurations, kept.configurations, strict=True)
+        for response, (now, before) in zip(responses, pairs, strict=True):
+            if not response.close(now, before):
+                return self._of_no_points
+        return kept
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,14 +53,17 @@ class FrictionBounds:
 
     def at(self, near: Indices) -> Bounds:
         """Bounds of some points."""
-        whole = self._whole()
-        return Bounds(whole.mu.take(near), whole.cohesion.take(near))
+        mu, cohesion = self.of_all()
+        return Bounds(mu.take(near), cohesion.take(near))
 
-    def _whole(self) -> JoinedBounds:
-        """Bounds of all points; put together once, for as long as they stay."""
+    def of_all(self) -> tuple[Array, Array]:
+        """Coefficients of friction of all points, (points,), and their cohesion, N.
+
+        They are put together once, for as long as they stay.
+        """
         if self._joined is None or self._joined.each is not self.bounds:
             self._joined = JoinedBounds.of(self.bounds)
-        return self._joined
+        return self._joined.mu, self._joined.cohesion
 
     def tell(self, slip: Array) -> None:
         """Take the bounds that go with slips of all points in the step, (points, d-1), m."""
@@ -76,11 +79,11 @@ class FrictionBounds:
         if not self._decays:
             return False
         solved_with = self.bounds
-        before = self._whole().mu
+        before, _ = self.of_all()
         self._speed = self._speed.copy()
         self._speed[near] = self._speed_of((q + image(W, force))[:, 1:])
         self.bounds = self._at_speed(self._speed)
-        after = self._whole().mu
+        after, _ = self.of_all()
         if np.abs(after - before).max() > SAME_FRICTION * before.max():
             return True
         # Points that slip are at the bounds that their forces were solved with, to the last digit.

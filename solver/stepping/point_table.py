@@ -66,6 +66,7 @@ class PointTable:
         count: Number of all points.
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
         has_bed: Whether points stand on beds.
+        no_bed: The softness of beds where there are none, (points,), m/N.
         steady: Whether friction depends on neither speed nor the past.
         decays: Whether that of some points decays with the speed.
         bounds: Bounds of steady friction; None where it is not steady.
@@ -83,6 +84,7 @@ class PointTable:
         self.size: Array = np.concatenate(
             [np.full(link.interface.count, link.interface.size) for link in links]
         )
+        self.no_bed: Array = np.zeros(self.count)
         self.has_bed = any(link.interface.beds is not None for link in links)
         laws = [link.interface.law for link in links]
         self.steady = all(law.constant for law in laws)

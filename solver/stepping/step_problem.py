@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.contact.kernels.candidates import candidates, free_values, put_away, take_over
+from solver.contact.kernels.candidates import put_away
 from solver.parallel import global_sum
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
@@ -28,23 +28,15 @@ from solver.stepping.delassus import (
     LastDelassus,
     assembled,
 )
-from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.point_table import Observed, joined
 from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
-from solver.types import Array, Indices, Mask
-
-MOST_FRICTION_ROUNDS = 50
-"""How often a correction looks at the speeds that friction of these speeds leads to."""
+from solver.stepping.step_contact import Settlement, StepContact
+from solver.types import Array, Mask
 
 PLACED_CORRECTIONS = 2
 """Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
-
-STEADYING = 0.99
-"""Part of their difference that forces of rigid points keep from step to step where no motion tells
-it (two corners that push against each other): with nothing to hold them back such forces grow until
-their round-off shows, so they become even step by step."""
 
 
 class Iterate(NamedTuple):
@@ -58,9 +50,7 @@ class StepProblem:
     """A balance as SNES sees it, with the point forces of the iterate.
 
     Attributes:
-        force: Point forces f of the present iterate, (points, d), N.
-        friction: Bounds of friction.
-        forces: Largest norm of the contact forces so far, N.
+        contact: Forces of all contact points, and the law that they obey.
         held: Residual of the iterate at the unknowns that do not move, N.
         inertia: M (u - u_n - dt v_n) at the iterate, kg m; zero in equilibrium.
     """
@@ -83,20 +73,8 @@ class StepProblem:
         self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
         self._points, self._system = model.points, model.system
         self._static, self._weight = balance.static, balance.contact_weight
-        memories = balance.contact
-        self.force: Array = np.concatenate([memory.force for memory in memories])
-        self._anchor = joined([memory.anchor for memory in memories])
-        self._may_touch = joined([memory.may_touch for memory in memories])
-        self.friction = FrictionBounds(
-            model.points, memories, step=balance.step, glued=balance.glued
-        )
-        # The softening of rigid points acts on what forces differ by from these.
-        self._softening, self._held = model.softening, self.force
-        if model.softening is not None and not balance.static:
-            self._softening = model.softening.in_step(model.system, model.points, balance.load)
-            self._held = STEADYING * self.force
-        self._edges = CarrierEdges(model.points, memories)
-        self._beds = model.points.beds(memories, balance.step)
+        self.contact = StepContact(model, balance)
+        self._edges = CarrierEdges(model.points, balance.contact)
         self._watch = EdgeWatch()
         self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
         self._number = 0
@@ -107,10 +85,14 @@ class StepProblem:
         self._kinematics: Kinematics = []  # at the iterate
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
-        self.forces = 0.0
         self.held: Array = np.empty(0)
         self.inertia: Array = self.held
         self._residual: Array = self.held
+
+    @property
+    def forces(self) -> float:
+        """Largest norm of the contact forces so far, N."""
+        return self.contact.largest
 
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
@@ -160,7 +142,7 @@ class StepProblem:
             before=balance.contact[number],
             surface=seen[0],
             kinematics=seen[1],
-            force=self.force[points.own[number]],
+            force=self.contact.force[points.own[number]],
         )
         weights = balance.weights[link.body or 0]
         add_contact_forces(
@@ -180,16 +162,13 @@ class StepProblem:
             self._configurations = self._placed()
         y, beyond = self.augmented()
         free = self._free(residual, y)
-        near, pressed = self.near(y, beyond)
-        if len(near):
-            delassus = self._delassus(near, pressed)
-            new = self._solved(delassus, y)
-            weight, change = self._weight, np.empty(new.shape)
-            squares = take_over(self.force, near, new, change)
-            self.forces = max(self.forces, weight * math.sqrt(squares))
+        if beyond is not None:
+            put_away(y, beyond, self._points.size)
+        delassus, change = self._settled(y)
+        if change is not None:
             for k, response in enumerate(self._tangents.responses):
                 at, coupling = self._configurations[k], delassus.couplings[k]
-                response.respond(at, coupling, delassus.near, change, weight, free[k])
+                response.respond(at, coupling, delassus.near, change, self._weight, free[k])
         return joined(
             [
                 response.owned(at, motion)
@@ -227,7 +206,8 @@ class StepProblem:
         """Augmented positions of all points at the iterate, and which are beyond an edge.
 
         The compression that is left of a bed counts in. All points of interfaces that sleep count
-        as beyond an edge.
+        as beyond an edge: they are to be put far from their carrier after the free step, whatever
+        their gap, since a foot far beyond an edge goes to and fro with the face.
         """
         points, parts = self._points, []
         beyond = self.sleepers.points
@@ -241,76 +221,41 @@ class StepProblem:
                 beyond = none if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
         y = joined(parts)
-        if self._beds is not None:
-            y[:, 0] += self._beds.offset
+        if self.contact.beds is not None:
+            y[:, 0] += self.contact.beds.offset
         return y, self._watch.settled(beyond)
 
-    def near(self, y: Array, beyond: Mask | None) -> tuple[Indices, Mask]:
-        """Numbers of the points that may be in contact at augmented positions y; which are pressed.
+    def _settled(self, y: Array) -> tuple[Delassus, Array | None]:
+        """Let the point forces obey the contact law after the free step to y.
 
-        Those of sleeping interfaces and beyond an edge are put far from their carrier in y,
-        whatever their gap: a foot far beyond an edge goes to and fro with the face.
+        Returns the operator of the points that are near, and the change of their forces, (m, d), N;
+        None where no point is near.
         """
-        points = self._points
-        if beyond is not None:
-            put_away(y, beyond, points.size)
-        number, pressed = np.empty(len(y), dtype=np.int64), np.empty(len(y), dtype=np.bool_)
-        count = candidates(y, points.reach, self._may_touch, self.force, number, pressed)
-        return number[:count], pressed[:count]
-
-    def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
-        """The operator at candidate points."""
         tangents = self._tangents
-        step = 0.0 if self._beds is None else self._balance.step
-        key = DelassusKey(near.tobytes(), tangents.weights, tangents.stiffness, step, self._number)
+        step = 0.0 if self.contact.beds is None else self._balance.step
+        key = DelassusKey(tangents.weights, tangents.stiffness, step, self._number)
+        operator = self._kept.fitting(key, tangents.responses, self._configurations)
+        while (found := self.contact.settle(y, operator)).others_near:
+            operator = self._kept.operator = self._delassus(key, found)
+        return operator, found.change
 
-        def make() -> Delassus:
-            """Compliances of all bodies as they are at the iterate."""
-            return assembled(
-                key,
-                tangents.responses,
-                self._configurations,
-                CandidateSet(near, self._points.frames_at(near), self._kinematics, pressed),
-                contact_weight=self._weight,
-                softness=self._points.softness,
-                beds=self._beds,
-                softening=self._softening,
-            )
-
-        return self._kept.get(key, tangents.responses, self._configurations, make)
-
-    def _solved(self, delassus: Delassus, y: Array) -> Array:
-        """Forces of the near points that obey the contact law after the free step to y."""
-        points, near, W = self._points, delassus.near.number, delassus.W
-        force, q = np.empty(W.shape[:2]), np.empty(W.shape[:2])
-        free_values(
-            near,
-            W,
-            y,
-            self.force,
-            self._anchor,
-            points.softness,
-            delassus.softening,
-            self._held,
-            points.round_off,
-            force,
-            q,
+    def _delassus(self, key: DelassusKey, found: Settlement) -> Delassus:
+        """The operator at the points that are near, with all bodies as they are at the iterate."""
+        near, points = found.near.copy(), self._points
+        return assembled(
+            key,
+            self._tangents.responses,
+            self._configurations,
+            CandidateSet(near, points.frames_at(near), self._kinematics, found.pressed.copy()),
+            contact_weight=self._weight,
+            softness=points.softness,
+            beds=self.contact.beds,
+            softening=self.contact.softening,
         )
-        if self._beds is not None:
-            q[:, 0] += self._beds.softness[near] * force[:, 0]
-        if not self.friction.steady:
-            slip = y[:, 1:] - self._anchor
-            self.friction.tell(slip + points.softness[:, None] * self.force[:, 1:])
-        for _ in range(MOST_FRICTION_ROUNDS):
-            bounds = self.friction.at(near)
-            force = self._model.local.solve(W, q, force, bounds, near)
-            if not self.friction.follows(near, W, q, force):
-                break
-        return force
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, or points break loose in it."""
-        return self.sleepers.wake(u) or self.friction.break_loose(self.force)
+        return self.sleepers.wake(u) or self.contact.friction.break_loose(self.contact.force)
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""
@@ -318,6 +263,6 @@ class StepProblem:
         for number, own in enumerate(self._points.own):
             asleep = sleepers.asleep[number]
             surface, kinematics = sleepers.seen(number) if asleep else self._iterate.seen[number]
-            force, bounds = self.force[own], self.friction.bounds[number]
+            force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
             found.append(Contact(surface, kinematics, force, bounds, sleepers.clear(number)))
         return found

@@ -91,7 +91,7 @@ class Stepper:
             lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
         )
         self.velocity_solve = velocity_solve
-        self.local = LocalProblem(system.dimension)
+        self.local = LocalProblem()
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 

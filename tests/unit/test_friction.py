@@ -179,7 +179,7 @@ def test_the_velocities_obey_the_law_and_energy_falls_by_what_is_booked(d):
         slipping = size >= (0.5 * impulse[:, 0] + 0.1) * (1 - 1e-9)
         mean = velocity - 0.5 * image(W, impulse)
         taken = max(-float((impulse * mean)[slipping, 1:].sum()), 0.0)
-        correction = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds, taken)
+        correction = impulse_correction(LocalProblem(), velocity, W, impulse, bounds, taken)
         assert correction is not None
         assert np.array_equal(W, given)
         q, total, after = correction.q, impulse + correction.q, velocity + image(W, correction.q)
@@ -217,7 +217,7 @@ def test_a_mass_point_by_hand(d):
     velocity = np.array([[-3.0, 0.4, 0.0]])[:, :d]
     impulse = np.zeros((1, d))
     impulse[0, 0] = 1.0
-    local = LocalProblem(d)
+    local = LocalProblem()
     correction = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.7, 1), 0.0)
     assert correction.q == pytest.approx(-2 * velocity, rel=1e-7)
     assert (correction.contact, correction.friction) == pytest.approx((9.0, 0.16), rel=1e-6)
@@ -238,7 +238,7 @@ def test_a_mass_point_that_lands_while_it_slides(d, speed):
     impulse = np.concatenate([[2.0], -0.2 * along])[None]
     W = np.eye(d).reshape(1, d, 1, d)
     bounds, taken = Bounds.uniform(0.1, 1), 0.2 * (speed - 0.1)
-    found = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds, taken)
+    found = impulse_correction(LocalProblem(), velocity, W, impulse, bounds, taken)
     assert found.q == pytest.approx(-impulse / 2, rel=1e-6)
     returned = taken - 0.1 * (speed - 0.05)
     assert (found.contact, found.friction) == pytest.approx((0.5, -returned), rel=1e-6)
@@ -248,7 +248,7 @@ def test_cohesion_holds_what_friction_alone_does_not():
     """Unit mass, P_n = 1 that stays, 0.5 m/s of sliding: mu = 0.1 takes 0.1, c = 0.45 the rest."""
     W, velocity = np.eye(2).reshape(1, 2, 1, 2), np.array([[0.0, 0.5]])
     impulse = np.array([[1.0, 0.0]])
-    local = LocalProblem(2)
+    local = LocalProblem()
     sliding = impulse_correction(local, velocity, W, impulse, Bounds.uniform(0.1, 1), 0.0)
     held = impulse_correction(
         local, velocity, W, impulse, Bounds(np.array([0.1]), np.array([0.45])), 0.0
@@ -258,7 +258,7 @@ def test_cohesion_holds_what_friction_alone_does_not():
 
 
 def test_no_closed_point_no_correction():
-    local = LocalProblem(2)
+    local = LocalProblem()
     empty = np.zeros((0, 2))
     nothing = impulse_correction(
         local, empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0), 0.0
@@ -268,7 +268,7 @@ def test_no_closed_point_no_correction():
 
 def test_a_correction_that_would_add_energy_is_left_out():
     """W is that of no mass: a negative one, in the normal direction, which impulses speed up."""
-    local = LocalProblem(2)
+    local = LocalProblem()
     velocity, W = np.array([[-1.0, 0.0]]), np.diag([-1.0, 1.0]).reshape(1, 2, 1, 2)
     impulse = np.array([[1.0, 0.0]])
     result = impulse_correction(local, velocity, W, impulse, Bounds.uniform(5.0, 1), 0.0)

@@ -116,7 +116,7 @@ def all_solutions(W: np.ndarray, q: np.ndarray, mu: float, c: float = 0.0) -> li
 
 
 def solved(W: np.ndarray, q: np.ndarray, bounds: Bounds) -> np.ndarray:
-    return LocalProblem(q.shape[1]).solve(W, q, np.zeros_like(q), bounds)
+    return LocalProblem().solve(W, q, np.zeros_like(q), bounds)
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -298,7 +298,7 @@ def test_the_disc_has_no_favourite_direction(angle):
 def test_the_guess_changes_nothing(d):
     """Neither does it that the last problem had other bounds or none at all."""
     rng = np.random.default_rng(5)
-    remembering = LocalProblem(d)
+    remembering = LocalProblem()
     for seed in range(20):
         W, q = easy(300 + seed, 4, d)
         bounds = Bounds.uniform((0.4, 0.0, 0.2)[seed % 3], 4)
@@ -329,7 +329,7 @@ def test_lengths_by_hand():
 def test_without_points_there_is_no_force(d):
     nothing = np.zeros((0, d))
     W = np.zeros((0, d, 0, d))
-    assert LocalProblem(d).solve(W, nothing, nothing, Bounds.uniform(0.5, 0)).shape == (0, d)
+    assert LocalProblem().solve(W, nothing, nothing, Bounds.uniform(0.5, 0)).shape == (0, d)
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -338,7 +338,7 @@ def test_without_points_there_is_no_force(d):
 def test_every_rescue_finds_what_newton_finds(d, method, points):
     for seed in range(10):
         W, q = easy(400 + seed, points, d)
-        local, bounds = LocalProblem(d), Bounds.uniform(0.6, points)
+        local, bounds = LocalProblem(), Bounds.uniform(0.6, points)
         expected = local.solve(W, q, np.zeros_like(q), bounds)
         assert not local.rescues
         problem = Local(d, W.reshape(q.size, q.size), q.ravel(), bounds)
@@ -364,7 +364,7 @@ HARD = [
 def test_hard_cases(points, seed):
     """Nearly of rank three, friction up to 50: solved all the same, and counted as rescued."""
     W, q, friction = stiff(seed, points)
-    local, bounds = LocalProblem(2), Bounds.uniform(friction, points)
+    local, bounds = LocalProblem(), Bounds.uniform(friction, points)
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-10
     assert sum(local.rescues.values()) == 1
@@ -385,7 +385,7 @@ HARD_IN_SPACE = [
 @pytest.mark.parametrize(("points", "seed"), HARD_IN_SPACE)
 def test_hard_cases_in_space(points, seed):
     W, q, bounds = block(seed, points)
-    local = LocalProblem(3)
+    local = LocalProblem()
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
     assert sum(local.rescues.values()) == 1
@@ -393,7 +393,7 @@ def test_hard_cases_in_space(points, seed):
 
 def test_a_case_that_was_hard_for_lengths_by_the_diagonal():
     W, q, bounds = block(56, 2)
-    local = LocalProblem(3)
+    local = LocalProblem()
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
     assert not local.rescues
@@ -403,12 +403,12 @@ def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
     rescued = 0
     for seed in range(100):
         W, q, bounds = block(seed, 4)
-        local = LocalProblem(3)
+        local = LocalProblem()
         f = local.solve(W, q, np.zeros_like(q), bounds)
         assert violation(W, q, f, bounds) < 1e-9
         # From the solution of the same problem there is nothing to do.
         if not local.rescues:
-            again = LocalProblem(3)
+            again = LocalProblem()
             same = again.solve(W, q, f, bounds)
             assert same == pytest.approx(f, abs=1e-8 * np.abs(f).max())
             assert not again.rescues
@@ -423,7 +423,7 @@ def test_a_problem_without_solution_is_given_up(d):
     W[0, 0, 1, 0] = W[1, 0, 0, 0] = -2.0
     q = np.tile(-np.eye(d)[0], (2, 1))
     with pytest.raises(NoContactSolution, match="2 points"):
-        LocalProblem(d).solve(W, q, np.zeros_like(q), Bounds.uniform(0.5, 2))
+        LocalProblem().solve(W, q, np.zeros_like(q), Bounds.uniform(0.5, 2))
 
 
 @pytest.mark.parametrize("d", [2, 3])

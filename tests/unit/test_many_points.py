@@ -83,7 +83,7 @@ def test_the_answer_is_that_of_the_small_solver(case: str, d: int) -> None:
     bounds = Bounds(np.full(m, mu), np.full(m, cohesion))
     small = np.zeros((m, d))
     assert solve_points(W, q, *bounds, small, new_counts())
-    many = LocalProblem(d).solve(W, q, np.zeros((m, d)), bounds)
+    many = LocalProblem().solve(W, q, np.zeros((m, d)), bounds)
     np.testing.assert_allclose(many, small, rtol=0, atol=1e-9 * np.abs(small).max())
     assert law_violation(W, q, many, bounds) < 1e-10
 
@@ -191,7 +191,7 @@ def test_impulses_of_many_points_are_those_of_the_small_solver(d: int) -> None:
         0.5 * impulse[1::2, :1] / np.linalg.norm(impulse[1::2, 1:], axis=1, keepdims=True)
     )
     velocity = pressed(places, d, tilt=1.0, push=0.2)
-    found = impulse_correction(LocalProblem(d), velocity, W, impulse, bounds, 1.0)
+    found = impulse_correction(LocalProblem(), velocity, W, impulse, bounds, 1.0)
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
     small = correct_impulses(d, *flat, bounds, 1.0, new_counts())
     assert found is not None

@@ -13,7 +13,9 @@ from benchmarks.verification.newmark import sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
+from solver.contact.kernels.candidates import put_away
 from solver.run.describe import describe
+from solver.stepping.delassus import Delassus
 
 G = 9.81
 
@@ -318,6 +320,7 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
     assert off.any() and not off.all()
     y, beyond = problem.augmented()
     y[:, 0] = -1.0
-    near, pressed = problem.near(y, beyond)
-    assert len(near) and pressed.all()
-    assert not off[near].any()
+    put_away(y, beyond, problem._points.size)
+    found = problem.contact.settle(y, Delassus.of_no_points(2))
+    assert found.others_near and found.pressed.all()
+    assert not off[found.near].any()

@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from solver.law.compiled import compiled
+from solver.law.local_problem import solve_points
 from solver.types import Array, Indices, Mask
+
+#: What can become of a correction's contact problem: no point is near; others are than those whose
+#: compliance there is; its free values are there, and it is left to the caller; no method settled
+#: it; it is solved.
+NOTHING_NEAR, OTHERS_NEAR, LEFT_OPEN, UNSETTLED, SETTLED = range(5)
 
 
 @compiled
@@ -42,6 +50,7 @@ def free_values(
     softness: Array,
     softening: Array,
     held: Array,
+    bed: Array,
     round_off: Array,
     start: Array,
     q: Array,
@@ -57,6 +66,7 @@ def free_values(
         softness: Of the interface at all points, (points,), m/N: no part of y.
         softening: Of the near points, (m,), m/N: acts on what forces differ by from held ones.
         held: Forces of all points that they are compared with, (points, d), N.
+        bed: Softness of the beds below all points, (points,), m/N; W holds it, too.
         round_off: Of the gaps of all points, (points,), m.
         start: The guess, (m, d), N.
         q: The free values, (m, d), m.
@@ -79,6 +89,7 @@ def free_values(
                 q[i, k] -= anchor[p, k - 1]
         if not pressed and abs(q[i, 0]) < round_off[p]:  # nothing tells that such a gap is small
             q[i, 0] = 0.0
+        q[i, 0] += bed[p] * start[i, 0]
 
 
 @compiled
@@ -98,6 +109,75 @@ def take_over(force: Array, near: Indices, new: Array, change: Array) -> float:
             force[near[i], k] = new[i, k]
             squares += new[i, k] ** 2
     return squares
+
+
+@compiled
+def settle(
+    y: Array,
+    reach: Array,
+    may_touch: Mask,
+    near: Indices,
+    W: Array,
+    anchor: Array,
+    softness: Array,
+    softening: Array,
+    held: Array,
+    bed: Array,
+    round_off: Array,
+    mu: Array,
+    cohesion: Array,
+    alone: bool,
+    counts: Indices,
+    force: Array,
+    number: Indices,
+    pressed: Mask,
+    q: Array,
+    change: Array,
+) -> tuple[int, int, float]:
+    """Let the forces of near points obey the contact law after the free step to y, in one pass.
+
+    Returns what became of that, how many points are near, and the sum of the squares of their
+    forces, N2.
+
+    Args:
+        y: Augmented positions of all points after the free step, (points, d), m.
+        reach: As in `candidates`, like the masks and numbers of points.
+        may_touch: Points that may touch.
+        near: Points that W belongs to; where others are near nothing is changed.
+        W: As in `free_values`, like all up to `round_off`.
+        anchor: Of all points.
+        softness: Of all points.
+        softening: Of the near ones.
+        held: Of all points.
+        bed: Of all points.
+        round_off: Of all points.
+        mu: Coefficients of friction of all points, (points,).
+        cohesion: What they hold besides, (points,), N.
+        alone: Whether to solve the problem here, or to leave that to the caller.
+        counts: Of outcomes of local problems.
+        force: Forces of all points, replaced by those that obey the law, (points, d), N.
+        number: The near points, filled in.
+        pressed: Filled in.
+        q: Free values, filled in, (m, d), m.
+        change: How much the forces of near points changed, filled in, (m, d), N.
+    """
+    count = candidates(y, reach, may_touch, force, number, pressed)
+    if count == 0:
+        return NOTHING_NEAR, count, 0.0
+    if count != len(near):
+        return OTHERS_NEAR, count, 0.0
+    own_mu, own_cohesion = np.empty(count), np.empty(count)
+    for i in range(count):
+        if number[i] != near[i]:
+            return OTHERS_NEAR, count, 0.0
+        own_mu[i], own_cohesion[i] = mu[near[i]], cohesion[near[i]]
+    new = np.empty(q.shape)
+    free_values(near, W, y, force, anchor, softness, softening, held, bed, round_off, new, q)
+    if not alone:
+        return LEFT_OPEN, count, 0.0
+    if not solve_points(W, q, own_mu, own_cohesion, np.inf, new, counts):
+        return UNSETTLED, count, 0.0
+    return SETTLED, count, take_over(force, near, new, change)
 
 
 @compiled

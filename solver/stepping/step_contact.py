@@ -1,0 +1,145 @@
+"""The forces of all contact points in one step, and the law that they obey after each free step."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.contact.kernels.candidates import (
+    LEFT_OPEN,
+    NOTHING_NEAR,
+    OTHERS_NEAR,
+    UNSETTLED,
+    settle,
+    take_over,
+)
+from solver.law.compiled import runs_machine_code
+from solver.law.friction import Bounds
+from solver.law.local_problem import LocalProblem, NoContactSolution, new_counts
+from solver.law.many_points import MANY_ROWS
+from solver.stepping.balance import Balance
+from solver.stepping.delassus import Delassus
+from solver.stepping.friction_bounds import FrictionBounds
+from solver.stepping.model import ContactModel
+from solver.stepping.point_table import PointTable, joined
+from solver.types import Array, Indices, Mask
+
+MOST_FRICTION_ROUNDS = 50
+"""How often a correction looks at the speeds that friction of these speeds leads to."""
+
+STEADYING = 0.99
+"""Part of their difference that forces of rigid points keep from step to step where no motion tells
+it (two corners that push against each other): with nothing to hold them back such forces grow until
+their round-off shows, so they become even step by step."""
+
+
+def compile_laws(points: PointTable, local: LocalProblem, d: int) -> None:
+    """Let what is compiled be compiled, or read what was kept, before time counts."""
+    if not runs_machine_code():
+        return
+    one, none, vector = np.ones(1), np.zeros(1), np.zeros((1, d))
+    W, here, number = np.eye(d).reshape(1, d, 1, d), np.ones(1, dtype=np.bool_), np.array([0])
+    if points.decays:
+        local.solve(W, vector, vector, Bounds.uniform(0.5, 1))
+    of_all = vector[:, 1:].copy(), none, none, vector, none, none, one, none
+    filled = vector.copy(), number, here, vector.copy(), vector.copy()
+    settle(vector, one, here, number, W, *of_all, not points.decays, new_counts(), *filled)
+
+
+class Settlement(NamedTuple):
+    """What became of the contact problem of a correction."""
+
+    others_near: bool
+    """Whether other points are near than those of the operator: then nothing was changed."""
+    near: Indices
+    """Numbers of the points that are near, rising."""
+    pressed: Mask
+    """Those of them that carry a force, or would sink in under the forces so far, (m,)."""
+    change: Array | None
+    """How much the forces of the operator's points changed, (m, d), N; None: no point is near."""
+
+
+class StepContact:
+    """Forces of all contact points in one step.
+
+    Attributes:
+        force: Point forces f of the present iterate, (points, d), N.
+        friction: Bounds of friction.
+        beds: How the beds below all points give way; None where there are none.
+        softening: How rigid points give way; None where there are none. It acts on what forces
+            differ by from those at the start; in equilibrium, from those before each correction.
+        largest: Largest norm of the contact forces so far, N.
+    """
+
+    def __init__(self, model: ContactModel, balance: Balance):
+        """Start from what contact remembers."""
+        points, memories = model.points, balance.contact
+        self._points, self._local, self._weight = points, model.local, balance.contact_weight
+        self.force: Array = np.concatenate([memory.force for memory in memories])
+        self._anchor = joined([memory.anchor for memory in memories])
+        self._may_touch = joined([memory.may_touch for memory in memories])
+        self.friction = FrictionBounds(points, memories, step=balance.step, glued=balance.glued)
+        self.softening, self._held = model.softening, self.force
+        if model.softening is not None and not balance.static:
+            self.softening = model.softening.in_step(model.system, points, balance.load)
+            self._held = STEADYING * self.force
+        self.beds = points.beds(memories, balance.step)
+        self._bed = points.no_bed if self.beds is None else self.beds.softness
+        self.largest = 0.0
+
+    def settle(self, y: Array, operator: Delassus) -> Settlement:
+        """Let the forces obey the contact law after the free step to augmented positions y.
+
+        Raises:
+            NoContactSolution: The local problem was settled by no method.
+        """
+        points, friction, W = self._points, self.friction, operator.W
+        if not friction.steady:
+            slip = y[:, 1:] - self._anchor
+            friction.tell(slip + points.softness[:, None] * self.force[:, 1:])
+        change, q = np.empty(W.shape[:2]), np.empty(W.shape[:2])
+        number, pressed = np.empty(len(y), dtype=np.int64), np.empty(len(y), dtype=np.bool_)
+        outcome, count, squares = settle(
+            y,
+            points.reach,
+            self._may_touch,
+            operator.near.number,
+            W,
+            self._anchor,
+            points.softness,
+            operator.softening,
+            self._held,
+            self._bed,
+            points.round_off,
+            *friction.of_all(),
+            not points.decays and q.size <= MANY_ROWS,
+            self._local.counts,
+            self.force,
+            number,
+            pressed,
+            q,
+            change,
+        )
+        if outcome == UNSETTLED:
+            raise NoContactSolution(f"the local contact problem of {count} points did not settle")
+        if outcome == LEFT_OPEN:
+            squares = self._settle_in_rounds(operator, q, change)
+        self.largest = max(self.largest, self._weight * math.sqrt(squares))
+        changed = None if outcome in (NOTHING_NEAR, OTHERS_NEAR) else change
+        return Settlement(outcome == OTHERS_NEAR, number[:count], pressed[:count], changed)
+
+    def _settle_in_rounds(self, operator: Delassus, q: Array, change: Array) -> float:
+        """Settle a problem of many points, or one whose friction follows the motion.
+
+        By its free values q, (m, d), m; fills in the change of forces, (m, d), N, and returns the
+        sum of their squares, N2.
+        """
+        near, W = operator.near.number, operator.W
+        force = self.force.take(near, axis=0)
+        for _ in range(MOST_FRICTION_ROUNDS):
+            force = self._local.solve(W, q, force, self.friction.at(near), near)
+            if not self.friction.follows(near, W, q, force):
+                break
+        return take_over(self.force, near, force, change)
