@@ -170,8 +170,8 @@ class FullNewton:
         """The body and its points at u."""
         interface = self._link.interface
         surface, kinematics = interface.observe(u, None)
-        y = interface.augmented(surface, kinematics)
-        return Placed(u, *balance.smooth_residual(self._system, u), surface, kinematics, y)
+        smooth = balance.smooth_residual(self._system, u)
+        return Placed(u, *smooth, surface, kinematics, kinematics.augmented)
 
     def residual(self, balance: Balance, here: Placed, force: Array) -> Array:
         """Out-of-balance force with these point forces, N."""

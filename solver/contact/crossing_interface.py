@@ -91,12 +91,6 @@ class CrossingInterface(Interface):
             compression=np.where(present, memory.compression, 0.0),
         )
 
-    def augmented(self, surface: SurfaceState, kinematics: ContactKinematics) -> Array:
-        """Augmented positions y = (g - rest, s) of all pairs, (16, 3), m."""
-        y = kinematics.place.copy()
-        y[:, 0] -= self.crossings.rest
-        return y
-
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
         """How far the one outline is within the other, m; negative where it is not."""
         assert kinematics.carrier is not None

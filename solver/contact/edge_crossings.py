@@ -143,7 +143,7 @@ class Crossings(FacetCarrier):
         present = present & (kinematics.place[:, 0] > -CAME_ROUND * self._length)
         rest = np.minimum(kinematics.place[:, 0] + compression, 0.0)
         self.meeting = Meeting(frame, present, rest, kinematics)
-        return kinematics
+        return self._from_rest(kinematics)
 
     def depth_inside(self, edge: Array, face: Array) -> float:
         """How much farther than need be the upper face is within the lower one, as on a plate, m.
@@ -220,12 +220,18 @@ class Crossings(FacetCarrier):
             apart = upper.carried(position) - lower.carried(carrier.position)
             place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
             foot, own = self._for_all(pairs, lower), self._for_all(pairs, upper)
-        kinematics = ContactKinematics(place, self.frame, carrier, foot, own)
+        kinematics = ContactKinematics(place, place, self.frame, carrier, foot, own)
         start = self.meeting.start
         if start is not None and len(pairs):
             slip = in_frames(self._moved(start, kinematics), self.frame)
             place[pairs, 1:] = slip[pairs, 1:]
-        return kinematics
+        return self._from_rest(kinematics)
+
+    def _from_rest(self, kinematics: ContactKinematics) -> ContactKinematics:
+        """The same, with augmented positions y = (g - rest, s)."""
+        augmented = kinematics.place.copy()
+        augmented[:, 0] -= self.rest
+        return kinematics._replace(augmented=augmented)
 
     def _places(
         self, pairs: Indices, edge: Array, face: Array

@@ -92,7 +92,7 @@ class Face(FacetCarrier):
         else:
             stand = place, tuple(feet), self._room
             stand_on_facets(self._shapes, position, nodes, self.frame, *stand)
-        return ContactKinematics(place, self.frame, carrier, Projection(feet))
+        return ContactKinematics(place, place, self.frame, carrier, Projection(feet))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""

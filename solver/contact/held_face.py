@@ -35,7 +35,7 @@ class HeldFace(Face):
         """Gaps and tangential positions of points in space."""
         place, beyond = np.empty(position.shape), np.empty(len(position), dtype=np.bool_)
         places_within(position, self._level, self.frame, *self._ends, place, beyond)
-        return ContactKinematics(place, self.frame, carrier, beyond_edge=beyond)
+        return ContactKinematics(place, place, self.frame, carrier, beyond_edge=beyond)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space, whose work is exact."""

@@ -152,22 +152,17 @@ class Interface:
         self, u: Array | None, carrier_u: Array | None
     ) -> tuple[SurfaceState, ContactKinematics]:
         """Where the points and their carrier are for the unknowns of both bodies."""
-        surface = self.points.observe(u)
-        return surface, self._kinematics(surface, carrier_u)
+        surface, carrier = self.points.observe(u), self.carrier.points
+        return surface, self.over(surface, None if carrier is None else carrier.observe(carrier_u))
 
-    def _kinematics(self, surface: SurfaceState, carrier_u: Array | None) -> ContactKinematics:
-        """Gaps and tangential positions; a carrier without unknowns stands still."""
-        points = self.carrier.points
-        carried = None if points is None else points.observe(carrier_u)
-        return self.carrier.kinematics(surface.position, carried)
-
-    def augmented(self, surface: SurfaceState, kinematics: ContactKinematics) -> Array:
-        """Augmented positions y = (g, s) - T/gamma_h of all points, (points, d), m; a new array."""
+    def over(self, surface: SurfaceState, carrier: SurfaceState | None) -> ContactKinematics:
+        """Where the points are over a carrier whose own points are there; None for the ground."""
+        kinematics = self.carrier.kinematics(surface.position, carrier)
         if not isinstance(surface, NitscheState):
-            return kinematics.place.copy()
+            return kinematics
         y = np.empty(kinematics.place.shape)
         augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
-        return y
+        return kinematics._replace(augmented=y)
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of points without contact forces, by the owned unknowns of both bodies.
@@ -175,7 +170,7 @@ class Interface:
         They are None for the ground; `rotation` is that of the body of the points, (d, d).
         """
         surface, kinematics = self.observe(u, carrier_u)
-        y = self.augmented(surface, kinematics)
+        y = kinematics.augmented
         return Memory(
             surface=surface,
             kinematics=kinematics,
@@ -293,14 +288,13 @@ class Interface:
         that at t_n, in the frame of the step, all else is at t_{n+1}; the step (s) is infinite in
         equilibrium.
         """
-        y_old, y = self.augmented(old.surface, old.kinematics), self.augmented(surface, kinematics)
         anchor = np.empty(old.anchor.shape)
         past, friction, contact = after_step(
             tuple(self._laws),
             force,
-            y,
+            kinematics.augmented,
             old.force,
-            y_old,
+            old.kinematics.augmented,
             old.anchor,
             old.past,
             self.softness,

@@ -67,7 +67,7 @@ def rotate_frame(
     if may_touch.tobytes() == memory.may_touch.tobytes():
         return memory, exchanged
     before = interface.energy(memory)
-    y = interface.augmented(memory.surface, memory.kinematics)
+    y = memory.kinematics.augmented
     memory = _at_other_faces(interface, memory, y, may_touch)
     lost = ~may_touch
     after = replace(
@@ -88,11 +88,10 @@ def _turn_face(
     Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
     """
     face.rotate_frame(rotation)
-    kinematics = face.kinematics(memory.surface.position, memory.kinematics.carrier)
+    kinematics = interface.over(memory.surface, memory.kinematics.carrier)
     apart, anchor = memory.force[:, 0] <= 0, memory.anchor
     if apart.any():  # the foot of a point that is away from the face moves as the face turns
-        y = interface.augmented(memory.surface, kinematics)
-        anchor = np.where(apart[:, None], y[:, 1:], anchor)
+        anchor = np.where(apart[:, None], kinematics.augmented[:, 1:], anchor)
     turned = replace(memory, kinematics=kinematics, anchor=anchor)
     return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(
         turned

@@ -80,7 +80,7 @@ class Plane:
         shift = self._unmoved if carrier is None else carrier.position[0]
         place = np.empty(position.shape)
         places(position, self.origin, shift, self.frame, place)
-        return ContactKinematics(place, self.frame, carrier)
+        return ContactKinematics(place, place, self.frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, (m, d)."""

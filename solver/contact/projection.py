@@ -69,10 +69,16 @@ class EdgeInterpolation(Interpolation):
 
 
 class ContactKinematics(NamedTuple):
-    """Gaps and tangential positions of points over a carrier at one instant."""
+    """Gaps and tangential positions of points over a carrier at one instant.
+
+    A carrier knows of no tractions: it takes augmented positions for the same, and the interface
+    makes them what they are.
+    """
 
     place: Array
     """(g, s), (m, d), m."""
+    augmented: Array
+    """y = (g, s) - T/gamma_h, (m, d), m; (g, s) itself where points have no tractions."""
     frame: Array
     """Rows normal and tangents that they are given in: one for all points, (d, d), or one for each
     of them, (m, d, d)."""

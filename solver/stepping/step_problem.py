@@ -209,10 +209,8 @@ class StepProblem:
         as beyond an edge: they are to be put far from their carrier after the free step, whatever
         their gap, since a foot far beyond an edge goes to and fro with the face.
         """
-        points, parts = self._points, []
-        beyond = self.sleepers.points
-        for number, (surface, kinematics) in enumerate(self._iterate.seen):
-            parts.append(points.links[number].interface.augmented(surface, kinematics))
+        points, beyond = self._points, self.sleepers.points
+        for number, (_, kinematics) in enumerate(self._iterate.seen):
             off = None
             if not self.sleepers.asleep[number]:
                 off = self._edges.beyond(number, kinematics)
@@ -220,7 +218,7 @@ class StepProblem:
                 none = np.zeros(points.count, dtype=np.bool_)
                 beyond = none if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
-        y = joined(parts)
+        y: Array = np.concatenate([seen.augmented for _, seen in self._iterate.seen])
         if self.contact.beds is not None:
             y[:, 0] += self.contact.beds.offset
         return y, self._watch.settled(beyond)

@@ -16,7 +16,7 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     force = np.array([point[:2] for point in points])
     slipped = np.array([point[2] for point in points])
     none, yes = np.zeros((len(points), 1)), np.ones(len(points), dtype=bool)
-    kinematics = ContactKinematics(np.zeros((len(points), 2)), np.eye(2))
+    kinematics = ContactKinematics(*np.zeros((2, len(points), 2)), np.eye(2))
     past = np.zeros((len(force), PAST))
     past[:, SLIPPED] = slipped
     bed = np.zeros(len(points))

@@ -163,10 +163,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
         contact_weight=1.0,
         sign=1.0,
     )
-    y = [
-        interface.augmented(*seen)
-        for seen in ((memory.surface, memory.kinematics), (surface, kinematics))
-    ]
+    y = [seen.augmented for seen in (memory.kinematics, kinematics)]
     work = force * (y[1] - y[0])
     assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())
     total = [target[own].reshape(-1, 3).sum(axis=0) for own in system.slices]

@@ -213,10 +213,7 @@ def test_work_is_exact_and_forces_are_opposite(
         contact_weight=1.0,
         sign=1.0,
     )
-    y = [
-        interface.augmented(*seen)
-        for seen in ((memory.surface, memory.kinematics), (surface, kinematics))
-    ]
+    y = [seen.augmented for seen in (memory.kinematics, kinematics)]
     work = force * (y[1] - y[0])
     assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())
     on_points, on_carrier = pair.total(target, 0), pair.total(target, 1)
