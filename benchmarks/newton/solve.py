@@ -25,10 +25,11 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import green_strain
 from solver.compat import PackedForm
 from solver.contact.body_points import SurfaceState
+from solver.contact.increment import ContactIncrement
 from solver.contact.kernels.nitsche import NitscheState
 from solver.contact.projection import ContactKinematics
 from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
+from solver.stepping.contact_forces import Contact, add_contact_forces
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Link, System
 from solver.types import Array

@@ -41,6 +41,12 @@ class PointState:
     pose: Array | None = None
 
 
+Key = tuple[float, ...]
+"""What tells a point of a body from all others: its face and its place."""
+
+KEY_DECIMALS = 7
+"""Decimals, of the body's size, to which the places in keys of points are rounded."""
+
 SurfaceState = PointState | NitscheState
 """What is known of surface points at one instant."""
 
@@ -158,39 +164,47 @@ class RigidPoints:
 
 
 class NitschePoints:
-    """Contact points of a meshed body, which know the traction of the body there."""
+    """Contact points of a meshed body, which know the traction of the body there.
+
+    Attributes:
+        rows: What turns displacements of the nodes that `nodal` gives into positions and tractions.
+        layer: The nodes of the cells there.
+    """
 
     def __init__(self, body: ElasticBody, points: ContactPoints):
         """Take the points."""
         self.body, self.points = body, points
         self.count, self.dimension = points.count, points.dimension
         self.reference, self.size = points.reference, points.size
-        self._layer = points.layer
+        self.layer = points.layer
         numbers = points.rows.numbers.copy()
         numbers[:, 1:] = points.layer.numbers(numbers[:, 1:])
-        self._rows = points.rows._replace(numbers=numbers)
-        self._index, self._table, _ = self._rows
+        self.rows = points.rows._replace(numbers=numbers)
+        self._index, self._table, _ = self.rows
+
+    def nodal(self, u: Array) -> Array:
+        """Values of the nodes that the rows reach, (n, d), from those of the owned unknowns."""
+        return self.layer.reached(u.reshape(-1, self.dimension))
 
     def observe(self, u: Array | None) -> NitscheState:
         """Positions and tractions for the owned unknowns u."""
         assert u is not None
-        state = new_state(self._rows)
-        evaluate(*self._rows, self._layer.reached(u.reshape(-1, self.dimension)), state.values)
+        state = new_state(self.rows)
+        evaluate(*self.rows, self.nodal(u), state.values)
         return state
 
     def velocity(self, u: Array | None, v: Array | None) -> Array:
         """Velocities of the points."""
         assert u is not None and v is not None
         velocity = np.empty_like(self.reference)
-        nodal = self._layer.reached(v.reshape(-1, self.dimension))
-        point_values(self._index, self._table, nodal, velocity)
+        point_values(self._index, self._table, self.nodal(v), velocity)
         return velocity
 
     def add_forces(self, target: Array, forces: PointForces) -> None:
         """Add forces on the points, and `pull` times the traction's derivative, to the forces."""
         old, new, force, pull = forces
         owned = target.reshape(-1, self.dimension)
-        nodal = self._layer.room(owned)
+        nodal = self.layer.room(owned)
         if pull is None:
             add_point_forces(self._index, self._table, force, nodal)
         else:
@@ -198,10 +212,20 @@ class NitschePoints:
             scale, pulled, frame, before, after = pull
             rows, states = (self._index, self._table), (old.values, new.values)
             add_contact_forces(*rows, *states, force, scale, pulled, frame, before, after, nodal)
-        self._layer.put(owned, nodal)
+        self.layer.put(owned, nodal)
 
 
 FacePoints = NodePoints | RigidPoints | FixedPoints
 """Points on which forces act, and no more."""
 
 SurfacePoints = NitschePoints | FacePoints
+
+
+def keys_of(points: SurfacePoints) -> list[Key]:
+    """The key of every point; it stays the same whatever faces join."""
+    if not isinstance(points, NitschePoints):
+        return [tuple(map(float, row)) for row in points.reference]
+    own = points.points
+    # Scaled by the whole body: the layer of nodes grows when a face joins.
+    places = np.round(own.reference / own.size, KEY_DECIMALS) + 0.0
+    return [tuple(map(float, row)) for row in np.column_stack([own.tag, places])]

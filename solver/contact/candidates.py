@@ -18,8 +18,9 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.facets import evaluate_facets, gather
 from solver.contact.interface import Interface
+from solver.contact.nitsche_on_plane import NitscheOnPlane
 from solver.contact.nitsche_points import contact_points, extent
-from solver.contact.plane_target import Carrier
+from solver.contact.plane_target import Carrier, Plane
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array
 
@@ -120,7 +121,9 @@ class MeshedContactPair:
             cuts=self._cuts,
         )
         member = NitschePoints(self._member, points)
-        return Interface(member, self.surface, self._law, theta=self._theta, bed=self._bed)
+        # Planes of kinds of their own have kinematics of their own.
+        kind = NitscheOnPlane if type(self.surface) is Plane else Interface
+        return kind(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 
 
 class FixedContactPair:

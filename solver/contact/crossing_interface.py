@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.contact.body_points import SurfaceState
+from solver.contact.body_points import Key, SurfaceState
 from solver.contact.edge_crossings import Crossings
-from solver.contact.interface import Interface, Key
+from solver.contact.interface import Interface
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics, spread
 from solver.law.friction import new_pasts

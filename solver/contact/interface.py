@@ -20,16 +20,20 @@ import numpy as np
 
 from solver.contact.bed import PointBeds
 from solver.contact.body_points import (
+    Key,
     NitschePoints,
+    PointForces,
     RigidPoints,
     SurfacePoints,
     SurfaceState,
+    keys_of,
 )
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
+from solver.contact.increment import ContactIncrement
 from solver.contact.kernels.apart import least_distance
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
-from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
+from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment, pull_weights
 from solver.contact.memory import Dissipation, Memory
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
@@ -43,12 +47,6 @@ from solver.law.friction import (
 )
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Mask
-
-Key = tuple[float, ...]
-"""What tells a point of a body from all others: its face and its place."""
-
-KEY_DECIMALS = 7
-"""Decimals, of the body's size, to which the places in keys of points are rounded."""
 
 
 class Interface:
@@ -66,6 +64,7 @@ class Interface:
         area: What cohesion acts on, (points,), m2.
         inverse_gamma: 1/gamma_h, (points,), m/Pa; 0 for points without tractions.
         softness: 1/(gamma_h w), (points,), m/N; likewise.
+        pull_scale: The `scale` of a `TractionPull`.
         beds: Springs and dashpots below the points; None where there are none.
         corners: Which of its points share a place; None for points without faces.
     """
@@ -119,8 +118,8 @@ class Interface:
                 self.area = points.area
         self._gamma_column = self.inverse_gamma[:, None]
         scale = self.theta * self.inverse_gamma
-        self._pull_scale: Array = np.column_stack([scale * self.weight, scale])
-        self._pull_weight: Array = self._pull_scale[:, 0].copy()
+        self.pull_scale: Array = np.column_stack([scale * self.weight, scale])
+        self._pull_weight: Array = self.pull_scale[:, 0].copy()
         self.beds: PointBeds | None = None
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
@@ -137,12 +136,7 @@ class Interface:
 
     def _named(self) -> list[Key]:
         """The key of every point; it stays the same whatever faces join."""
-        if not isinstance(self.points, NitschePoints):
-            return [tuple(map(float, row)) for row in self.points.reference]
-        points = self.points.points
-        # Scaled by the whole body: the layer of nodes grows when a face joins.
-        places = np.round(points.reference / points.size, KEY_DECIMALS) + 0.0
-        return [tuple(map(float, row)) for row in np.column_stack([points.tag, places])]
+        return keys_of(self.points)
 
     def keys(self) -> list[Key]:
         """The key of every point: face and place."""
@@ -231,6 +225,39 @@ class Interface:
         vectors = self.carrier.vectors(old, new, force)
         return vectors, self.carrier.reaction(old, new, vectors)
 
+    def add_forces(
+        self,
+        increment: ContactIncrement,
+        on_body: Array | None,
+        on_carrier: Array | None,
+        *,
+        contact_weight: float,
+        traction_weight: float,
+        sign: float,
+    ) -> None:
+        """Add the forces on both bodies to the forces on their owned unknowns, in place.
+
+        The contact weight is w_c, the traction weight 1 - alpha_f for the theta term of Nitsche's
+        method, 0 to leave it out; the sign is 1, or -1 to subtract. The ground has no unknowns.
+        """
+        old, new = increment.before, increment
+        weighted = (sign * contact_weight) * new.force
+        vectors, reaction = self.point_forces(old.kinematics, new.kinematics, weighted)
+        if on_body is not None:
+            pull = None
+            if self.theta:
+                pull = self.traction_pull(weighted, traction_weight=traction_weight, sign=sign)
+            forces = PointForces(old.surface, new.surface, vectors, pull)
+            self.points.add_forces(on_body, forces)
+        if on_carrier is not None and reaction is not None:
+            self._add_reaction(increment, reaction, on_carrier)
+
+    def _add_reaction(self, increment: ContactIncrement, reaction: Array, target: Array) -> None:
+        """Add forces on the carrier's own points to those on its unknowns."""
+        first, last = increment.before.kinematics.carrier, increment.kinematics.carrier
+        assert self.carrier.points is not None and first is not None and last is not None
+        self.carrier.points.add_forces(target, PointForces(first, last, reaction))
+
     def traction_pull(
         self, force: Array, *, traction_weight: float, sign: float = 1.0
     ) -> TractionPull:
@@ -242,9 +269,8 @@ class Interface:
                 leave it out.
             sign: 1, or -1 to subtract the term.
         """
-        old = sign * (1.0 - traction_weight) if traction_weight else 0.0
-        frame, new = self.carrier.frame, sign * traction_weight
-        return TractionPull(self._pull_scale, force, frame, old, new)
+        weights = pull_weights(traction_weight, sign)
+        return TractionPull(self.pull_scale, force, self.carrier.frame, *weights)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.

@@ -17,12 +17,10 @@ from solver.contact.facets import Evaluations, evaluate_facets, gather
 from solver.contact.kernels.nitsche import (
     NitscheState,
     SurfaceRows,
-    add_contact_forces,
     add_traction_gradient,
     evaluate,
     new_state,
 )
-from solver.law.compiled import runs_machine_code
 from solver.parallel import Layer
 from solver.scene.material import Material
 from solver.types import Array, Indices
@@ -107,17 +105,6 @@ class ContactPoints:
             stress_rows=normal_stress_map(material, table.normal),
             reference=self.reference,
         )
-        if runs_machine_code():
-            self._compile()
-
-    def _compile(self) -> None:
-        """Let what is compiled be compiled, or read what was kept, before time counts."""
-        at_rest = np.zeros((self.layer.size, self.dimension))
-        state, nothing = self.evaluate(at_rest).values, np.zeros((self.count, 2))
-        unloaded, frame = np.zeros_like(self.reference), np.eye(self.dimension)
-        numbers, table, _ = self.rows
-        pull = nothing, unloaded, frame, 0.5, 0.5
-        add_contact_forces(numbers, table, state, state, unloaded, *pull, at_rest)
 
     def evaluate(self, displacement: Array) -> NitscheState:
         """Positions and tractions for the displacements (nodes, d) of the layer."""

@@ -75,9 +75,13 @@ class Plane:
         """The horizontal plane at level 0."""
         return cls(level_frame(dimension), np.zeros(dimension), platform)
 
+    def shift(self, platform: SurfaceState | None) -> Array:
+        """How far the plane has moved with its platform, (d,), m."""
+        return self._unmoved if platform is None else platform.position[0]
+
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
-        shift = self._unmoved if carrier is None else carrier.position[0]
+        shift = self.shift(carrier)
         place = np.empty(position.shape)
         places(position, self.origin, shift, self.frame, place)
         return ContactKinematics(place, place, self.frame, carrier)

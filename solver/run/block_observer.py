@@ -9,9 +9,8 @@ import numpy as np
 
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import BlockBody
-from solver.contact.body_points import NitschePoints
+from solver.contact.body_points import Key, NitschePoints
 from solver.contact.facet_target import Face
-from solver.contact.interface import Key
 from solver.contact.memory import Memory
 from solver.contact.projection import in_space
 from solver.history.columns import positions

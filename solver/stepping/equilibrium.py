@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
+from solver.contact.increment import ContactIncrement
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
+from solver.stepping.contact_forces import add_contact_forces
 from solver.stepping.ledger import energies
 from solver.stepping.state import State
 from solver.stepping.system import Body, Link, System

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.contact.increment import ContactIncrement
 from solver.contact.memory import Dissipation, Memory
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.balance import Balance
-from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
+from solver.stepping.contact_forces import Contact, add_contact_forces
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds
 from solver.stepping.point_table import joined

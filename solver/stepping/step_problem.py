@@ -17,11 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
+from solver.contact.increment import ContactIncrement
 from solver.contact.kernels.candidates import put_away
 from solver.parallel import global_sum
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
-from solver.stepping.contact_forces import Contact, ContactIncrement, add_contact_forces
+from solver.stepping.contact_forces import Contact, add_contact_forces
 from solver.stepping.delassus import (
     Delassus,
     DelassusKey,

@@ -12,9 +12,12 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
-from solver.contact.body_points import PointForces
+from solver.bodies.oscillator import Oscillator
+from solver.contact.body_points import PointForces, RigidPoints
 from solver.contact.candidates import MeshedContactPair
+from solver.contact.increment import ContactIncrement
 from solver.contact.interface import Interface
+from solver.contact.nitsche_on_plane import NitscheOnPlane
 from solver.contact.plane_target import Plane
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
@@ -262,3 +265,26 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     y_old, y_new = (interface.observe(u, None)[1].augmented for u in (u0, u1))
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)
+
+
+@pytest.mark.parametrize("theta", [1, 0, -1])
+@pytest.mark.parametrize("on", ["ground", "platform"])
+def test_passes_in_one_go_are_those_one_by_one(thing, theta, on):
+    """An interface on a plane, and the same as any other interface, to the last bit."""
+    body, points, law = thing.body, thing.interface.points, FrictionSpec(static=0.5)
+    platform = Oscillator(mass=2.0, stiffness=1.0, dashpot=0.0, comm=MPI.COMM_SELF)
+    own = None if on == "ground" else RigidPoints(platform, np.zeros((1, 2)))
+    moved = [None, None] if own is None else [np.array([0.1]), np.array([0.3])]
+    u = [thing.displacement(16, 0.1, 1e-2), thing.displacement(17, 0.15, 1e-2)]
+    force, found = np.random.default_rng(18).standard_normal((points.count, 2)), []
+    for kind in (NitscheOnPlane, Interface):
+        interface = kind(points, Plane.level(2, own), law, theta=theta)
+        seen, no_turn = interface.observe(u[1], moved[1]), np.eye(2)
+        increment = ContactIncrement(interface.start(u[0], moved[0], no_turn), *seen, force)
+        on_body, on_carrier = np.zeros(body.size), None if own is None else np.zeros(1)
+        weights = {"contact_weight": 0.6, "traction_weight": 0.7, "sign": -1.0}
+        interface.add_forces(increment, on_body, on_carrier, **weights)
+        found.append([seen[0].values, seen[1].place, seen[1].augmented, on_body, on_carrier])
+    assert np.abs(found[0][2] - found[0][1]).max() > 0.0
+    for one, other in zip(*found, strict=True):
+        assert (one is None and other is None) or one.tobytes() == other.tobytes()

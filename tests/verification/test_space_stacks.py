@@ -21,10 +21,11 @@ from solver.contact.carrier_surface import carrier_surface
 from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.edge_crossings import Crossings
 from solver.contact.facet_target import Face
+from solver.contact.increment import ContactIncrement
 from solver.contact.outline import Outline
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
-from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
+from solver.stepping.contact_forces import add_contact_forces
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link, System

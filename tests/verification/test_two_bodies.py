@@ -21,11 +21,12 @@ from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
+from solver.contact.increment import ContactIncrement
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
-from solver.stepping.contact_forces import ContactIncrement, add_contact_forces
+from solver.stepping.contact_forces import add_contact_forces
 from solver.stepping.system import Link, System
 
 Array = NDArray[np.float64]

@@ -1,0 +1,90 @@
+"""Points with tractions over a plane: where they are, and their forces, one pass each; compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.contact.kernels.nitsche import add_contact_forces, add_point_forces, augment, evaluate
+from solver.contact.kernels.plane import places, vectors_of
+from solver.law.compiled import compiled
+from solver.types import Array, Indices
+
+
+@compiled
+def observe_over_plane(
+    index: Indices,
+    table: Array,
+    reference: Array,
+    displacement: Array,
+    origin: Array,
+    shift: Array,
+    frame: Array,
+    inverse_gamma: Array,
+    state: Array,
+    place: Array,
+    y: Array,
+) -> None:
+    """Fill in positions and tractions as `evaluate`, gaps and slips, and augmented positions.
+
+    Args:
+        index: Of the `SurfaceRows`, like all up to `reference`.
+        table: Of the rows.
+        reference: Of the rows.
+        displacement: Of the nodes, (n, d), m.
+        origin: A point of the plane, (d,), m.
+        shift: How far the plane has moved, (d,), m.
+        frame: Rows normal and tangents, (d, d).
+        inverse_gamma: 1/gamma_h, (p,), m/Pa.
+        state: The values of a `NitscheState`.
+        place: (g, s), (p, d), m.
+        y: (p, d), m.
+    """
+    evaluate(index, table, reference, displacement, state)
+    points = len(reference)
+    places(state[:points], origin, shift, frame, place)
+    augment(place, state[points : 2 * points], inverse_gamma, frame, y)
+
+
+@compiled
+def add_forces_on_plane(
+    index: Indices,
+    table: Array,
+    old: Array,
+    new: Array,
+    force: Array,
+    weight: float,
+    frame: Array,
+    pulls: bool,
+    scale: Array,
+    old_weight: float,
+    new_weight: float,
+    nodal: Array,
+    total: Array,
+) -> None:
+    """Add point forces, and what they pull on tractions, to forces on nodes; fill in their sum.
+
+    Args:
+        index: As in `observe_over_plane`.
+        table: Likewise.
+        old: The values of the `NitscheState` at t_n.
+        new: Those at t_{n+1}.
+        force: f, (p, d), N: normal, tangential.
+        weight: By which forces count.
+        frame: Rows normal and tangents, (d, d).
+        pulls: Whether there is a theta term.
+        scale: Of the `TractionPull`, like both weights.
+        old_weight: Of the traction at t_n.
+        new_weight: At t_{n+1}.
+        nodal: Forces on nodes, (n, d), N.
+        total: Sum of the forces in space, (d,), N.
+    """
+    weighted, vectors = weight * force, np.empty(force.shape)
+    vectors_of(weighted, frame, vectors)
+    total[:] = 0.0
+    for p in range(len(vectors)):
+        total += vectors[p]
+    if pulls:
+        pull = scale, weighted, frame, old_weight, new_weight
+        add_contact_forces(index, table, old, new, vectors, *pull, nodal)
+    else:
+        add_point_forces(index, table, vectors, nodal)
