@@ -50,15 +50,22 @@ class Columns:
             self._room[:, :before] = self.values
         self.values = self._room[:, :end]
 
+    def of_few(self, ports: Indices) -> Array | None:
+        """Columns of some of the ports as rows, (m d, owned unknowns); None where all are many."""
+        if self.values.size > FEW:
+            return None
+        if not same(ports, self._last[0]):
+            self._last = ports, self.values.T[rows_of(self._place[ports], self._d)]
+        return self._last[1]
+
     def under(self, ports: Indices, forces: Array) -> Array:
         """What forces (m, d) at some of the ports do to the owned unknowns, m.
 
         Of many columns, those of ports without force are not read.
         """
-        if self.values.size <= FEW:
-            if not same(ports, self._last[0]):
-                self._last = ports, self.values.T[rows_of(self._place[ports], self._d)]
-            return forces.reshape(-1).dot(self._last[1])
+        few = self.of_few(ports)
+        if few is not None:
+            return forces.reshape(-1).dot(few)
         acting = forces.any(axis=1)
         rows = rows_of(self._place[ports[acting]], self._d)
         flat, count = forces[acting].reshape(-1), len(self.values.T)

@@ -150,6 +150,12 @@ class Compliance:
         rows = self._expand(self._place[chosen])
         return PortCompliance(chosen, self._matrix[np.ix_(rows, rows)])
 
+    def few_columns(self, ports: Indices) -> Array | None:
+        """Columns of some ports as rows, (m d, owned unknowns); None where they are not few."""
+        if not same(ports, self._gathered.ports):
+            self._compute_missing(ports)
+        return None if self.columns is None else self.columns.of_few(ports)
+
     def displacement(self, ports: Indices, vectors: Array) -> Array:
         """What forces (m, d) at some ports do to the owned unknowns, m."""
         if not same(ports, self._gathered.ports):

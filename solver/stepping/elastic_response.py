@@ -13,14 +13,14 @@ from solver.bodies.reduced.body import ReducedBody
 from solver.contact.kernels.turned import (
     add_compliance,
     add_loads,
-    add_motion,
     add_places,
     add_readings,
-    free_step,
     into_frame,
     largest_change,
     mark_ports,
     middle_of,
+    moved_by_few,
+    moved_with_strain,
     out_of_frame,
     point_vectors,
     read_points,
@@ -49,6 +49,18 @@ class ElasticConfiguration(NamedTuple):
     rotation: Array
     middle: Array
     shift: Array
+
+
+class ElasticMotion(NamedTuple):
+    """A motion of a meshed body in the frame that turns with it: x + S p.
+
+    Attributes:
+        nodes: x, of the owned nodes, (n, d), m.
+        push: p, the forces that make it, added up over all nodes, (d,), N.
+    """
+
+    nodes: Array
+    push: Array
 
 
 class ElasticCoupling(NamedTuple):
@@ -126,6 +138,8 @@ class ElasticResponse:
         self._unshifted = np.zeros((body.dimension, body.dimension))
         unturned = np.eye(body.dimension)
         self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
+        still = np.zeros((body.owned, body.dimension))
+        self._at_rest = ElasticMotion(still, np.zeros(body.dimension))
 
     @property
     def nbytes(self) -> float:
@@ -150,23 +164,22 @@ class ElasticResponse:
         ends = now.rotation, before.rotation
         return largest_change(*ends, now.middle, before.middle) <= TURNED
 
-    def at_rest(self) -> Array:
-        """A motion of zero, to be added to."""
-        return np.zeros((self.body.owned, self.body.dimension))
+    def at_rest(self) -> ElasticMotion:
+        """A motion of zero."""
+        return self._at_rest
 
-    def free(self, at: ElasticConfiguration, residual: Array) -> Array:
+    def free(self, at: ElasticConfiguration, residual: Array) -> ElasticMotion:
         """The free motion -K^-1 r."""
         d = self.body.dimension
         turned, total = np.empty((self.body.owned, d)), np.empty(d)
-        into_frame(residual, at.middle, turned, total)
+        into_frame(residual, at.middle, -1.0, turned, total)
         free = self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
-        free_step(free, at.shift, global_sum(self.body.comm, total))
-        return free
+        return ElasticMotion(free, global_sum(self.body.comm, total))
 
     def read(
         self,
         at: ElasticConfiguration,
-        free: Array,
+        free: ElasticMotion,
         moved: Array,
         frames: Sequence[Array],
         kinematics: Kinematics,
@@ -175,14 +188,14 @@ class ElasticResponse:
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
             if kinematics[side.interface] is None:
                 continue
-            nodes, frame = port.layer.reached(free).reshape(-1), frames[side.interface]
+            nodes, frame = port.layer.reached(free.nodes).reshape(-1), frames[side.interface]
             each = frame[None] if frame.ndim == 2 else frame
-            spots = side.spots(kinematics)
+            spots, motion = side.spots(kinematics), (nodes, free.push, at.shift)
             if spots is None:
-                add_readings(moved, side.first, side.sign, *rows, nodes, each, at.rotation)
+                add_readings(moved, side.first, side.sign, *rows, *motion, each, at.rotation)
             else:
                 points = np.empty((side.points.count, self.body.dimension))
-                read_points(*rows, nodes, points)
+                read_points(*rows, *motion, points)
                 carried = spots.carried(points)
                 add_places(moved, side.first, side.sign, carried, each, at.rotation)
 
@@ -241,20 +254,27 @@ class ElasticResponse:
         near: CandidateSet,
         force: Array,
         weight: float,
-        motion: Array,
-    ) -> None:
-        """Add what forces at near points do; nothing where the body has none of them."""
+        motion: ElasticMotion,
+    ) -> Array:
+        """The owned part of a motion and of what forces at near points add, if it has any."""
         if not len(coupling.ports):
-            return
+            return self.owned(at, motion)
+        moved, load = np.empty(motion.nodes.size), coupling.load
+        few = self.compliance.few_columns(coupling.ports) if load is None else None
+        if few is not None:
+            turns = at.middle, few, at.shift, at.rotation
+            moved_by_few(*motion, force, weight, near.frames, *turns, moved)
+            return moved
         vectors = np.empty(force.shape)
         point_vectors(force, weight, near.frames, at.middle, vectors)
-        if coupling.load is not None:
-            vectors = coupling.load.T @ vectors
+        if load is not None:
+            vectors = load.T @ vectors
         strain = self.compliance.displacement(coupling.ports, vectors)
-        add_motion(motion, strain, at.shift, vectors)
+        moved_with_strain(*motion, strain, vectors, at.shift, at.rotation, moved)
+        return moved
 
-    def owned(self, at: ElasticConfiguration, motion: Array) -> Array:
+    def owned(self, at: ElasticConfiguration, motion: ElasticMotion) -> Array:
         """A motion of the owned unknowns, from the frame of the body back into space."""
-        vectors = np.empty(motion.size)
-        out_of_frame(motion, at.rotation, vectors)
+        vectors = np.empty(motion.nodes.size)
+        out_of_frame(*motion, at.shift, at.rotation, vectors)
         return vectors

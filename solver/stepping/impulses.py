@@ -178,9 +178,8 @@ class VelocityImpulses:
         for response, at, coupling in zip(
             self._responses, operator.configurations, operator.couplings, strict=True
         ):
-            change = response.at_rest()
-            response.respond(at, coupling, operator.near, impulse, 1.0, change)
-            parts.append(response.owned(at, change))
+            how = coupling, operator.near, impulse, 1.0
+            parts.append(response.respond(at, *how, response.at_rest()))
         return joined(parts)
 
     def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:

@@ -7,8 +7,8 @@ platform with its mass. The contact problem sees only rows and a small dense mat
 
 A response holds nothing of an iteration. What a body is like at a displacement is its
 configuration, and how it takes part in a set of points its coupling; each is a value that is passed
-on to the next call. Motions are corrections of its unknowns as surface points are read from them:
-of a meshed body in the frame that turns with it, (nodes, d); of a rigid one all, on every rank.
+on to the next call. So is a motion, a correction of its unknowns as surface points are read from
+it: of a meshed body in the frame that turns with it; of a rigid one all unknowns, on every rank.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from solver.types import Array, Indices, Mask
 
 Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
+Motion = TypeVar("Motion")
 
 Kinematics = Sequence[ContactKinematics | None]
 """Kinematics of all interfaces; None for one that a step leaves out."""
@@ -95,7 +96,7 @@ class CandidateSet(NamedTuple):
         return result
 
 
-class Response(Protocol[Configuration, Coupling]):
+class Response(Protocol[Configuration, Coupling, Motion]):
     """What a body offers to the contact problem."""
 
     @property
@@ -111,13 +112,13 @@ class Response(Protocol[Configuration, Coupling]):
     def close(self, now: Configuration, before: Configuration) -> bool:
         """Whether compliances are the same in both, as far as corrections need it."""
 
-    def free(self, at: Configuration, residual: Array) -> Array:
+    def free(self, at: Configuration, residual: Array) -> Motion:
         """The free motion -K^-1 r, without any change of contact forces."""
 
     def read(
         self,
         at: Configuration,
-        free: Array,
+        free: Motion,
         moved: Array,
         frames: Sequence[Array],
         kinematics: Kinematics,
@@ -127,8 +128,8 @@ class Response(Protocol[Configuration, Coupling]):
     def couple(self, at: Configuration, near: CandidateSet, weight: float, W: Array) -> Coupling:
         """Add `weight` times the compliance among near points to W (m, d, m, d)."""
 
-    def at_rest(self) -> Array:
-        """A motion of zero, to be added to."""
+    def at_rest(self) -> Motion:
+        """A motion of zero."""
 
     def respond(
         self,
@@ -137,15 +138,15 @@ class Response(Protocol[Configuration, Coupling]):
         near: CandidateSet,
         force: Array,
         weight: float,
-        motion: Array,
-    ) -> None:
-        """Add what `weight` times forces (m, d) at near points do to a motion."""
+        motion: Motion,
+    ) -> Array:
+        """As `owned`, a motion and what `weight` times forces (m, d) at near points add to it."""
 
-    def owned(self, at: Configuration, motion: Array) -> Array:
+    def owned(self, at: Configuration, motion: Motion) -> Array:
         """A motion as a correction of the owned unknowns."""
 
 
-AnyResponse = Response[Any, Any]
+AnyResponse = Response[Any, Any, Any]
 """The response of a body, whatever its kind."""
 
 
@@ -207,7 +208,7 @@ class DenseResponse:
         return self.body.replicate(-residual / self.tangent[self.body.own])
 
     def at_rest(self) -> Array:
-        """A motion of zero, to be added to."""
+        """A motion of zero."""
         return np.zeros(self.body.unknowns)
 
     def _at(
@@ -257,9 +258,10 @@ class DenseResponse:
         force: Array,
         weight: float,
         motion: Array,
-    ) -> None:
-        """Add what forces at near points do; the coupling is their rows."""
-        motion += weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
+    ) -> Array:
+        """The owned part of a motion and of what forces at near points add; by their rows."""
+        moved = weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
+        return self.owned(at, motion + moved)
 
     def owned(self, at: DenseConfiguration, motion: Array) -> Array:
         """The part of a motion that this rank owns."""

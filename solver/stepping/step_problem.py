@@ -166,18 +166,15 @@ class StepProblem:
         if beyond is not None:
             put_away(y, beyond, self._points.size)
         delassus, change = self._settled(y)
-        if change is not None:
-            for k, response in enumerate(self._tangents.responses):
-                at, coupling = self._configurations[k], delassus.couplings[k]
-                response.respond(at, coupling, delassus.near, change, self._weight, free[k])
-        return joined(
-            [
-                response.owned(at, motion)
-                for response, at, motion in zip(
-                    self._tangents.responses, self._configurations, free, strict=True
-                )
-            ]
-        )
+        found = []
+        for k, response in enumerate(self._tangents.responses):
+            at = self._configurations[k]
+            if change is None:
+                found.append(response.owned(at, free[k]))
+            else:
+                how = delassus.couplings[k], delassus.near, change, self._weight
+                found.append(response.respond(at, *how, free[k]))
+        return joined(found)
 
     def _placed(self) -> Sequence[Any]:
         """The configurations of all bodies at the iterate."""
@@ -191,7 +188,7 @@ class StepProblem:
             )
         ]
 
-    def _free(self, residual: Array, y: Array) -> list[Array]:
+    def _free(self, residual: Array, y: Array) -> list[Any]:
         """The free motions of all bodies; what they do to augmented positions is added to y."""
         frames, kinematics = self._points.frames, self._kinematics
         found = []

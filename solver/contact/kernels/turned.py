@@ -14,13 +14,14 @@ from solver.types import Array, Indices, Mask
 
 
 @compiled
-def into_frame(vectors: Array, rotation: Array, turned: Array, total: Array) -> None:
-    """Fill in R^T x of vectors x, one after another in (n d,), as rows (n, d), and their sum (d,).
+def into_frame(vectors: Array, rotation: Array, factor: float, turned: Array, total: Array) -> None:
+    """Fill in multiples of R^T x of vectors x, (n d,), as rows (n, d), and their sum (d,).
 
     Args:
-        vectors: x, (n d,).
+        vectors: x, one after another, (n d,).
         rotation: R, (d, d).
-        turned: R^T x, (n, d).
+        factor: What they are multiplied by.
+        turned: (n, d).
         total: Their sum, (d,).
     """
     d = len(total)
@@ -30,32 +31,30 @@ def into_frame(vectors: Array, rotation: Array, turned: Array, total: Array) -> 
             along = 0.0
             for i in range(d):
                 along += rotation[i, j] * vectors[n * d + i]
-            turned[n, j] = along
-            total[j] += along
+            turned[n, j] = factor * along
+            total[j] += factor * along
 
 
 @compiled
-def out_of_frame(turned: Array, rotation: Array, vectors: Array) -> None:
-    """Fill in R x of rows x, (n, d), as vectors one after another in (n d,)."""
-    d = len(rotation)
-    for n in range(len(turned)):
+def shifted(shift: Array, push: Array) -> Array:
+    """How far a push (d,) moves all nodes alike, S p, (d,)."""
+    way = np.zeros(len(push))
+    for j in range(len(push)):
+        for i in range(len(push)):
+            way[j] += shift[j, i] * push[i]
+    return way
+
+
+@compiled
+def out_of_frame(nodes: Array, push: Array, shift: Array, rotation: Array, vectors: Array) -> None:
+    """Fill in R (x + S p) of rows x, (n, d), as vectors one after another in (n d,)."""
+    d, way = len(rotation), shifted(shift, push)
+    for n in range(len(nodes)):
         for i in range(d):
             along = 0.0
             for j in range(d):
-                along += rotation[i, j] * turned[n, j]
+                along += rotation[i, j] * (nodes[n, j] + way[j])
             vectors[n * d + i] = along
-
-
-@compiled
-def free_step(motion: Array, shift: Array, total: Array) -> None:
-    """Let a motion (n, d), K_0^-1 r, become -(K_0^-1 + S) r in place, with the sum of r, (d,)."""
-    d = len(total)
-    for j in range(d):
-        along = 0.0
-        for i in range(d):
-            along += shift[j, i] * total[i]
-        for n in range(len(motion)):
-            motion[n, j] = -(motion[n, j] + along)
 
 
 @compiled
@@ -77,16 +76,60 @@ def point_vectors(
 
 
 @compiled
-def add_motion(motion: Array, strain: Array, shift: Array, vectors: Array) -> None:
-    """Add to a motion (n, d) one with strain, (n d,), and the shift by forces, (m, d)."""
-    d = motion.shape[1]
-    for j in range(d):
-        along = 0.0
-        for p in range(len(vectors)):
-            for i in range(d):
-                along += shift[j, i] * vectors[p, i]
-        for n in range(len(motion)):
-            motion[n, j] += strain[n * d + j] + along
+def moved_with_strain(
+    nodes: Array,
+    push: Array,
+    strain: Array,
+    vectors: Array,
+    shift: Array,
+    rotation: Array,
+    moved: Array,
+) -> None:
+    """Fill in R (x + S p) where forces (m, d) add strain, (n d,), and push, as `out_of_frame`."""
+    d, way, total = len(rotation), shifted(shift, push), np.zeros(len(push))
+    for p in range(len(vectors)):
+        total += vectors[p]
+    further = shifted(shift, total)
+    for n in range(len(nodes)):
+        for i in range(d):
+            along = 0.0
+            for j in range(d):
+                added = strain[n * d + j] + further[j]
+                along += rotation[i, j] * ((nodes[n, j] + way[j]) + added)
+            moved[n * d + i] = along
+
+
+@compiled
+def moved_by_few(
+    nodes: Array,
+    push: Array,
+    force: Array,
+    weight: float,
+    frames: Array,
+    middle: Array,
+    columns: Array,
+    shift: Array,
+    rotation: Array,
+    moved: Array,
+) -> None:
+    """As `moved_with_strain`, by what `point_vectors` makes of forces and by columns of K_0^-1.
+
+    Args:
+        nodes: x, (n, d), m.
+        push: p, (d,), N.
+        force: As in `point_vectors`, like all up to `middle`.
+        weight: Of the forces.
+        frames: At the points.
+        middle: R_m, (d, d).
+        columns: What unit forces at the points do to the nodes, (m d, n d), m/N.
+        shift: S, (d, d), m/N.
+        rotation: R, (d, d).
+        moved: (n d,), m.
+    """
+    vectors = np.empty(force.shape)
+    point_vectors(force, weight, frames, middle, vectors)
+    strain = vectors.reshape(force.size) @ columns
+    moved_with_strain(nodes, push, strain, vectors, shift, rotation, moved)
 
 
 @compiled
@@ -118,22 +161,32 @@ def add_places(
 
 
 @compiled
-def read_points(start: Indices, column: Indices, weight: Array, motion: Array, read: Array) -> None:
-    """Fill in what sparse rows read from a motion: of points, (m, d), row after row.
+def read_points(
+    start: Indices,
+    column: Indices,
+    weight: Array,
+    nodes: Array,
+    push: Array,
+    shift: Array,
+    read: Array,
+) -> None:
+    """Fill in what sparse rows read from a motion x + S p: of points, (m, d), row after row.
 
     Args:
         start: Place of the first entry of each row, and their end, (m d + 1,).
         column: Number of the unknown of each entry.
         weight: By which it counts.
-        motion: The unknowns, (n d,).
+        nodes: x, (n d,), m.
+        push: p, (d,), N.
+        shift: S, (d, d), m/N.
         read: (m, d).
     """
-    m, d = read.shape
+    (m, d), way = read.shape, shifted(shift, push)
     for p in range(m):
         for i in range(d):
             total = 0.0
             for a in range(start[p * d + i], start[p * d + i + 1]):
-                total += weight[a] * motion[column[a]]
+                total += weight[a] * (nodes[column[a]] + way[column[a] % d])
             read[p, i] = total
 
 
@@ -145,14 +198,16 @@ def add_readings(
     start: Indices,
     column: Indices,
     weight: Array,
-    motion: Array,
+    nodes: Array,
+    push: Array,
+    shift: Array,
     frame: Array,
     rotation: Array,
 ) -> None:
     """Add to places of points what rows as of `read_points` read; otherwise as `add_places`."""
     d = len(rotation)
     read = np.empty((len(start) // d, d))
-    read_points(start, column, weight, motion, read)
+    read_points(start, column, weight, nodes, push, shift, read)
     add_places(moved, first, sign, read, frame, rotation)
 
 
