@@ -25,11 +25,10 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import green_strain
 from solver.compat import PackedForm
 from solver.contact.body_points import SurfaceState
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.kernels.nitsche import NitscheState
 from solver.contact.projection import ContactKinematics
-from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.contact_forces import Contact, add_contact_forces
+from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Link, System
 from solver.types import Array
@@ -177,15 +176,9 @@ class FullNewton:
     def residual(self, balance: Balance, here: Placed, force: Array) -> Array:
         """Out-of-balance force with these point forces, N."""
         (memory,), (weights,), residual = balance.contact, balance.weights, here.smooth.copy()
-        add_contact_forces(
-            self._system,
-            self._link,
-            ContactIncrement(memory, here.surface, here.kinematics, force),
-            residual,
-            traction_weight=weights.interface,
-            contact_weight=weights.contact,
-            sign=-1.0,
-        )
+        how = ForceWeights(contact=weights.contact, traction=weights.interface, sign=-1.0)
+        increment = ContactIncrement(memory.seen, (here.surface, here.kinematics), force)
+        self._link.interface.add_forces(increment, self._system.parts(residual, self._link), how)
         return residual
 
     def assemble(
@@ -205,7 +198,8 @@ class FullNewton:
             before, after, rows = memory.surface, here.surface, self._rows
             assert isinstance(before, NitscheState) and isinstance(after, NitscheState)
             interface, weighted = self._link.interface, weights.contact * force
-            pull = interface.traction_pull(weighted, traction_weight=weights.interface)
+            how = ForceWeights(contact=weights.contact, traction=weights.interface, sign=1.0)
+            pull = interface.traction_pull(weighted, how)
             terms, read = rows.tangent(before, after, pull, weights.contact * change)
             self.tangent.setValuesIJV(
                 terms.indptr.astype(PETSc.IntType),

@@ -30,10 +30,10 @@ from solver.contact.body_points import (
 )
 from solver.contact.corner_points import CornerPoints
 from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
 from solver.contact.kernels.apart import least_distance
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
-from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment, pull_weights
+from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.memory import Dissipation, Memory
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
@@ -142,9 +142,7 @@ class Interface:
         """The key of every point: face and place."""
         return self._keys
 
-    def observe(
-        self, u: Array | None, carrier_u: Array | None
-    ) -> tuple[SurfaceState, ContactKinematics]:
+    def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
         """Where the points and their carrier are for the unknowns of both bodies."""
         surface, carrier = self.points.observe(u), self.carrier.points
         return surface, self.over(surface, None if carrier is None else carrier.observe(carrier_u))
@@ -225,52 +223,49 @@ class Interface:
         vectors = self.carrier.vectors(old, new, force)
         return vectors, self.carrier.reaction(old, new, vectors)
 
-    def add_forces(
-        self,
-        increment: ContactIncrement,
-        on_body: Array | None,
-        on_carrier: Array | None,
-        *,
-        contact_weight: float,
-        traction_weight: float,
-        sign: float,
-    ) -> None:
-        """Add the forces on both bodies to the forces on their owned unknowns, in place.
-
-        The contact weight is w_c, the traction weight 1 - alpha_f for the theta term of Nitsche's
-        method, 0 to leave it out; the sign is 1, or -1 to subtract. The ground has no unknowns.
-        """
-        old, new = increment.before, increment
-        weighted = (sign * contact_weight) * new.force
-        vectors, reaction = self.point_forces(old.kinematics, new.kinematics, weighted)
-        if on_body is not None:
-            pull = None
-            if self.theta:
-                pull = self.traction_pull(weighted, traction_weight=traction_weight, sign=sign)
-            forces = PointForces(old.surface, new.surface, vectors, pull)
-            self.points.add_forces(on_body, forces)
-        if on_carrier is not None and reaction is not None:
-            self._add_reaction(increment, reaction, on_carrier)
-
-    def _add_reaction(self, increment: ContactIncrement, reaction: Array, target: Array) -> None:
-        """Add forces on the carrier's own points to those on its unknowns."""
-        first, last = increment.before.kinematics.carrier, increment.kinematics.carrier
-        assert self.carrier.points is not None and first is not None and last is not None
-        self.carrier.points.add_forces(target, PointForces(first, last, reaction))
-
-    def traction_pull(
-        self, force: Array, *, traction_weight: float, sign: float = 1.0
-    ) -> TractionPull:
-        """What the discrete gradient of the traction is multiplied by.
+    def press(
+        self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
+    ) -> Observed:
+        """Look where the points are, and add forces on both bodies; returns what is seen.
 
         Args:
-            force: Weighted point forces w_c f at t_{n+1}, with their sign.
-            traction_weight: 1 - alpha_f for the theta term int (theta/gamma_h) T.DT[v], else 0 to
-                leave it out.
-            sign: 1, or -1 to subtract the term.
+            before: The interface at t_n, in the frame of the step; None in equilibrium, where it
+                is taken to be where it is.
+            at: The unknowns of both bodies.
+            force: Point forces f, (points, d), N.
+            on: Forces on these unknowns, which are added to.
+            weights: How they count.
         """
-        weights = pull_weights(traction_weight, sign)
-        return TractionPull(self.pull_scale, force, self.carrier.frame, *weights)
+        seen = self.observe(*at)
+        self.add_forces(ContactIncrement(before or seen, seen, force), on, weights)
+        return seen
+
+    def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
+        """Add the forces on both bodies to those on their unknowns, in place."""
+        (old_surface, old), (surface, new), force = increment
+        weighted = (weights.sign * weights.contact) * force
+        vectors, reaction = self.point_forces(old, new, weighted)
+        on_body, on_carrier = on
+        if on_body is not None:
+            pull = self.traction_pull(weighted, weights) if self.theta else None
+            self.points.add_forces(on_body, PointForces(old_surface, surface, vectors, pull))
+        if on_carrier is not None and reaction is not None:
+            self._add_reaction(old, new, reaction, on_carrier)
+
+    def _add_reaction(
+        self, old: ContactKinematics, new: ContactKinematics, reaction: Array, target: Array
+    ) -> None:
+        """Add forces on the carrier's own points to those on its unknowns."""
+        points, first, last = self.carrier.points, old.carrier, new.carrier
+        assert points is not None and first is not None and last is not None
+        points.add_forces(target, PointForces(first, last, reaction))
+
+    def traction_pull(self, force: Array, weights: ForceWeights) -> TractionPull:
+        """What the discrete gradient of the traction is multiplied by.
+
+        By weighted point forces w_c f at t_{n+1}, with their sign, (points, d), N.
+        """
+        return TractionPull(self.pull_scale, force, self.carrier.frame, *weights.tractions)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 from solver.contact.body_points import SurfaceState
+from solver.contact.increment import Observed
 from solver.contact.projection import ContactKinematics
 from solver.law.friction import slipped_before
 from solver.types import Array, Indices, Mask
@@ -37,6 +38,11 @@ class Memory:
     past: Array
     compression: Array
     clear: float = 0.0
+
+    @property
+    def seen(self) -> Observed:
+        """The points, and where they are."""
+        return self.surface, self.kinematics
 
     @property
     def slipped(self) -> Mask:

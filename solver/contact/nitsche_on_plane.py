@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.contact.body_points import NitschePoints, SurfaceState
-from solver.contact.increment import ContactIncrement
+from solver.contact.body_points import NitschePoints
+from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
 from solver.contact.interface import Interface
-from solver.contact.kernels.nitsche import NitscheState, new_state, pull_weights
-from solver.contact.kernels.nitsche_on_plane import add_forces_on_plane, observe_over_plane
+from solver.contact.kernels.nitsche import NitscheState, new_state
+from solver.contact.kernels.nitsche_on_plane import (
+    add_forces_on_plane,
+    observe_over_plane,
+    press_on_plane,
+)
 from solver.contact.plane_target import Plane
 from solver.contact.projection import ContactKinematics
 from solver.types import Array
@@ -23,42 +27,64 @@ class NitscheOnPlane(Interface):
     points: NitschePoints
     carrier: Plane
 
-    def observe(
-        self, u: Array | None, carrier_u: Array | None
-    ) -> tuple[SurfaceState, ContactKinematics]:
+    def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
         """Where the points and the plane are for the unknowns of both bodies."""
         assert u is not None
+        state, seen, shift = self._room(carrier_u)
         points, plane = self.points, self.carrier
+        where = plane.origin, shift, plane.frame, self.inverse_gamma
+        nodal, found = points.nodal(u), (state.values, seen.place, seen.augmented)
+        observe_over_plane(*points.rows, nodal, *where, *found)
+        return state, seen
+
+    def _room(self, carrier_u: Array | None) -> tuple[NitscheState, ContactKinematics, Array]:
+        """Room for what is seen, to be filled in, and how far the plane has moved, (d,), m."""
+        plane, shape = self.carrier, self.points.reference.shape
         platform = None if plane.points is None else plane.points.observe(carrier_u)
-        state = new_state(points.rows)
-        place, y = np.empty(points.reference.shape), np.empty(points.reference.shape)
-        observe_over_plane(
+        seen = ContactKinematics(np.empty(shape), np.empty(shape), plane.frame, platform)
+        return new_state(self.points.rows), seen, plane.shift(platform)
+
+    def press(
+        self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
+    ) -> Observed:
+        """Look where the points are, and add forces on both bodies, as `Interface.press` does."""
+        (u, carrier_u), (on_body, on_carrier) = at, on
+        assert u is not None and on_body is not None
+        state, seen, shift = self._room(carrier_u)
+        old, old_seen = before or (state, seen)
+        assert isinstance(old, NitscheState)
+        points, plane, total = self.points, self.carrier, np.empty(self.dimension)
+        owned = on_body.reshape(-1, self.dimension)
+        nodal = points.layer.room(owned)
+        press_on_plane(
             *points.rows,
             points.nodal(u),
             plane.origin,
-            plane.shift(platform),
+            shift,
             plane.frame,
             self.inverse_gamma,
+            old.values,
+            force,
+            weights.sign * weights.contact,
+            self.theta != 0,
+            self.pull_scale,
+            *weights.tractions,
             state.values,
-            place,
-            y,
+            seen.place,
+            seen.augmented,
+            nodal,
+            total,
         )
-        return state, ContactKinematics(place, y, plane.frame, platform)
+        points.layer.put(owned, nodal)
+        if on_carrier is not None:
+            self._add_reaction(old_seen, seen, -total[None, :], on_carrier)
+        return state, seen
 
-    def add_forces(
-        self,
-        increment: ContactIncrement,
-        on_body: Array | None,
-        on_carrier: Array | None,
-        *,
-        contact_weight: float,
-        traction_weight: float,
-        sign: float,
-    ) -> None:
+    def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies, as `Interface.add_forces` does."""
-        assert on_body is not None
-        old, new = increment.before.surface, increment.surface
+        ((old, old_seen), (new, seen), force), (on_body, on_carrier) = increment, on
         assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
+        assert on_body is not None
         points, total = self.points, np.empty(self.dimension)
         owned = on_body.reshape(-1, self.dimension)
         nodal = points.layer.room(owned)
@@ -67,15 +93,15 @@ class NitscheOnPlane(Interface):
             points.rows.table,
             old.values,
             new.values,
-            increment.force,
-            sign * contact_weight,
+            force,
+            weights.sign * weights.contact,
             self.carrier.frame,
             self.theta != 0,
             self.pull_scale,
-            *pull_weights(traction_weight, sign),
+            *weights.tractions,
             nodal,
             total,
         )
         points.layer.put(owned, nodal)
         if on_carrier is not None:
-            self._add_reaction(increment, -total[None, :], on_carrier)
+            self._add_reaction(old_seen, seen, -total[None, :], on_carrier)

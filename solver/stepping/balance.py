@@ -1,4 +1,4 @@
-"""The balance of forces that a step, or an equilibrium, solves for the displacement."""
+"""The balance of forces that a step, or an equilibrium, solves, and its solution."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.contact.body_points import SurfaceState
+from solver.contact.increment import Observed
 from solver.contact.memory import Memory
+from solver.contact.projection import ContactKinematics
+from solver.law.friction import Bounds
 from solver.parallel import global_sum
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.contact_forces import Contact
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Body, System
@@ -128,6 +131,33 @@ def _spring(body: Body, weights: TangentWeights, u: Array, travel: Array | None)
     spring = body.spring(moved)
     assert spring is not None
     return spring
+
+
+class Contact(NamedTuple):
+    """One interface at the end of a step.
+
+    Attributes:
+        surface: Its points.
+        kinematics: Their gaps and tangential positions.
+        force: Point forces f, (points, d), N.
+        bounds: Bounds of friction at all points.
+        clear: As in its memory: how far it may move before anybody has to look at it, m.
+    """
+
+    surface: SurfaceState
+    kinematics: ContactKinematics
+    force: Array
+    bounds: Bounds
+    clear: float = 0.0
+
+    @property
+    def seen(self) -> Observed:
+        """Its points, and where they are."""
+        return self.surface, self.kinematics
+
+    def is_unseen(self, before: Memory) -> bool:
+        """Whether the step did not even look where it is: it stays as it was remembered before."""
+        return self.surface is before.surface
 
 
 class StepSolution(NamedTuple):

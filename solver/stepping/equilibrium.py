@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.contact_forces import add_contact_forces
 from solver.stepping.ledger import energies
 from solver.stepping.state import State
 from solver.stepping.system import Body, Link, System
@@ -46,17 +45,11 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
                 forces[own] += force
         if not isinstance(body, DenseBody) and spring is not None:
             held[own] = -spring
+    weights = ForceWeights(contact=1.0, traction=1.0, sign=-1.0)
     for link, memory in zip(links, state.contacts, strict=True):
         if link.interface.theta:
-            add_contact_forces(
-                system,
-                link,
-                ContactIncrement.standing(memory, np.zeros_like(memory.force)),
-                forces,
-                traction_weight=1.0,
-                contact_weight=1.0,
-                sign=-1.0,
-            )
+            standing = ContactIncrement(memory.seen, memory.seen, np.zeros_like(memory.force))
+            link.interface.add_forces(standing, system.parts(forces, link), weights)
     held[system.fixed] = -forces[system.fixed]
     forces[system.fixed] = 0.0
     stored = energies(system, state.u, state.v)

@@ -14,6 +14,7 @@ from solver.contact.projection import in_frames
 from solver.law.local_problem import LocalProblem, image
 from solver.law.many_points import MANY_ROWS
 from solver.law.velocity import impulse_correction
+from solver.stepping.balance import Contact
 from solver.stepping.closed_points import (
     ClosedPoints,
     correct_closed_points,
@@ -21,7 +22,6 @@ from solver.stepping.closed_points import (
     impulses,
     largest_reversal,
 )
-from solver.stepping.contact_forces import Contact
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet
 from solver.stepping.resuming import repeat_compliances, saved_compliances

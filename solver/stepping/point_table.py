@@ -9,17 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.bed import Yielding
-from solver.contact.body_points import SurfaceState
+from solver.contact.increment import Observed
 from solver.contact.memory import Memory
-from solver.contact.projection import ContactKinematics
 from solver.law.friction import Bounds, new_pasts
 from solver.stepping.system import Link, System
 from solver.types import Array, Indices, Mask
 
 Scalar = TypeVar("Scalar", bound=np.generic)
-
-Observed = tuple[SurfaceState, ContactKinematics]
-"""An interface at one instant: its points, and where they are over their carrier."""
 
 REACH = 0.002
 """Part of a body's size: points farther from their carrier after the free step are not pressed into
@@ -144,5 +140,5 @@ class PointTable:
 
     def observe(self, number: int, u: Array) -> Observed:
         """An interface at a displacement of all owned unknowns."""
-        link, part = self.links[number], self._system.part
-        return link.interface.observe(part(u, link.body), part(u, link.carrier))
+        link = self.links[number]
+        return link.interface.observe(*self._system.parts(u, link))

@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
+from solver.contact.increment import Observed
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges
-from solver.stepping.point_table import REACH, Observed, PointTable
+from solver.stepping.point_table import REACH, PointTable
 from solver.stepping.system import Body, System
 from solver.types import Array, Mask
 

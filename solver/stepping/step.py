@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.memory import Dissipation, Memory
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.stepping.balance import Balance
-from solver.stepping.contact_forces import Contact, add_contact_forces
+from solver.stepping.balance import Balance, Contact
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds
 from solver.stepping.point_table import joined
@@ -130,20 +129,12 @@ def inertia_force(
         if drag is not None:
             p[own] += impulse * drag
     p -= impulse * step.load
+    weights = ForceWeights(contact=1.0, traction=0.0, sign=-impulse)
     for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
         if c.is_unseen(memory):
             continue
-        add_contact_forces(
-            system,
-            link,
-            ContactIncrement(
-                before=memory, surface=c.surface, kinematics=c.kinematics, force=c.force
-            ),
-            p,
-            traction_weight=0.0,
-            contact_weight=1.0,
-            sign=-impulse,
-        )
+        increment = ContactIncrement(memory.seen, c.seen, c.force)
+        link.interface.add_forces(increment, system.parts(p, link), weights)
     return p
 
 

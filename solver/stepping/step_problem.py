@@ -17,12 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ForceWeights, Observed
 from solver.contact.kernels.candidates import put_away
 from solver.parallel import global_sum
-from solver.stepping.balance import Balance
+from solver.stepping.balance import Balance, Contact
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
-from solver.stepping.contact_forces import Contact, add_contact_forces
 from solver.stepping.delassus import (
     Delassus,
     DelassusKey,
@@ -30,7 +29,7 @@ from solver.stepping.delassus import (
     assembled,
 )
 from solver.stepping.model import ContactModel, Tangents
-from solver.stepping.point_table import Observed, joined
+from solver.stepping.point_table import joined
 from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
 from solver.stepping.step_contact import Settlement, StepContact
@@ -103,10 +102,9 @@ class StepProblem:
         asleep = self.sleepers.asleep
         for number, memory in enumerate(balance.contact):
             if asleep[number]:
-                seen.append((memory.surface, memory.kinematics))
+                seen.append(memory.seen)
             else:
-                seen.append(self._points.observe(number, u))
-                self._subtract_contact(number, seen[-1], residual)
+                seen.append(self._press(number, u, residual))
         if len(self._system.fixed):
             self.held = residual[self._system.fixed]
             residual[self._system.fixed] = 0.0
@@ -116,6 +114,15 @@ class StepProblem:
         ]
         self._residual = residual
         return residual
+
+    def _press(self, number: int, u: Array, residual: Array) -> Observed:
+        """Subtract the forces of an interface on both its bodies; returns where it is at u."""
+        system, balance, link = self._system, self._balance, self._points.links[number]
+        before = None if self._static else balance.contact[number].seen
+        own, force = balance.weights[link.body or 0], self.contact.force[self._points.own[number]]
+        weights = ForceWeights(contact=own.contact, traction=own.interface, sign=-1.0)
+        parts = system.parts(u, link), force, system.parts(residual, link)
+        return link.interface.press(before, *parts, weights)
 
     def acceleration(self) -> float:
         """Largest acceleration that the resultant of that force gives a body, m/s2.
@@ -133,27 +140,6 @@ class StepProblem:
         totals = global_sum(system.comm, sums)
         return max(
             math.hypot(*totals[number]) / body.mass for number, body in enumerate(system.bodies)
-        )
-
-    def _subtract_contact(self, number: int, seen: Observed, residual: Array) -> None:
-        """Subtract the forces of an interface on both its bodies."""
-        points, balance = self._points, self._balance
-        link = points.links[number]
-        increment = ContactIncrement(
-            before=balance.contact[number],
-            surface=seen[0],
-            kinematics=seen[1],
-            force=self.contact.force[points.own[number]],
-        )
-        weights = balance.weights[link.body or 0]
-        add_contact_forces(
-            self._system,
-            link,
-            increment.in_equilibrium if self._static else increment,
-            residual,
-            traction_weight=weights.interface,
-            contact_weight=weights.contact,
-            sign=-1.0,
         )
 
     def correction(self, residual: Array) -> Array:

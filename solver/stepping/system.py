@@ -16,6 +16,7 @@ from solver.bodies.factorization import Inverse
 from solver.bodies.oscillator import Oscillator
 from solver.bodies.reduced.body import ReducedBody
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
+from solver.contact.increment import Parts
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
@@ -93,6 +94,10 @@ class System:
     def part(self, vector: Array, body: int | None) -> Array | None:
         """The unknowns of one body; None for the ground."""
         return None if body is None else vector[self.slices[body]]
+
+    def parts(self, vector: Array, link: Link) -> Parts:
+        """The unknowns of the body and of the carrier of an interface."""
+        return self.part(vector, link.body), self.part(vector, link.carrier)
 
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from, of those at the end of a step."""

@@ -15,7 +15,7 @@ from solver.bodies.elastic_forms import StrainWeights
 from solver.bodies.oscillator import Oscillator
 from solver.contact.body_points import PointForces, RigidPoints
 from solver.contact.candidates import MeshedContactPair
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.interface import Interface
 from solver.contact.nitsche_on_plane import NitscheOnPlane
 from solver.contact.plane_target import Plane
@@ -242,7 +242,7 @@ def test_theta_matrix(thing, theta):
         """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
         surface = thing.surface(s * v)
         nothing = np.zeros((points.count, 2))
-        pull = interface.traction_pull(nothing, traction_weight=1.0)
+        pull = interface.traction_pull(nothing, ForceWeights(1.0, 1.0, 1.0))
         total = np.zeros(body.size)
         interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
         return total
@@ -256,7 +256,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     u0, u1 = thing.displacement(13, 0.1, 1e-2), thing.displacement(14, 0.15, 1e-2)
     old, new = thing.surface(u0), thing.surface(u1)
     force = np.random.default_rng(15).standard_normal((points.count, 2))
-    pull = interface.traction_pull(force, traction_weight=0.0)
+    pull = interface.traction_pull(force, ForceWeights(1.0, 0.0, 1.0))
     vectors, reaction = interface.point_forces(
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )
@@ -279,12 +279,17 @@ def test_passes_in_one_go_are_those_one_by_one(thing, theta, on):
     force, found = np.random.default_rng(18).standard_normal((points.count, 2)), []
     for kind in (NitscheOnPlane, Interface):
         interface = kind(points, Plane.level(2, own), law, theta=theta)
-        seen, no_turn = interface.observe(u[1], moved[1]), np.eye(2)
-        increment = ContactIncrement(interface.start(u[0], moved[0], no_turn), *seen, force)
-        on_body, on_carrier = np.zeros(body.size), None if own is None else np.zeros(1)
-        weights = {"contact_weight": 0.6, "traction_weight": 0.7, "sign": -1.0}
-        interface.add_forces(increment, on_body, on_carrier, **weights)
-        found.append([seen[0].values, seen[1].place, seen[1].augmented, on_body, on_carrier])
+        before, weights = interface.observe(u[0], moved[0]), ForceWeights(0.6, 0.7, -1.0)
+        on = [(np.zeros(body.size), None if own is None else np.zeros(1)) for _ in range(3)]
+        seen = interface.press(before, (u[1], moved[1]), force, on[0], weights)
+        again = interface.observe(u[1], moved[1])
+        interface.add_forces(ContactIncrement(before, again, force), on[1], weights)
+        interface.press(None, (u[1], moved[1]), force, on[2], weights)
+        assert [*seen[0].values.flat] == [*again[0].values.flat]
+        for one, other in zip(on[0], on[1], strict=True):
+            assert one is None or one.tobytes() == other.tobytes()
+        places = seen[0].values, seen[1].place, seen[1].augmented
+        found.append([*places, *(one for pair in on for one in pair if one is not None)])
     assert np.abs(found[0][2] - found[0][1]).max() > 0.0
     for one, other in zip(*found, strict=True):
-        assert (one is None and other is None) or one.tobytes() == other.tobytes()
+        assert one.tobytes() == other.tobytes()

@@ -21,11 +21,10 @@ from solver.contact.carrier_surface import carrier_surface
 from solver.contact.crossing_interface import CrossingInterface
 from solver.contact.edge_crossings import Crossings
 from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.outline import Outline
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
-from solver.stepping.contact_forces import add_contact_forces
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link, System
@@ -155,14 +154,9 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     force = np.zeros((interface.count, 3))
     force[present] = np.random.default_rng(5).uniform(0.5, 1.5, (len(present), 3))
     target = np.zeros(system.size)
-    add_contact_forces(
-        system,
-        Link(interface, 0, 1),
-        ContactIncrement(before=memory, surface=surface, kinematics=kinematics, force=force),
-        target,
-        traction_weight=0.0,
-        contact_weight=1.0,
-        sign=1.0,
+    increment = ContactIncrement(memory.seen, (surface, kinematics), force)
+    interface.add_forces(
+        increment, system.parts(target, Link(interface, 0, 1)), ForceWeights(1.0, 0.0, 1.0)
     )
     y = [seen.augmented for seen in (memory.kinematics, kinematics)]
     work = force * (y[1] - y[0])

@@ -21,12 +21,11 @@ from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement
+from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
-from solver.stepping.contact_forces import add_contact_forces
 from solver.stepping.system import Link, System
 
 Array = NDArray[np.float64]
@@ -205,15 +204,8 @@ def test_work_is_exact_and_forces_are_opposite(
         assert np.abs(moved[:, 1]).min() > 2 / 7  # two facets at least
     force = np.random.default_rng(5).uniform(0.5, 1.5, (*interface.weight.shape, d))
     target = np.zeros(system.size)
-    add_contact_forces(
-        system,
-        pair.link,
-        ContactIncrement(before=memory, surface=surface, kinematics=kinematics, force=force),
-        target,
-        traction_weight=0.0,
-        contact_weight=1.0,
-        sign=1.0,
-    )
+    increment = ContactIncrement(memory.seen, (surface, kinematics), force)
+    interface.add_forces(increment, system.parts(target, pair.link), ForceWeights(1.0, 0.0, 1.0))
     y = [seen.augmented for seen in (memory.kinematics, kinematics)]
     work = force * (y[1] - y[0])
     assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())

@@ -203,14 +203,6 @@ class TractionPull(NamedTuple):
     """At t_{n+1}: 1 - alpha_f, or 0."""
 
 
-def pull_weights(traction_weight: float, sign: float) -> tuple[float, float]:
-    """The weights of tractions in a pull with a sign: alpha_f and 1 - alpha_f, or 0 and 0.
-
-    The traction weight is 1 - alpha_f, or 0 to leave the theta term out.
-    """
-    return sign * (1.0 - traction_weight) if traction_weight else 0.0, sign * traction_weight
-
-
 @compiled
 def add_contact_forces(
     index: Indices,

@@ -88,3 +88,36 @@ def add_forces_on_plane(
         add_contact_forces(index, table, old, new, vectors, *pull, nodal)
     else:
         add_point_forces(index, table, vectors, nodal)
+
+
+@compiled
+def press_on_plane(
+    index: Indices,
+    table: Array,
+    reference: Array,
+    displacement: Array,
+    origin: Array,
+    shift: Array,
+    frame: Array,
+    inverse_gamma: Array,
+    old: Array,
+    force: Array,
+    weight: float,
+    pulls: bool,
+    scale: Array,
+    old_weight: float,
+    new_weight: float,
+    state: Array,
+    place: Array,
+    y: Array,
+    nodal: Array,
+    total: Array,
+) -> None:
+    """As `observe_over_plane`, and then `add_forces_on_plane` with what was observed.
+
+    `old` may be the values that are filled in: then the points are there at both ends of the step.
+    """
+    where = displacement, origin, shift, frame, inverse_gamma
+    observe_over_plane(index, table, reference, *where, state, place, y)
+    pull = pulls, scale, old_weight, new_weight
+    add_forces_on_plane(index, table, old, state, force, weight, frame, *pull, nodal, total)
