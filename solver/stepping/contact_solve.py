@@ -18,6 +18,7 @@ from solver.stepping.delassus import LastDelassus, Softening
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable
+from solver.stepping.reach import Reach
 from solver.stepping.resuming import repeat_compliances, saved_compliances
 from solver.stepping.step_contact import compile_laws
 from solver.stepping.step_problem import StepProblem
@@ -43,6 +44,7 @@ class ContactSolve:
             system=system,
             points=points,
             local=local,
+            reach=Reach(points.size),
             softening=Softening.of(system, links, points.softness),
         )
         self._solver = NonlinearSolver(system.comm, system.size, NoContactSolution, options)
@@ -64,6 +66,7 @@ class ContactSolve:
                 for weights, tangents in self._tangents.items()
             ],
             "kept": self._kept.operator,
+            "met": self._model.reach.met,
             "counts": (self._solves, self._stiffness),
             "strained_at": self._strained_at,
         }
@@ -76,6 +79,7 @@ class ContactSolve:
         for weights, compliances in saved["tangents"]:
             repeat_compliances(self._tangents_for(weights).responses, compliances)
         self._kept.operator = saved["kept"]
+        self._model.reach.meet_again(saved["met"])
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""

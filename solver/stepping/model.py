@@ -9,6 +9,7 @@ from solver.law.local_problem import LocalProblem
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.delassus import Softening
 from solver.stepping.point_table import PointTable
+from solver.stepping.reach import Reach
 from solver.stepping.response import AnyResponse
 from solver.stepping.system import System
 
@@ -23,6 +24,8 @@ class ContactModel:
     """All contact points."""
     local: LocalProblem
     """Solver of local problems."""
+    reach: Reach
+    """How near points have to be to be looked at."""
     softening: Softening | None
     """How rigid points give way; None where there are none."""
 

@@ -17,10 +17,6 @@ from solver.types import Array, Indices, Mask
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
-REACH = 0.002
-"""Part of a body's size: points farther from their carrier after the free step are not pressed into
-it by the others."""
-
 GAP_ROUND_OFF = 2 * float(np.finfo(float).eps)
 """Round-off of a gap, over the size of the body."""
 
@@ -67,7 +63,6 @@ class PointTable:
         decays: Whether that of some points decays with the speed.
         bounds: Bounds of steady friction; None where it is not steady.
         size: Of the body that each point belongs to, (points,), m.
-        reach: Gaps below which points may come into contact in a correction, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
     """
 
@@ -94,7 +89,6 @@ class PointTable:
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
-        self.reach = REACH * self.size
         self.round_off = GAP_ROUND_OFF * self.size
 
     def of_interfaces(self, chosen: tuple[bool, ...]) -> Mask:

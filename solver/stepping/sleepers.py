@@ -13,7 +13,8 @@ from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges
-from solver.stepping.point_table import REACH, PointTable
+from solver.stepping.point_table import PointTable
+from solver.stepping.reach import REACH
 from solver.stepping.system import Body, System
 from solver.types import Array, Mask
 

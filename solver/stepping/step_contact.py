@@ -13,6 +13,7 @@ from solver.contact.kernels.candidates import (
     OTHERS_NEAR,
     UNSETTLED,
     settle,
+    sinks_in,
     take_over,
 )
 from solver.law.compiled import runs_machine_code
@@ -77,6 +78,7 @@ class StepContact:
         """Start from what contact remembers."""
         points, memories = model.points, balance.contact
         self._points, self._local, self._weight = points, model.local, balance.contact_weight
+        self._reach = model.reach
         self.force: Array = np.concatenate([memory.force for memory in memories])
         self._anchor = joined([memory.anchor for memory in memories])
         self._may_touch = joined([memory.may_touch for memory in memories])
@@ -103,7 +105,7 @@ class StepContact:
         number, pressed = np.empty(len(y), dtype=np.int64), np.empty(len(y), dtype=np.bool_)
         outcome, count, squares = settle(
             y,
-            points.reach,
+            self._reach.distance,
             self._may_touch,
             operator.near.number,
             W,
@@ -129,6 +131,11 @@ class StepContact:
         self.largest = max(self.largest, self._weight * math.sqrt(squares))
         changed = None if outcome in (NOTHING_NEAR, OTHERS_NEAR) else change
         return Settlement(outcome == OTHERS_NEAR, number[:count], pressed[:count], changed)
+
+    def sinks_in(self, y: Array) -> bool:
+        """Whether points sink in that no correction has looked at, at augmented positions y."""
+        points = self._points
+        return sinks_in(y, points.round_off, self._may_touch, self._reach.met)
 
     def _settle_in_rounds(self, operator: Delassus, q: Array, change: Array) -> float:
         """Settle a problem of many points, or one whose friction follows the motion.

@@ -76,6 +76,7 @@ class StepProblem:
         self.contact = StepContact(model, balance)
         self._edges = CarrierEdges(model.points, balance.contact)
         self._watch = EdgeWatch()
+        self._beyond: Mask | None = None
         self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
         self._number = 0
         for carrier, asleep in zip(model.points.carriers, self.sleepers.asleep, strict=True):
@@ -202,10 +203,15 @@ class StepProblem:
                 none = np.zeros(points.count, dtype=np.bool_)
                 beyond = none if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
+        self._beyond = self._watch.settled(beyond)
+        return self._positions(), self._beyond
+
+    def _positions(self) -> Array:
+        """Augmented positions of all points at the iterate, less what is left of a bed."""
         y: Array = np.concatenate([seen.augmented for _, seen in self._iterate.seen])
         if self.contact.beds is not None:
             y[:, 0] += self.contact.beds.offset
-        return y, self._watch.settled(beyond)
+        return y
 
     def _settled(self, y: Array) -> tuple[Delassus, Array | None]:
         """Let the point forces obey the contact law after the free step to y.
@@ -224,6 +230,7 @@ class StepProblem:
     def _delassus(self, key: DelassusKey, found: Settlement) -> Delassus:
         """The operator at the points that are near, with all bodies as they are at the iterate."""
         near, points = found.near.copy(), self._points
+        self._model.reach.meet(near)
         return assembled(
             key,
             self._tangents.responses,
@@ -236,8 +243,19 @@ class StepProblem:
         )
 
     def continues(self, u: Array) -> bool:
-        """Whether the solution u is none: an interface wakes up, or points break loose in it."""
-        return self.sleepers.wake(u) or self.contact.friction.break_loose(self.contact.force)
+        """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
+        return (
+            self.sleepers.wake(u)
+            or self._sinks_in()
+            or self.contact.friction.break_loose(self.contact.force)
+        )
+
+    def _sinks_in(self) -> bool:
+        """Whether points sink in at the iterate that no correction has looked at."""
+        y = self._positions()
+        if self._beyond is not None:
+            put_away(y, self._beyond, self._points.size)
+        return self.contact.sinks_in(y)
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""

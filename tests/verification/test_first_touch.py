@@ -10,6 +10,8 @@ import pytest
 
 from solver.build.assembly import build
 from solver.scene import parse_scene
+from solver.stepping.reach import FIRST_REACH, REACH
+from solver.stepping.step_contact import StepContact
 
 SPEED, STEP, FLIGHT = 1.0, 1e-4, 20
 
@@ -57,3 +59,35 @@ def test_a_body_that_touches_without_loads(
         assert exchange.iterations < 10
     assert pressed > 0.0
     assert state.kinetic + state.strain < energy * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("reach", [FIRST_REACH, REACH], ids=["first", "later"])
+def test_a_corner_that_the_other_one_turns_into_the_floor_touches(
+    reach: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The free step ends with one corner in the floor, contact there turns the other one into it.
+
+    One correction is made to be enough: nobody has looked at the other corner by then.
+    """
+    monkeypatch.setattr("solver.stepping.reach.FIRST_REACH", reach)
+    looked = []
+    sinks_in = StepContact.sinks_in
+    monkeypatch.setattr(
+        StepContact, "sinks_in", lambda *given: looked.append(sinks_in(*given)) or looked[-1]
+    )
+    size = {"width": 1.0, "height": 0.4, "thickness": 1.0, "density": 2600.0, "poisson": 0.2}
+    scene = {"gravity": 0.0, "block": [size | {"young": 5e12, "cells": [1, 1]}]}
+    times = {"time": {"end": 1.0, "step": 1e-3}}
+    assembly = build(parse_scene(scene | times), petsc_options=("-rockslip_snes_atol", "1e12"))
+    tilt, low, speed = 0.85e-3, 0.2e-3, 1.0
+    nodes = assembly.members[0].body.nodes
+    place = nodes - nodes.min(axis=0)
+    turned = place @ np.array([[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]])
+    u, v = turned - place + (0.0, low), np.zeros_like(place) - (0.0, speed)
+    state, exchange = assembly.stepper.advance(assembly.stepper.start(u.ravel(), v.ravel()), 1e-3)
+    assert low < speed * 1e-3 < low + np.sin(tilt)
+    expected = ([True, False], 2) if reach == FIRST_REACH else ([False], 1)
+    assert (looked, exchange.iterations) == expected
+    (memory,) = state.contacts
+    assert (memory.force[:, 0] > 0.0).all()
+    assert np.abs(memory.kinematics.place[:, 0]).max() < 2e-6

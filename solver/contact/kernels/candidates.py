@@ -33,6 +33,15 @@ def candidates(
 
 
 @compiled
+def sinks_in(y: Array, round_off: Array, may_touch: Mask, met: Mask) -> bool:
+    """Whether points that may touch, but were never met, are in their carrier at positions y."""
+    for p in range(len(y)):
+        if y[p, 0] < -round_off[p] and may_touch[p] and not met[p]:
+            return True
+    return False
+
+
+@compiled
 def put_away(y: Array, beyond: Mask, size: Array) -> None:
     """Put points beyond an edge as far from their carrier as the size of their body, m, in y."""
     for p in range(len(y)):
