@@ -121,7 +121,7 @@ class MeshedContactPair:
             cuts=self._cuts,
         )
         member = NitschePoints(self._member, points)
-        # Planes of kinds of their own have kinematics of their own.
+        # Another kind of plane may have kinematics of its own, which compiled passes do not call.
         kind = NitscheOnPlane if type(self.surface) is Plane else Interface
         return kind(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 

@@ -228,7 +228,7 @@ class Crossings(FacetCarrier):
         return self._from_rest(kinematics)
 
     def _from_rest(self, kinematics: ContactKinematics) -> ContactKinematics:
-        """The same, with augmented positions y = (g - rest, s)."""
+        """Kinematics with augmented positions y = (g - rest, s), of those without."""
         augmented = kinematics.place.copy()
         augmented[:, 0] -= self.rest
         return kinematics._replace(augmented=augmented)

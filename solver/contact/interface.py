@@ -148,7 +148,10 @@ class Interface:
         return surface, self.over(surface, None if carrier is None else carrier.observe(carrier_u))
 
     def over(self, surface: SurfaceState, carrier: SurfaceState | None) -> ContactKinematics:
-        """Where the points are over a carrier whose own points are there; None for the ground."""
+        """Where points are over a carrier, of which `carrier` says where its own points are.
+
+        None for the ground.
+        """
         kinematics = self.carrier.kinematics(surface.position, carrier)
         if not isinstance(surface, NitscheState):
             return kinematics
@@ -229,8 +232,8 @@ class Interface:
         """Look where the points are, and add forces on both bodies; returns what is seen.
 
         Args:
-            before: The interface at t_n, in the frame of the step; None in equilibrium, where it
-                is taken to be where it is.
+            before: The interface at t_n, in the frame of the step; None in equilibrium: what is
+                seen counts at both ends.
             at: The unknowns of both bodies.
             force: Point forces f, (points, d), N.
             on: Forces on these unknowns, which are added to.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.contact.body_points import NitschePoints
+from solver.contact.body_points import NitschePoints, SurfaceState
 from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
 from solver.contact.interface import Interface
 from solver.contact.kernels.nitsche import NitscheState, new_state
@@ -19,9 +19,9 @@ from solver.types import Array
 
 
 class NitscheOnPlane(Interface):
-    """What `Interface` is for any points and any carrier, with one compiled call each.
+    """The interface of a meshed body on a plane: one compiled call for each pass.
 
-    The compiled functions call those that an `Interface` calls one by one.
+    These call the functions that an `Interface` of any points and carrier calls one by one.
     """
 
     points: NitschePoints
@@ -30,19 +30,24 @@ class NitscheOnPlane(Interface):
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
         """Where the points and the plane are for the unknowns of both bodies."""
         assert u is not None
-        state, seen, shift = self._room(carrier_u)
         points, plane = self.points, self.carrier
-        where = plane.origin, shift, plane.frame, self.inverse_gamma
+        platform = self._platform(carrier_u)
+        state, seen = self._room(platform)
+        where = plane.origin, plane.shift(platform), plane.frame, self.inverse_gamma
         nodal, found = points.nodal(u), (state.values, seen.place, seen.augmented)
         observe_over_plane(*points.rows, nodal, *where, *found)
         return state, seen
 
-    def _room(self, carrier_u: Array | None) -> tuple[NitscheState, ContactKinematics, Array]:
-        """Room for what is seen, to be filled in, and how far the plane has moved, (d,), m."""
-        plane, shape = self.carrier, self.points.reference.shape
-        platform = None if plane.points is None else plane.points.observe(carrier_u)
-        seen = ContactKinematics(np.empty(shape), np.empty(shape), plane.frame, platform)
-        return new_state(self.points.rows), seen, plane.shift(platform)
+    def _platform(self, carrier_u: Array | None) -> SurfaceState | None:
+        """Where the platform is that the plane belongs to; None for the ground."""
+        points = self.carrier.points
+        return None if points is None else points.observe(carrier_u)
+
+    def _room(self, platform: SurfaceState | None) -> tuple[NitscheState, ContactKinematics]:
+        """Room for what is seen over a plane whose platform is there, to be filled in."""
+        frame, shape = self.carrier.frame, self.points.reference.shape
+        seen = ContactKinematics(np.empty(shape), np.empty(shape), frame, platform)
+        return new_state(self.points.rows), seen
 
     def press(
         self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
@@ -50,7 +55,8 @@ class NitscheOnPlane(Interface):
         """Look where the points are, and add forces on both bodies, as `Interface.press` does."""
         (u, carrier_u), (on_body, on_carrier) = at, on
         assert u is not None and on_body is not None
-        state, seen, shift = self._room(carrier_u)
+        platform = self._platform(carrier_u)
+        state, seen = self._room(platform)
         old, old_seen = before or (state, seen)
         assert isinstance(old, NitscheState)
         points, plane, total = self.points, self.carrier, np.empty(self.dimension)
@@ -60,7 +66,7 @@ class NitscheOnPlane(Interface):
             *points.rows,
             points.nodal(u),
             plane.origin,
-            shift,
+            plane.shift(platform),
             plane.frame,
             self.inverse_gamma,
             old.values,

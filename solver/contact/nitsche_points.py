@@ -14,13 +14,7 @@ import scipy.sparse as sp
 from dolfinx import fem, mesh
 
 from solver.contact.facets import Evaluations, evaluate_facets, gather
-from solver.contact.kernels.nitsche import (
-    NitscheState,
-    SurfaceRows,
-    add_traction_gradient,
-    evaluate,
-    new_state,
-)
+from solver.contact.kernels.nitsche import SurfaceRows
 from solver.parallel import Layer
 from solver.scene.material import Material
 from solver.types import Array, Indices
@@ -105,22 +99,6 @@ class ContactPoints:
             stress_rows=normal_stress_map(material, table.normal),
             reference=self.reference,
         )
-
-    def evaluate(self, displacement: Array) -> NitscheState:
-        """Positions and tractions for the displacements (nodes, d) of the layer."""
-        state = new_state(self.rows)
-        evaluate(*self.rows, displacement, state.values)
-        return state
-
-    def traction_gradient(self, old: NitscheState, new: NitscheState, vector: Array) -> Array:
-        """Nodal values of `vector`.DT[v], (nodes, d), with one vector per point, (points, d).
-
-        DT is the discrete gradient of the traction between two states.
-        """
-        nodal = np.zeros((self.layer.size, self.dimension))
-        numbers, table, _ = self.rows
-        add_traction_gradient(numbers, table, old.values, new.values, vector, nodal)
-        return nodal
 
     def traction_rows(self) -> sp.csr_matrix:
         """T of the undeformed body as a linear map, (points d, nodes d): C sym(grad u) N."""

@@ -71,14 +71,15 @@ class EdgeInterpolation(Interpolation):
 class ContactKinematics(NamedTuple):
     """Gaps and tangential positions of points over a carrier at one instant.
 
-    A carrier knows of no tractions: it takes augmented positions for the same, and the interface
-    makes them what they are.
+    A carrier knows of no tractions: it gives augmented positions without them, and the interface
+    takes those off.
     """
 
     place: Array
     """(g, s), (m, d), m."""
     augmented: Array
-    """y = (g, s) - T/gamma_h, (m, d), m; (g, s) itself where points have no tractions."""
+    """y = (g, s) - T/gamma_h, (m, d), m; (g, s) itself where points have no tractions, and
+    (g - rest, s) where edges cross that had sunk in."""
     frame: Array
     """Rows normal and tangents that they are given in: one for all points, (d, d), or one for each
     of them, (m, d, d)."""

@@ -124,6 +124,8 @@ class Compliance:
         self, ports: Indices, pressed: Callable[[], Indices] = lambda: NONE
     ) -> None:
         """Compute the columns that some of these ports still lack; collective."""
+        if same(ports, self._gathered.ports):
+            return
         missing = ports[self._place[ports] < 0]
         if len(missing):
             self._compute(missing, pressed())
@@ -152,14 +154,12 @@ class Compliance:
 
     def few_columns(self, ports: Indices) -> Array | None:
         """Columns of some ports as rows, (m d, owned unknowns); None where they are not few."""
-        if not same(ports, self._gathered.ports):
-            self._compute_missing(ports)
+        self._compute_missing(ports)
         return None if self.columns is None else self.columns.of_few(ports)
 
     def displacement(self, ports: Indices, vectors: Array) -> Array:
         """What forces (m, d) at some ports do to the owned unknowns, m."""
-        if not same(ports, self._gathered.ports):
-            self._compute_missing(ports)
+        self._compute_missing(ports)
         if self.columns is not None:
             return self.columns.under(ports, vectors)
         acting = vectors.any(axis=1)

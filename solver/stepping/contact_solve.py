@@ -20,7 +20,7 @@ from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable
 from solver.stepping.reach import Reach
 from solver.stepping.resuming import repeat_compliances, saved_compliances
-from solver.stepping.step_contact import compile_laws
+from solver.stepping.step_contact import compile_law
 from solver.stepping.step_problem import StepProblem
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array
@@ -39,7 +39,7 @@ class ContactSolve:
     ):
         """Set SNES up for the bodies and their interfaces."""
         points = PointTable(system, links)
-        compile_laws(points, local, system.dimension)
+        compile_law(system.dimension, in_rounds=points.decays)
         self._model = ContactModel(
             system=system,
             points=points,

@@ -99,8 +99,8 @@ class LastDelassus:
     ) -> Delassus:
         """The operator, if it fits a key and configurations, else that of no points.
 
-        Which points it is of, the caller has to look at. Their responses tell when configurations
-        are the same.
+        The caller has to compare its points. The responses of bodies tell when configurations are
+        the same.
         """
         kept = self.operator
         if kept is None or kept.key != key:

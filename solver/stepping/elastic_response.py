@@ -256,7 +256,7 @@ class ElasticResponse:
         weight: float,
         motion: ElasticMotion,
     ) -> Array:
-        """The owned part of a motion and of what forces at near points add, if it has any."""
+        """The correction of the owned unknowns by a motion and what forces at near points add."""
         if not len(coupling.ports):
             return self.owned(at, motion)
         moved, load = np.empty(motion.nodes.size), coupling.load

@@ -140,7 +140,10 @@ class Response(Protocol[Configuration, Coupling, Motion]):
         weight: float,
         motion: Motion,
     ) -> Array:
-        """As `owned`, a motion and what `weight` times forces (m, d) at near points add to it."""
+        """The correction of the owned unknowns by a motion and what forces at near points add.
+
+        Forces, (m, d), N, count `weight` times.
+        """
 
     def owned(self, at: Configuration, motion: Motion) -> Array:
         """A motion as a correction of the owned unknowns."""
@@ -259,7 +262,7 @@ class DenseResponse:
         weight: float,
         motion: Array,
     ) -> Array:
-        """The owned part of a motion and of what forces at near points add; by their rows."""
+        """The correction of the owned unknowns by a motion and by forces on the rows of points."""
         moved = weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
         return self.owned(at, motion + moved)
 

@@ -107,7 +107,7 @@ class Sleepers:
     def seen(self, number: int) -> Observed:
         """A sleeping interface at the end of the step, or where anybody looked at it last."""
         memory = self._memories[number]
-        return self._looked.get(number, (memory.surface, memory.kinematics))
+        return self._looked.get(number, memory.seen)
 
     def clear(self, number: int) -> float:
         """How far an interface may still move before anybody has to look at it, m."""

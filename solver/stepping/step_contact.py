@@ -24,7 +24,7 @@ from solver.stepping.balance import Balance
 from solver.stepping.delassus import Delassus
 from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel
-from solver.stepping.point_table import PointTable, joined
+from solver.stepping.point_table import joined
 from solver.types import Array, Indices, Mask
 
 MOST_FRICTION_ROUNDS = 50
@@ -36,17 +36,23 @@ it (two corners that push against each other): with nothing to hold them back su
 their round-off shows, so they become even step by step."""
 
 
-def compile_laws(points: PointTable, local: LocalProblem, d: int) -> None:
-    """Let what is compiled be compiled, or read what was kept, before time counts."""
+def compile_law(d: int, *, in_rounds: bool) -> None:
+    """Let what is compiled of the contact law be compiled, or read back, before time counts.
+
+    `in_rounds`: friction follows the motion in rounds of its own.
+    """
     if not runs_machine_code():
         return
-    one, none, vector = np.ones(1), np.zeros(1), np.zeros((1, d))
-    W, here, number = np.eye(d).reshape(1, d, 1, d), np.ones(1, dtype=np.bool_), np.array([0])
-    if points.decays:
-        local.solve(W, vector, vector, Bounds.uniform(0.5, 1))
-    of_all = vector[:, 1:].copy(), none, none, vector, none, none, one, none
-    filled = vector.copy(), number, here, vector.copy(), vector.copy()
-    settle(vector, one, here, number, W, *of_all, not points.decays, new_counts(), *filled)
+    y, near, W = np.zeros((1, d)), np.array([0]), np.eye(d).reshape(1, d, 1, d)
+    mask, nothing, reach = np.ones(1, dtype=np.bool_), np.zeros(1), np.ones(1)
+    anchor, softness, softening, bed, round_off = y[:, 1:].copy(), *4 * (nothing,)
+    of_points = anchor, softness, softening, y, bed, round_off, nothing, nothing
+    force, number, q, change = y.copy(), near.copy(), y.copy(), y.copy()
+    filled = force, number, mask.copy(), q, change
+    settle(y, reach, mask, near, W, *of_points, not in_rounds, new_counts(), *filled)
+    if in_rounds:
+        LocalProblem().solve(W, y, y, Bounds.uniform(0.5, 1))
+        take_over(force, near, y, change)
 
 
 class Settlement(NamedTuple):
@@ -59,7 +65,8 @@ class Settlement(NamedTuple):
     pressed: Mask
     """Those of them that carry a force, or would sink in under the forces so far, (m,)."""
     change: Array | None
-    """How much the forces of the operator's points changed, (m, d), N; None: no point is near."""
+    """How much the forces of the operator's points changed, (m, d), N; None where they did not:
+    no point is near, or others are."""
 
 
 class StepContact:
@@ -91,16 +98,19 @@ class StepContact:
         self._bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0
 
+    def tell_slips(self, y: Array) -> None:
+        """Let friction follow the slips of the free step to augmented positions y."""
+        if not self.friction.steady:
+            slip = y[:, 1:] - self._anchor
+            self.friction.tell(slip + self._points.softness[:, None] * self.force[:, 1:])
+
     def settle(self, y: Array, operator: Delassus) -> Settlement:
         """Let the forces obey the contact law after the free step to augmented positions y.
 
         Raises:
             NoContactSolution: The local problem was settled by no method.
         """
-        points, friction, W = self._points, self.friction, operator.W
-        if not friction.steady:
-            slip = y[:, 1:] - self._anchor
-            friction.tell(slip + points.softness[:, None] * self.force[:, 1:])
+        points, W = self._points, operator.W
         change, q = np.empty(W.shape[:2]), np.empty(W.shape[:2])
         number, pressed = np.empty(len(y), dtype=np.int64), np.empty(len(y), dtype=np.bool_)
         outcome, count, squares = settle(
@@ -115,7 +125,7 @@ class StepContact:
             self._held,
             self._bed,
             points.round_off,
-            *friction.of_all(),
+            *self.friction.of_all(),
             not points.decays and q.size <= MANY_ROWS,
             self._local.counts,
             self.force,

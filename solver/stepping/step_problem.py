@@ -120,8 +120,9 @@ class StepProblem:
         """Subtract the forces of an interface on both its bodies; returns where it is at u."""
         system, balance, link = self._system, self._balance, self._points.links[number]
         before = None if self._static else balance.contact[number].seen
-        own, force = balance.weights[link.body or 0], self.contact.force[self._points.own[number]]
-        weights = ForceWeights(contact=own.contact, traction=own.interface, sign=-1.0)
+        force = self.contact.force[self._points.own[number]]
+        tangent = balance.weights[link.body or 0]
+        weights = ForceWeights(contact=tangent.contact, traction=tangent.interface, sign=-1.0)
         parts = system.parts(u, link), force, system.parts(residual, link)
         return link.interface.press(before, *parts, weights)
 
@@ -148,10 +149,8 @@ class StepProblem:
         self._corrections += 1
         if self._corrections <= PLACED_CORRECTIONS:
             self._configurations = self._placed()
-        y, beyond = self.augmented()
+        y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
-        if beyond is not None:
-            put_away(y, beyond, self._points.size)
         delassus, change = self._settled(y)
         found = []
         for k, response in enumerate(self._tangents.responses):
@@ -187,13 +186,18 @@ class StepProblem:
             found.append(free)
         return found
 
-    def augmented(self) -> tuple[Array, Mask | None]:
-        """Augmented positions of all points at the iterate, and which are beyond an edge.
+    def _positions(self) -> Array:
+        """Augmented positions of all points at the iterate, with what is left of beds' compression.
 
-        The compression that is left of a bed counts in. All points of interfaces that sleep count
-        as beyond an edge: they are to be put far from their carrier after the free step, whatever
-        their gap, since a foot far beyond an edge goes to and fro with the face.
+        A copy even where there is one interface only: it is written to.
         """
+        y: Array = np.concatenate([seen.augmented for _, seen in self._iterate.seen])
+        if self.contact.beds is not None:
+            y[:, 0] += self.contact.beds.offset
+        return y
+
+    def _points_beyond(self) -> Mask | None:
+        """Points beyond an edge at the iterate, with all of interfaces that sleep; None: none."""
         points, beyond = self._points, self.sleepers.points
         for number, (_, kinematics) in enumerate(self._iterate.seen):
             off = None
@@ -203,23 +207,18 @@ class StepProblem:
                 none = np.zeros(points.count, dtype=np.bool_)
                 beyond = none if beyond is None else beyond.copy()
                 beyond[points.own[number]] = off
-        self._beyond = self._watch.settled(beyond)
-        return self._positions(), self._beyond
-
-    def _positions(self) -> Array:
-        """Augmented positions of all points at the iterate, less what is left of a bed."""
-        y: Array = np.concatenate([seen.augmented for _, seen in self._iterate.seen])
-        if self.contact.beds is not None:
-            y[:, 0] += self.contact.beds.offset
-        return y
+        return self._watch.settled(beyond)
 
     def _settled(self, y: Array) -> tuple[Delassus, Array | None]:
         """Let the point forces obey the contact law after the free step to y.
 
-        Returns the operator of the points that are near, and the change of their forces, (m, d), N;
-        None where no point is near.
+        Points beyond an edge are put far from their carrier in y, whatever their gap: a foot far
+        beyond an edge goes to and fro with the face. Returns the operator of the points that are
+        near, and the change of their forces, (m, d), N; None where no point is near.
         """
         tangents = self._tangents
+        self._put_away(y)
+        self.contact.tell_slips(y)
         step = 0.0 if self.contact.beds is None else self._balance.step
         key = DelassusKey(tangents.weights, tangents.stiffness, step, self._number)
         operator = self._kept.fitting(key, tangents.responses, self._configurations)
@@ -253,9 +252,13 @@ class StepProblem:
     def _sinks_in(self) -> bool:
         """Whether points sink in at the iterate that no correction has looked at."""
         y = self._positions()
+        self._put_away(y)
+        return self.contact.sinks_in(y)
+
+    def _put_away(self, y: Array) -> None:
+        """Put points beyond an edge as far from their carrier as their body is large, in y."""
         if self._beyond is not None:
             put_away(y, self._beyond, self._points.size)
-        return self.contact.sinks_in(y)
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""

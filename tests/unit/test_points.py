@@ -14,6 +14,7 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.contact.nitsche_points import contact_points
 from solver.scene.material import Material
+from tests.surfaces import evaluated, traction_gradient
 
 COMM = MPI.COMM_WORLD
 SHAPE = Block(width=0.3, height=0.5, thickness=0.4, density=1000.0)
@@ -84,7 +85,7 @@ def test_exact_traction_of_an_affine_displacement(dimension, cell, degree, point
     found, material = surface(dimension, cell, degree, points), MATERIALS[dimension]
     gradient = np.random.default_rng(3).uniform(-0.2, 0.2, (dimension, dimension))
     shift = np.arange(1.0, dimension + 1)
-    state = found.evaluate(found.node_positions @ gradient.T + shift)
+    state = evaluated(found, found.node_positions @ gradient.T + shift)
     deformation = np.eye(dimension) + gradient
     strain = (deformation.T @ deformation - np.eye(dimension)) / 2
     lame, shear = material.lame, material.shear
@@ -100,12 +101,12 @@ def test_rows_are_the_derivatives_of_the_undeformed_body(dimension, cell, degree
     found = surface(dimension, cell, degree, points)
     step = np.random.default_rng(4).uniform(-1.0, 1.0, (found.layer.size, dimension))
     small = 1e-7 * step  # second order in the strain: 1e-7 of the result
-    ahead, behind = found.evaluate(small), found.evaluate(-small)
+    ahead, behind = evaluated(found, small), evaluated(found, -small)
     traction = (ahead.traction - behind.traction) / 2e-7
     linear = (found.traction_rows() @ step.ravel()).reshape(-1, dimension)
     np.testing.assert_allclose(linear, traction, atol=1e-6 * np.abs(traction).max())
     moved = (found.position_rows() @ step.ravel()).reshape(-1, dimension)
-    np.testing.assert_allclose(found.evaluate(step).position - found.reference, moved, atol=1e-12)
+    np.testing.assert_allclose(evaluated(found, step).position - found.reference, moved, atol=1e-12)
 
 
 @pytest.mark.parametrize(("dimension", "cell", "degree", "points"), CASES)
@@ -115,14 +116,14 @@ def test_discrete_gradient_of_the_traction(dimension, cell, degree, points):
     states = random.uniform(-0.02, 0.02, (2, found.layer.size, dimension))
     direction = random.uniform(-1.0, 1.0, states[0].shape)
     vector = random.uniform(-1.0, 1.0, (found.count, dimension))
-    old, new = (found.evaluate(state) for state in states)
+    old, new = (evaluated(found, state) for state in states)
     # Along the step it is exactly the difference of the tractions ...
-    pull = found.traction_gradient(old, new, vector)
+    pull = traction_gradient(found, old, new, vector)
     work = np.sum(pull * (states[1] - states[0]))
     assert work == pytest.approx(np.sum(vector * (new.traction - old.traction)), rel=1e-11)
     # ... and where both states are one, the derivative.
-    pull = found.traction_gradient(old, old, vector)
-    ahead, behind = (found.evaluate(states[0] + sign * 1e-6 * direction) for sign in (1, -1))
+    pull = traction_gradient(found, old, old, vector)
+    ahead, behind = (evaluated(found, states[0] + sign * 1e-6 * direction) for sign in (1, -1))
     slope = np.sum(vector * (ahead.traction - behind.traction)) / 2e-6
     assert np.sum(pull * direction) == pytest.approx(slope, rel=1e-6)
 

@@ -22,6 +22,7 @@ from solver.contact.plane_target import Plane
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
+from tests.surfaces import evaluated, traction_gradient
 
 pytestmark = pytest.mark.serial
 
@@ -57,7 +58,7 @@ class Thing:
         return self.interface.points.points.layer.gather(u.reshape(-1, 2))
 
     def surface(self, u: np.ndarray):
-        return self.interface.points.points.evaluate(self.layer(u))
+        return evaluated(self.interface.points.points, self.layer(u))
 
     def work(self, nodal: np.ndarray, u: np.ndarray) -> float:
         """Of forces on the layer's nodes."""
@@ -174,7 +175,7 @@ def test_discrete_gradient_of_the_traction(thing):
     old, new = thing.surface(u0), thing.surface(u1)
     for seed in range(3):
         vector = np.random.default_rng(seed).standard_normal((points.count, 2))
-        work = thing.work(points.traction_gradient(old, new, vector), u1 - u0)
+        work = thing.work(traction_gradient(points, old, new, vector), u1 - u0)
         expected = float(np.sum(vector * (new.traction - old.traction)))
         scale = float(np.sum(np.abs(vector * new.traction)))
         assert work == pytest.approx(expected, abs=1e-12 * scale)
@@ -186,7 +187,7 @@ def test_gradient_of_the_traction(thing):
     u, v = thing.displacement(8, 0.5), thing.direction(9)
     vector = np.random.default_rng(1).standard_normal((points.count, 2))
     here = thing.surface(u)
-    work = thing.work(points.traction_gradient(here, here, vector), v)
+    work = thing.work(traction_gradient(points, here, here, vector), v)
     expected = slope(lambda s: float(np.sum(vector * thing.surface(u + s * v).traction)))
     assert work == pytest.approx(expected, rel=1e-7)
 
@@ -280,16 +281,16 @@ def test_passes_in_one_go_are_those_one_by_one(thing, theta, on):
     for kind in (NitscheOnPlane, Interface):
         interface = kind(points, Plane.level(2, own), law, theta=theta)
         before, weights = interface.observe(u[0], moved[0]), ForceWeights(0.6, 0.7, -1.0)
-        on = [(np.zeros(body.size), None if own is None else np.zeros(1)) for _ in range(3)]
-        seen = interface.press(before, (u[1], moved[1]), force, on[0], weights)
+        targets = [(np.zeros(body.size), None if own is None else np.zeros(1)) for _ in range(3)]
+        seen = interface.press(before, (u[1], moved[1]), force, targets[0], weights)
         again = interface.observe(u[1], moved[1])
-        interface.add_forces(ContactIncrement(before, again, force), on[1], weights)
-        interface.press(None, (u[1], moved[1]), force, on[2], weights)
+        interface.add_forces(ContactIncrement(before, again, force), targets[1], weights)
+        interface.press(None, (u[1], moved[1]), force, targets[2], weights)
         assert [*seen[0].values.flat] == [*again[0].values.flat]
-        for one, other in zip(on[0], on[1], strict=True):
+        for one, other in zip(targets[0], targets[1], strict=True):
             assert one is None or one.tobytes() == other.tobytes()
         places = seen[0].values, seen[1].place, seen[1].augmented
-        found.append([*places, *(one for pair in on for one in pair if one is not None)])
+        found.append([*places, *(one for pair in targets for one in pair if one is not None)])
     assert np.abs(found[0][2] - found[0][1]).max() > 0.0
     for one, other in zip(*found, strict=True):
         assert one.tobytes() == other.tobytes()

@@ -13,9 +13,7 @@ from benchmarks.verification.newmark import sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
-from solver.contact.kernels.candidates import put_away
 from solver.run.describe import describe
-from solver.stepping.delassus import Delassus
 
 G = 9.81
 
@@ -318,9 +316,8 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
         [link.interface.carrier.beyond_edge(memory.kinematics) for link, memory in pairs]
     )
     assert off.any() and not off.all()
-    y, beyond = problem.augmented()
-    y[:, 0] = -1.0
-    put_away(y, beyond, problem._points.size)
-    found = problem.contact.settle(y, Delassus.of_no_points(2))
-    assert found.others_near and found.pressed.all()
-    assert not off[found.near].any()
+    y = problem._positions()
+    y[:, 0] = -1e-6
+    operator, change = problem._settled(y)
+    assert change is not None and problem.contact.force[:, 0].any()
+    assert not off[operator.near.number].any() and not problem.contact.force[off].any()

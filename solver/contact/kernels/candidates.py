@@ -18,10 +18,15 @@ NOTHING_NEAR, OTHERS_NEAR, LEFT_OPEN, UNSETTLED, SETTLED = range(5)
 def candidates(
     y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices, pressed: Mask
 ) -> int:
-    """Fill in numbers of points that may touch at augmented positions y, (points, d); how many.
+    """Fill in numbers of points that may come into contact; returns how many there are.
 
-    Also which of these carry a force, or would sink in under the forces so far; both arrays have
-    room for all.
+    Args:
+        y: Augmented positions after the free step, (points, d), m.
+        reach: Gaps below which points may come into contact, (points,), m.
+        may_touch: Points that may touch, (points,).
+        force: Forces so far, (points, d), N.
+        number: Filled in with the numbers, rising; it has room for all, (points,).
+        pressed: Filled in with which of these carry a force, or would sink in, (points,).
     """
     count = 0
     for p in range(len(y)):
@@ -150,8 +155,8 @@ def settle(
 
     Args:
         y: Augmented positions of all points after the free step, (points, d), m.
-        reach: As in `candidates`, like the masks and numbers of points.
-        may_touch: Points that may touch.
+        reach: As in `candidates`.
+        may_touch: As in `candidates`.
         near: Points that W belongs to; where others are near nothing is changed.
         W: As in `free_values`, like all up to `round_off`.
         anchor: Of all points.
@@ -165,8 +170,8 @@ def settle(
         alone: Whether to solve the problem here, or to leave that to the caller.
         counts: Of outcomes of local problems.
         force: Forces of all points, replaced by those that obey the law, (points, d), N.
-        number: The near points, filled in.
-        pressed: Filled in.
+        number: As in `candidates`.
+        pressed: As in `candidates`.
         q: Free values, filled in, (m, d), m.
         change: How much the forces of near points changed, filled in, (m, d), N.
     """

@@ -113,9 +113,10 @@ def press_on_plane(
     nodal: Array,
     total: Array,
 ) -> None:
-    """As `observe_over_plane`, and then `add_forces_on_plane` with what was observed.
+    """Fill in where points are over a plane, and add their forces there to those on nodes.
 
-    `old` may be the values that are filled in: then the points are there at both ends of the step.
+    Arguments are those of `observe_over_plane` and of `add_forces_on_plane`. The values `old` may
+    be those that are filled in: then the points are there at both ends of the step.
     """
     where = displacement, origin, shift, frame, inverse_gamma
     observe_over_plane(index, table, reference, *where, state, place, y)

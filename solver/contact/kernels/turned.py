@@ -112,7 +112,7 @@ def moved_by_few(
     rotation: Array,
     moved: Array,
 ) -> None:
-    """As `moved_with_strain`, by what `point_vectors` makes of forces and by columns of K_0^-1.
+    """Fill in R (x + S p) where forces at few points add strain by columns of K_0^-1, and push.
 
     Args:
         nodes: x, (n, d), m.
