@@ -50,6 +50,13 @@ class Columns:
             self._room[:, :before] = self.values
         self.values = self._room[:, :end]
 
+    def take(self, ports: Indices, others: Columns) -> None:
+        """Take over the columns that others have of further ports."""
+        self.extend(ports)
+        count = len(ports) * self._d
+        if count:
+            self.values[:, -count:] = others.values[:, rows_of(others._place[ports], self._d)]
+
     def of_few(self, ports: Indices) -> Array | None:
         """Columns of some of the ports as rows, (m d, owned unknowns); None where all are many."""
         if self.values.size > FEW:

@@ -36,8 +36,7 @@ WORTH_READING = 0.75
 which they are worth having."""
 
 MOST_KEPT = 1.0
-"""Time to read all columns that are kept of such ports, over that of a back substitution, at most.
-"""
+"""Time to read all columns kept of such ports, over that of a back substitution, at most."""
 
 MOST_MEMORY = 2.0
 """Memory of these columns, over that of the factor, at most: CG reads much more than it takes."""
@@ -258,7 +257,7 @@ class Compliance:
         )
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix
-        self._make_room(missing, len(known))
+        self._make_room(missing, pressed, len(known))
         wanted = self._expand(self._keep(missing, pressed))
         kept = self._acting.values.T[len(self._acting.values.T) - len(wanted) :]
         acting, near = self._parts(missing), self._parts(known)
@@ -280,17 +279,23 @@ class Compliance:
         self._place[missing] = len(self._known) + np.arange(len(missing))
         self._known, self._matrix = known, matrix
 
-    def _make_room(self, missing: Indices, count: int) -> None:
-        """Room for the columns of further ports, `count` of them in all; for none if too many.
+    def _make_room(self, missing: Indices, pressed: Indices, count: int) -> None:
+        """Room for the columns of further ports, `count` of them in all.
 
-        A back substitution with the mass of a small body reads next to nothing, but what comes
-        before it takes longer than to read a few columns.
+        If these are too many, for none of them; of ports that are pressed those that are there stay
+        if they pay. A back substitution with the mass of a small body reads next to nothing, but
+        what comes before it takes longer than to read a few columns.
         """
-        numbers = count * self.body.dimension * self.body.unknowns
-        if numbers > FEW and self._reading(count) > KEPT_AT_ONCE:
-            self.columns = None
-        elif self.columns is not None:
-            self.columns.extend(missing)
+        before, numbers = self.columns, count * self.body.dimension * self.body.unknowns
+        if before is None:
+            return
+        if numbers <= FEW or self._reading(count) <= KEPT_AT_ONCE:
+            before.extend(missing)
+            return
+        self.columns = None
+        known = np.setdiff1d(pressed, before.lacks(pressed))
+        if self._reading_of(len(known), len(known)) <= WORTH_READING:
+            self._acting.take(known, before)
 
     def _keep(self, missing: Indices, pressed: Indices) -> Indices:
         """Make room for the columns of ports that are pressed; their places among the missing.
@@ -309,10 +314,8 @@ class Compliance:
         found, d = [], self.body.dimension
         for port, own, mine in self._groups(points):
             chosen = self._expand(own)
-            force, read = (
-                sp.csr_matrix(port.force_rows[chosen]),
-                sp.csr_matrix(port.read_rows[chosen]),
-            )
+            force = sp.csr_matrix(port.force_rows[chosen])
+            read = sp.csr_matrix(port.read_rows[chosen])
             nodes = np.unique(np.concatenate([force.indices, read.indices]) // d).astype(np.int64)
             columns = self._expand(nodes)
             rows = force[:, columns], read[:, columns]

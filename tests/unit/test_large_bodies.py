@@ -201,12 +201,15 @@ def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
 
 
 @pytest.mark.parametrize("most", [np.inf, 0.0])
+@pytest.mark.parametrize("all_kept", [0, 9], ids=["never all", "all at first"])
 def test_columns_of_pressed_points_are_kept_where_they_are_computed(
-    most: float, monkeypatch: pytest.MonkeyPatch
+    most: float, all_kept: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without solving for them once more, and unless they are too many; a saved one has them."""
+    """Without solving for them once more, and unless they are too many; a saved one has them.
+
+    Where the columns of all ports were kept until these became too many, they come from there.
+    """
     monkeypatch.setattr(compliance_module, "FEW", 0)
-    monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", 0.0)
     monkeypatch.setattr(compliance_module, "MOST_KEPT", most)
     monkeypatch.setattr(compliance_module, "WORTH_READING", 1e9)
     monkeypatch.setattr(factorization.Factorization, "nbytes", 1e9)
@@ -214,7 +217,9 @@ def test_columns_of_pressed_points_are_kept_where_they_are_computed(
     made = response(scene_of(SPACE))
     compliance, d = made.compliance, 3
     factor, pressed = compliance.factor, np.array([1, 4, 17])
+    monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", compliance._reading(all_kept))
     compliance.among(np.arange(9), lambda: pressed)
+    assert (compliance.columns is None) == (all_kept == 0)
     compliance.among(np.arange(18), lambda: pressed)
     assert compliance.columns is None
     solved: list[int] = []
