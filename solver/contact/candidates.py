@@ -17,6 +17,7 @@ from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.facets import evaluate_facets, gather
+from solver.contact.held_face import HeldFace
 from solver.contact.interface import Interface
 from solver.contact.nitsche_on_plane import NitscheOnPlane
 from solver.contact.nitsche_points import contact_points, extent
@@ -122,7 +123,7 @@ class MeshedContactPair:
         )
         member = NitschePoints(self._member, points)
         # Another kind of plane may have kinematics of its own, which compiled passes do not call.
-        kind = NitscheOnPlane if type(self.surface) is Plane else Interface
+        kind = NitscheOnPlane if type(self.surface) in (Plane, HeldFace) else Interface
         return kind(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 
 

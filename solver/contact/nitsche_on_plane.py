@@ -1,10 +1,11 @@
-"""The interface of a meshed body on a plane, the ground's or a platform's: passes in one go."""
+"""The interface of a meshed body on a plane, endless or with ends: passes in one go."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from solver.contact.body_points import NitschePoints, SurfaceState
+from solver.contact.held_face import HeldFace
 from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
 from solver.contact.interface import Interface
 from solver.contact.kernels.nitsche import NitscheState, new_state
@@ -15,7 +16,7 @@ from solver.contact.kernels.nitsche_on_plane import (
 )
 from solver.contact.plane_target import Plane
 from solver.contact.projection import ContactKinematics
-from solver.types import Array
+from solver.types import Array, Mask
 
 
 class NitscheOnPlane(Interface):
@@ -25,29 +26,29 @@ class NitscheOnPlane(Interface):
     """
 
     points: NitschePoints
-    carrier: Plane
+    carrier: Plane | HeldFace
 
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
         """Where the points and the plane are for the unknowns of both bodies."""
         assert u is not None
         points, plane = self.points, self.carrier
         platform = self._platform(carrier_u)
-        state, seen = self._room(platform)
-        where = plane.origin, plane.shift(platform), plane.frame, self.inverse_gamma
-        nodal, found = points.nodal(u), (state.values, seen.place, seen.augmented)
-        observe_over_plane(*points.rows, nodal, *where, *found)
+        state, seen, beyond = self._room(platform)
+        where = plane.origin, plane.shift(platform), plane.frame, *plane.ends, self.inverse_gamma
+        given = *points.rows, points.nodal(u), *where
+        observe_over_plane(*given, state.values, seen.place, beyond, seen.augmented)
         return state, seen
 
     def _platform(self, carrier_u: Array | None) -> SurfaceState | None:
-        """Where the platform is that the plane belongs to; None for the ground."""
+        """Where the points of the carrier are; None for the ground."""
         points = self.carrier.points
         return None if points is None else points.observe(carrier_u)
 
-    def _room(self, platform: SurfaceState | None) -> tuple[NitscheState, ContactKinematics]:
-        """Room for what is seen over a plane whose platform is there, to be filled in."""
-        frame, shape = self.carrier.frame, self.points.reference.shape
-        seen = ContactKinematics(np.empty(shape), np.empty(shape), frame, platform)
-        return new_state(self.points.rows), seen
+    def _room(self, platform: SurfaceState | None) -> tuple[NitscheState, ContactKinematics, Mask]:
+        """Room for what is seen over a carrier whose points are there, to be filled in."""
+        seen, beyond = self.carrier.room(self.count, platform)
+        seen = seen._replace(augmented=np.empty(seen.place.shape))
+        return new_state(self.points.rows), seen, beyond
 
     def press(
         self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
@@ -56,7 +57,7 @@ class NitscheOnPlane(Interface):
         (u, carrier_u), (on_body, on_carrier) = at, on
         assert u is not None and on_body is not None
         platform = self._platform(carrier_u)
-        state, seen = self._room(platform)
+        state, seen, beyond = self._room(platform)
         old, old_seen = before or (state, seen)
         assert isinstance(old, NitscheState)
         points, plane, total = self.points, self.carrier, np.empty(self.dimension)
@@ -68,6 +69,7 @@ class NitscheOnPlane(Interface):
             plane.origin,
             plane.shift(platform),
             plane.frame,
+            *plane.ends,
             self.inverse_gamma,
             old.values,
             force,
@@ -77,6 +79,7 @@ class NitscheOnPlane(Interface):
             *weights.tractions,
             state.values,
             seen.place,
+            beyond,
             seen.augmented,
             nodal,
             total,

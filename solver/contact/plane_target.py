@@ -57,7 +57,60 @@ class Carrier(Protocol):
         """Points beyond the edge of the carrier; None where it has none."""
 
 
-class Plane:
+class Flat:
+    """A plane that does not turn, endless or with ends: places on it are closed forms.
+
+    Attributes:
+        frame: Rows normal and tangents, (d, d).
+        origin: A point of it, m.
+        ends: Least and greatest tangential positions on it, (d-1,) each, m.
+    """
+
+    frame: Array
+    origin: Array
+    ends: tuple[Array, Array]
+
+    def _lay(self, frame: Array, origin: Array, ends: tuple[Array, Array] | None) -> None:
+        """Take frame, origin and ends; None: it is endless."""
+        endless = np.full(len(origin) - 1, np.inf)
+        self.frame, self.origin, self._unmoved = frame, origin, np.zeros_like(origin)
+        self.ends, self.is_endless = ends or (-endless, endless), ends is None
+
+    def shift(self, carrier: SurfaceState | None) -> Array:
+        """How far it has moved with what it belongs to, (d,), m."""
+        return self._unmoved
+
+    def room(self, count: int, carrier: SurfaceState | None) -> tuple[ContactKinematics, Mask]:
+        """Kinematics of `count` points to be filled in, and which points are beyond an end."""
+        beyond, shape = np.empty(count, dtype=np.bool_), (count, len(self.origin))
+        place, known = np.empty(shape), None if self.is_endless else beyond
+        seen = ContactKinematics(place, place, self.frame, carrier, beyond_edge=known)
+        return seen, beyond
+
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+        """Gaps and tangential positions of points in space."""
+        seen, beyond = self.room(len(position), carrier)
+        where = self.origin, self.shift(carrier), self.frame, *self.ends
+        places(position, *where, seen.place, beyond)
+        return seen
+
+    def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
+        """Point forces (normal, tangential) as vectors in space, whose work is exact."""
+        return in_space(force, self.frame)
+
+    def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
+        """Zero: the work of the vectors is exact."""
+        return 0.0
+
+    def rotate_frame(self, rotation: Array) -> None:
+        """Leave the frame as it is: it does not turn."""
+
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
+        """Points beyond an end; None where it has none."""
+        return kinematics.beyond_edge
+
+
+class Plane(Flat):
     """An endless plane: the ground's, or that of a rigid platform."""
 
     turns = False
@@ -67,28 +120,17 @@ class Plane:
 
         `platform` is one point of the platform that it belongs to; None for the ground.
         """
-        self.frame, self.origin, self.points = frame, origin, platform
-        self._unmoved = np.zeros_like(origin)
+        self._lay(frame, origin, None)
+        self.points = platform
 
     @classmethod
     def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
         """The horizontal plane at level 0."""
         return cls(level_frame(dimension), np.zeros(dimension), platform)
 
-    def shift(self, platform: SurfaceState | None) -> Array:
+    def shift(self, carrier: SurfaceState | None) -> Array:
         """How far the plane has moved with its platform, (d,), m."""
-        return self._unmoved if platform is None else platform.position[0]
-
-    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
-        """Gaps and tangential positions of points in space."""
-        shift = self.shift(carrier)
-        place = np.empty(position.shape)
-        places(position, self.origin, shift, self.frame, place)
-        return ContactKinematics(place, place, self.frame, carrier)
-
-    def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
-        """Point forces (normal, tangential) as vectors in space, (m, d)."""
-        return in_space(force, self.frame)
+        return self._unmoved if carrier is None else carrier.position[0]
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array
@@ -96,20 +138,9 @@ class Plane:
         """Forces on the carrier's own points; None for the ground."""
         return None if self.points is None else -vectors.sum(axis=0)[None, :]
 
-    def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
-        """Zero: on a plane the work of forces is exact."""
-        return 0.0
-
     def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
         """What vectors of the carrier's points are at all contact points alike, (1, d)."""
         return values[:1]
-
-    def rotate_frame(self, rotation: Array) -> None:
-        """Leave the frame as it is: a plane does not turn."""
-
-    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
-        """Points beyond an edge: a plane has none."""
-        return None
 
 
 class FacetCarrier:

@@ -7,7 +7,7 @@ import numpy as np
 from solver.contact.kernels.nitsche import add_contact_forces, add_point_forces, augment, evaluate
 from solver.contact.kernels.plane import places, vectors_of
 from solver.law.compiled import compiled
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
 
 
 @compiled
@@ -19,9 +19,12 @@ def observe_over_plane(
     origin: Array,
     shift: Array,
     frame: Array,
+    low: Array,
+    high: Array,
     inverse_gamma: Array,
     state: Array,
     place: Array,
+    beyond: Mask,
     y: Array,
 ) -> None:
     """Fill in positions and tractions as `evaluate`, gaps and slips, and augmented positions.
@@ -31,17 +34,20 @@ def observe_over_plane(
         table: Of the rows.
         reference: Of the rows.
         displacement: Of the nodes, (n, d), m.
-        origin: A point of the plane, (d,), m.
-        shift: How far the plane has moved, (d,), m.
+        origin: As in `places`, like all up to `high`.
+        shift: Of the plane.
         frame: Rows normal and tangents, (d, d).
+        low: Least tangential positions.
+        high: Greatest ones.
         inverse_gamma: 1/gamma_h, (p,), m/Pa.
         state: The values of a `NitscheState`.
-        place: (g, s), (p, d), m.
+        place: As in `places`.
+        beyond: As in `places`.
         y: (p, d), m.
     """
     evaluate(index, table, reference, displacement, state)
     points = len(reference)
-    places(state[:points], origin, shift, frame, place)
+    places(state[:points], origin, shift, frame, low, high, place, beyond)
     augment(place, state[points : 2 * points], inverse_gamma, frame, y)
 
 
@@ -99,6 +105,8 @@ def press_on_plane(
     origin: Array,
     shift: Array,
     frame: Array,
+    low: Array,
+    high: Array,
     inverse_gamma: Array,
     old: Array,
     force: Array,
@@ -109,6 +117,7 @@ def press_on_plane(
     new_weight: float,
     state: Array,
     place: Array,
+    beyond: Mask,
     y: Array,
     nodal: Array,
     total: Array,
@@ -118,7 +127,7 @@ def press_on_plane(
     Arguments are those of `observe_over_plane` and of `add_forces_on_plane`. The values `old` may
     be those that are filled in: then the points are there at both ends of the step.
     """
-    where = displacement, origin, shift, frame, inverse_gamma
-    observe_over_plane(index, table, reference, *where, state, place, y)
+    where = displacement, origin, shift, frame, low, high, inverse_gamma
+    observe_over_plane(index, table, reference, *where, state, place, beyond, y)
     pull = pulls, scale, old_weight, new_weight
     add_forces_on_plane(index, table, old, state, force, weight, frame, *pull, nodal, total)
