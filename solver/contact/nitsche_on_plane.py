@@ -31,10 +31,9 @@ class NitscheOnPlane(Interface):
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
         """Where the points and the plane are for the unknowns of both bodies."""
         assert u is not None
-        points, plane = self.points, self.carrier
-        platform = self._platform(carrier_u)
+        points, platform = self.points, self._platform(carrier_u)
         state, seen, beyond = self._room(platform)
-        where = plane.origin, plane.shift(platform), plane.frame, *plane.ends, self.inverse_gamma
+        where = *self.carrier.lies(platform), self.inverse_gamma
         given = *points.rows, points.nodal(u), *where
         observe_over_plane(*given, state.values, seen.place, beyond, seen.augmented)
         return state, seen
@@ -46,8 +45,7 @@ class NitscheOnPlane(Interface):
 
     def _room(self, platform: SurfaceState | None) -> tuple[NitscheState, ContactKinematics, Mask]:
         """Room for what is seen over a carrier whose points are there, to be filled in."""
-        seen, beyond = self.carrier.room(self.count, platform)
-        seen = seen._replace(augmented=np.empty(seen.place.shape))
+        seen, beyond = self.carrier.room(self.count, platform, tractions=True)
         return new_state(self.points.rows), seen, beyond
 
     def press(
@@ -60,16 +58,13 @@ class NitscheOnPlane(Interface):
         state, seen, beyond = self._room(platform)
         old, old_seen = before or (state, seen)
         assert isinstance(old, NitscheState)
-        points, plane, total = self.points, self.carrier, np.empty(self.dimension)
+        points, total = self.points, np.empty(self.dimension)
         owned = on_body.reshape(-1, self.dimension)
         nodal = points.layer.room(owned)
         press_on_plane(
             *points.rows,
             points.nodal(u),
-            plane.origin,
-            plane.shift(platform),
-            plane.frame,
-            *plane.ends,
+            *self.carrier.lies(platform),
             self.inverse_gamma,
             old.values,
             force,

@@ -80,18 +80,29 @@ class Flat:
         """How far it has moved with what it belongs to, (d,), m."""
         return self._unmoved
 
-    def room(self, count: int, carrier: SurfaceState | None) -> tuple[ContactKinematics, Mask]:
-        """Kinematics of `count` points to be filled in, and which points are beyond an end."""
-        beyond, shape = np.empty(count, dtype=np.bool_), (count, len(self.origin))
-        place, known = np.empty(shape), None if self.is_endless else beyond
-        seen = ContactKinematics(place, place, self.frame, carrier, beyond_edge=known)
+    def lies(self, carrier: SurfaceState | None) -> tuple[Array, Array, Array, Array, Array]:
+        """Where it lies, as `places` takes it: origin, shift, frame and both ends."""
+        return self.origin, self.shift(carrier), self.frame, *self.ends
+
+    def room(
+        self, count: int, carrier: SurfaceState | None, *, tractions: bool = False
+    ) -> tuple[ContactKinematics, Mask]:
+        """Kinematics of `count` points to be filled in, and which points are beyond an end.
+
+        Augmented positions of points with tractions are others than their places.
+        """
+        place = np.empty((count, len(self.origin)))
+        beyond, augmented = np.empty(count, dtype=np.bool_), place
+        if tractions:
+            augmented = np.empty(place.shape)
+        known = None if self.is_endless else beyond
+        seen = ContactKinematics(place, augmented, self.frame, carrier, beyond_edge=known)
         return seen, beyond
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         seen, beyond = self.room(len(position), carrier)
-        where = self.origin, self.shift(carrier), self.frame, *self.ends
-        places(position, *where, seen.place, beyond)
+        places(position, *self.lies(carrier), seen.place, beyond)
         return seen
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:

@@ -17,8 +17,8 @@ REACH = 0.002
 it by the others."""
 
 FIRST_REACH = 1e-6
-"""The same of points that were never near before; if they sink in all the same, the step is solved
-on with them."""
+"""Part of a body's size from which points count that were never near before; if others sink in all
+the same, the step is solved on with them."""
 
 
 class Reach:

@@ -63,7 +63,7 @@ class Settlement(NamedTuple):
     near: Indices
     """Numbers of the points that are near, rising."""
     pressed: Mask
-    """Those of them that carry a force, or would sink in under the forces so far, (m,)."""
+    """Which near points carry a force, or would sink in under the forces so far, (m,)."""
     change: Array | None
     """How much the forces of the operator's points changed, (m, d), N; None where they did not:
     no point is near, or others are."""

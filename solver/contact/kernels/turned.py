@@ -46,18 +46,6 @@ def shifted(shift: Array, push: Array) -> Array:
 
 
 @compiled
-def out_of_frame(nodes: Array, push: Array, shift: Array, rotation: Array, vectors: Array) -> None:
-    """Fill in R (x + S p) of rows x, (n, d), as vectors one after another in (n d,)."""
-    d, way = len(rotation), shifted(shift, push)
-    for n in range(len(nodes)):
-        for i in range(d):
-            along = 0.0
-            for j in range(d):
-                along += rotation[i, j] * (nodes[n, j] + way[j])
-            vectors[n * d + i] = along
-
-
-@compiled
 def point_vectors(
     force: Array, weight: float, frames: Array, rotation: Array, vectors: Array
 ) -> None:
@@ -85,7 +73,7 @@ def moved_with_strain(
     rotation: Array,
     moved: Array,
 ) -> None:
-    """Fill in R (x + S p) where forces (m, d) add strain, (n d,), and push, as `out_of_frame`."""
+    """Fill in R (x + S p) where forces (m, d) add strain, (n d,), and push, as vectors (n d,)."""
     d, way, total = len(rotation), shifted(shift, push), np.zeros(len(push))
     for p in range(len(vectors)):
         total += vectors[p]
@@ -97,6 +85,13 @@ def moved_with_strain(
                 added = strain[n * d + j] + further[j]
                 along += rotation[i, j] * ((nodes[n, j] + way[j]) + added)
             moved[n * d + i] = along
+
+
+@compiled
+def out_of_frame(nodes: Array, push: Array, shift: Array, rotation: Array, vectors: Array) -> None:
+    """Fill in R (x + S p) of rows x, (n, d), as vectors one after another in (n d,)."""
+    strain, nothing = np.zeros(len(vectors)), np.empty((0, len(push)))
+    moved_with_strain(nodes, push, strain, nothing, shift, rotation, vectors)
 
 
 @compiled
