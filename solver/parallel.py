@@ -56,6 +56,11 @@ def global_sum(comm: MPI.Intracomm, values: NDArray[np.float64]) -> NDArray[np.f
     return total
 
 
+def global_sums(comm: MPI.Intracomm, values: list[float]) -> list[float]:
+    """Sums of several numbers over all ranks."""
+    return values if comm.size == 1 else [*map(float, global_sum(comm, np.array(values)))]
+
+
 def global_max(comm: MPI.Intracomm, values: list[float]) -> list[float]:
     """The largest value on any rank, of each of several."""
     if comm.size == 1:

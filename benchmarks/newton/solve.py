@@ -176,7 +176,7 @@ class FullNewton:
     def residual(self, balance: Balance, here: Placed, force: Array) -> Array:
         """Out-of-balance force with these point forces, N."""
         (memory,), (weights,), residual = balance.contact, balance.weights, here.smooth.copy()
-        how = ForceWeights(contact=weights.contact, traction=weights.interface, sign=-1.0)
+        how = ForceWeights.of(contact=weights.contact, traction=weights.interface, sign=-1.0)
         increment = ContactIncrement(memory.seen, (here.surface, here.kinematics), force)
         self._link.interface.add_forces(increment, self._system.parts(residual, self._link), how)
         return residual
@@ -198,7 +198,7 @@ class FullNewton:
             before, after, rows = memory.surface, here.surface, self._rows
             assert isinstance(before, NitscheState) and isinstance(after, NitscheState)
             interface, weighted = self._link.interface, weights.contact * force
-            how = ForceWeights(contact=weights.contact, traction=weights.interface, sign=1.0)
+            how = ForceWeights.of(contact=weights.contact, traction=weights.interface, sign=1.0)
             pull = interface.traction_pull(weighted, how)
             terms, read = rows.tangent(before, after, pull, weights.contact * change)
             self.tangent.setValuesIJV(

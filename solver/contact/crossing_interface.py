@@ -6,8 +6,6 @@ there, so that the stick memory is 0 at the start of every step.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from solver.contact.body_points import Key, SurfaceState
@@ -82,8 +80,7 @@ class CrossingInterface(Interface):
             memory.compression,
         )
         present = self.crossings.present.copy()
-        return replace(
-            memory,
+        return memory._replace(
             kinematics=kinematics,
             force=np.where(present[:, None], memory.force, 0.0),
             anchor=np.zeros_like(memory.anchor),

@@ -31,21 +31,24 @@ class ContactIncrement(NamedTuple):
 
 
 class ForceWeights(NamedTuple):
-    """How the forces of an interface count.
+    """How the forces of an interface count, with their sign.
 
     Attributes:
-        contact: w_c, of point forces.
-        traction: 1 - alpha_f for the theta term of Nitsche's method, int (theta/gamma_h) T.DT[v],
-            or 0 to leave it out.
-        sign: 1, or -1 to subtract all of them.
+        points: Point forces: w_c.
+        old: Tractions at t_n, in the theta term of Nitsche's method, int (theta/gamma_h) T.DT[v]:
+            alpha_f, or 0 to leave the term out.
+        new: Those at t_{n+1}: 1 - alpha_f, or 0.
     """
 
-    contact: float
-    traction: float
-    sign: float
+    points: float
+    old: float
+    new: float
 
-    @property
-    def tractions(self) -> tuple[float, float]:
-        """Weights of the tractions at t_n and t_{n+1}: alpha_f and 1 - alpha_f, with the sign."""
-        old = self.sign * (1.0 - self.traction) if self.traction else 0.0
-        return old, self.sign * self.traction
+    @classmethod
+    def of(cls, contact: float, traction: float, sign: float) -> ForceWeights:
+        """Weights by w_c and 1 - alpha_f, which is 0 to leave the theta term out.
+
+        The sign is 1, or -1 to subtract all forces.
+        """
+        old = sign * (1.0 - traction) if traction else 0.0
+        return cls(sign * contact, old, sign * traction)

@@ -246,7 +246,7 @@ class Interface:
     def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies to those on their unknowns, in place."""
         (old_surface, old), (surface, new), force = increment
-        weighted = (weights.sign * weights.contact) * force
+        weighted = weights.points * force
         vectors, reaction = self.point_forces(old, new, weighted)
         on_body, on_carrier = on
         if on_body is not None:
@@ -268,7 +268,7 @@ class Interface:
 
         By weighted point forces w_c f at t_{n+1}, with their sign, (points, d), N.
         """
-        return TractionPull(self.pull_scale, force, self.carrier.frame, *weights.tractions)
+        return TractionPull(self.pull_scale, force, self.carrier.frame, weights.old, weights.new)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 from solver.contact.body_points import SurfaceState
@@ -12,8 +11,7 @@ from solver.law.friction import slipped_before
 from solver.types import Array, Indices, Mask
 
 
-@dataclass(frozen=True, slots=True)
-class Memory:
+class Memory(NamedTuple):
     """The state of contact of an interface at one instant; its arrays are never written to.
 
     Attributes:
@@ -59,26 +57,17 @@ class Memory:
             values = getattr(self, name).copy()
             values[rows] = getattr(other, name)[others]
             kept[name] = values
-        return replace(self, **kept)
+        return self._replace(**kept)
 
     def until(self, clear: float) -> Memory:
-        """This memory with another `clear`, m; `dataclasses.replace` takes four times as long."""
-        return Memory(
-            surface=self.surface,
-            kinematics=self.kinematics,
-            force=self.force,
-            anchor=self.anchor,
-            may_touch=self.may_touch,
-            past=self.past,
-            compression=self.compression,
-            clear=clear,
-        )
+        """This memory with another `clear`, m."""
+        return self._replace(clear=clear)
 
 
 KINEMATICS = ("surface", "kinematics", "clear")
 """Fields of a memory that say where points are; all others follow from the past alone."""
 
-REMEMBERED = tuple(field.name for field in fields(Memory) if field.name not in KINEMATICS)
+REMEMBERED = tuple(name for name in Memory._fields if name not in KINEMATICS)
 """Fields of a memory that hold what only the past tells, one row for each point."""
 
 

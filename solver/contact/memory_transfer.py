@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from solver.contact.facet_target import Face
@@ -70,8 +68,7 @@ def rotate_frame(
     y = memory.kinematics.augmented
     memory = _at_other_faces(interface, memory, y, may_touch)
     lost = ~may_touch
-    after = replace(
-        memory,
+    after = memory._replace(
         force=np.where(lost[:, None], 0.0, memory.force),
         anchor=np.where(lost[:, None], y[:, 1:], memory.anchor),
         may_touch=may_touch,
@@ -92,7 +89,7 @@ def _turn_face(
     apart, anchor = memory.force[:, 0] <= 0, memory.anchor
     if apart.any():  # the foot of a point that is away from the face moves as the face turns
         anchor = np.where(apart[:, None], kinematics.augmented[:, 1:], anchor)
-    turned = replace(memory, kinematics=kinematics, anchor=anchor)
+    turned = memory._replace(kinematics=kinematics, anchor=anchor)
     return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(
         turned
     )
@@ -121,4 +118,4 @@ def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) ->
     before = np.array([place[key] for key in new.keys() if key in place], dtype=np.int64)
     carried = fresh.take(np.flatnonzero(staying), memory, before)
     sunk = ~staying & penetrating(new, carried)
-    return replace(carried, may_touch=carried.may_touch & ~sunk)
+    return carried._replace(may_touch=carried.may_touch & ~sunk)

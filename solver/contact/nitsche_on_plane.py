@@ -33,8 +33,7 @@ class NitscheOnPlane(Interface):
         assert u is not None
         points, platform = self.points, self._platform(carrier_u)
         state, seen, beyond = self._room(platform)
-        where = *self.carrier.lies(platform), self.inverse_gamma
-        given = *points.rows, points.nodal(u), *where
+        given = *points.rows, points.nodal(u), self.carrier.lies(platform), self.inverse_gamma
         observe_over_plane(*given, state.values, seen.place, beyond, seen.augmented)
         return state, seen
 
@@ -64,14 +63,13 @@ class NitscheOnPlane(Interface):
         press_on_plane(
             *points.rows,
             points.nodal(u),
-            *self.carrier.lies(platform),
+            self.carrier.lies(platform),
             self.inverse_gamma,
             old.values,
             force,
-            weights.sign * weights.contact,
+            *weights,
             self.theta != 0,
             self.pull_scale,
-            *weights.tractions,
             state.values,
             seen.place,
             beyond,
@@ -98,11 +96,10 @@ class NitscheOnPlane(Interface):
             old.values,
             new.values,
             force,
-            weights.sign * weights.contact,
-            self.carrier.frame,
+            *weights,
             self.theta != 0,
             self.pull_scale,
-            *weights.tractions,
+            self.carrier.frame,
             nodal,
             total,
         )

@@ -63,26 +63,23 @@ class Flat:
     Attributes:
         frame: Rows normal and tangents, (d, d).
         origin: A point of it, m.
-        ends: Least and greatest tangential positions on it, (d-1,) each, m.
     """
 
     frame: Array
     origin: Array
-    ends: tuple[Array, Array]
 
     def _lay(self, frame: Array, origin: Array, ends: tuple[Array, Array] | None) -> None:
-        """Take frame, origin and ends; None: it is endless."""
-        endless = np.full(len(origin) - 1, np.inf)
-        self.frame, self.origin, self._unmoved = frame, origin, np.zeros_like(origin)
-        self.ends, self.is_endless = ends or (-endless, endless), ends is None
+        """Take frame, origin, and least and greatest tangential positions; None: it is endless."""
+        self.frame, self.origin, self.is_endless = frame, origin, ends is None
+        d = len(origin)
+        reach = np.array([[-np.inf] * d, [np.inf] * d])
+        if ends is not None:
+            reach[:, 1:] = ends
+        self._lies: Array = np.concatenate([origin[None], np.zeros((1, d)), reach, frame])
 
-    def shift(self, carrier: SurfaceState | None) -> Array:
-        """How far it has moved with what it belongs to, (d,), m."""
-        return self._unmoved
-
-    def lies(self, carrier: SurfaceState | None) -> tuple[Array, Array, Array, Array, Array]:
-        """Where it lies, as `places` takes it: origin, shift, frame and both ends."""
-        return self.origin, self.shift(carrier), self.frame, *self.ends
+    def lies(self, carrier: SurfaceState | None) -> Array:
+        """Where it lies, as `places` takes it, once `carrier` has moved; None for the ground."""
+        return self._lies
 
     def room(
         self, count: int, carrier: SurfaceState | None, *, tractions: bool = False
@@ -91,18 +88,17 @@ class Flat:
 
         Augmented positions of points with tractions are others than their places.
         """
-        place = np.empty((count, len(self.origin)))
-        beyond, augmented = np.empty(count, dtype=np.bool_), place
+        place = augmented = np.empty((count, len(self.origin)))
         if tractions:
             augmented = np.empty(place.shape)
+        beyond = np.empty(count, dtype=np.bool_)
         known = None if self.is_endless else beyond
-        seen = ContactKinematics(place, augmented, self.frame, carrier, beyond_edge=known)
-        return seen, beyond
+        return ContactKinematics(place, augmented, self.frame, carrier, None, None, known), beyond
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         seen, beyond = self.room(len(position), carrier)
-        places(position, *self.lies(carrier), seen.place, beyond)
+        places(position, self.lies(carrier), seen.place, beyond)
         return seen
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
@@ -139,9 +135,13 @@ class Plane(Flat):
         """The horizontal plane at level 0."""
         return cls(level_frame(dimension), np.zeros(dimension), platform)
 
-    def shift(self, carrier: SurfaceState | None) -> Array:
-        """How far the plane has moved with its platform, (d,), m."""
-        return self._unmoved if carrier is None else carrier.position[0]
+    def lies(self, carrier: SurfaceState | None) -> Array:
+        """Where it lies, as `places` takes it, once its platform has moved; None for the ground."""
+        if carrier is None:
+            return self._lies
+        lies = self._lies.copy()
+        lies[1] = carrier.position[0]
+        return lies
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

@@ -13,7 +13,7 @@ from solver.contact.increment import Observed
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics
 from solver.law.friction import Bounds
-from solver.parallel import global_sum
+from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.nonlinear import NewtonOutcome
@@ -76,12 +76,13 @@ class Balance(NamedTuple):
         that comes down without loads may touch just where its displacement is zero.
         """
         reached = np.maximum(np.abs(guess), np.abs(self.start))
-        squares = []
+        squares: list[float] = []
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
             load, constant = self.load[own], self.constant[own]
-            round_off = body.round_off(reached[own], weights)
-            squares.append((load.dot(load), constant.dot(constant), round_off))
-        loads, inertias, rough = global_sum(system.comm, np.array(squares)).T  # of each body
+            squares += float(load.dot(load)), float(constant.dot(constant))
+            squares.append(body.round_off(reached[own], weights))
+        squares = global_sums(system.comm, squares)
+        loads, inertias, rough = squares[::3], squares[1::3], squares[2::3]  # of each body
         given = loads if any(loads) else inertias
         scale, least = math.sqrt(sum(given)), ROUND_OFFS * math.sqrt(sum(rough))
         accelerations = [
@@ -104,20 +105,21 @@ class Balance(NamedTuple):
         And M (u - start - way), kg m, from which its inertia is made; zero in equilibrium.
         """
         # Not from u_n + dt v_n: far from the origin that sum loses the digits of the difference.
-        travel = None
+        travel, static = None, self.way is None
         if self.way is not None:
             travel = u - self.start
             travel -= self.way
         residual: Array = np.empty(u.shape)
         inertia: Array = np.zeros(u.shape) if travel is None else np.empty(u.shape)
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
-            part, internal = residual[own], body.internal_force(u[own], static=self.static)
-            part[:] = self.constant[own]
-            if internal is not None:
-                part += internal
+            part, internal = residual[own], body.internal_force(u[own], static=static)
+            if internal is None:
+                part[:] = self.constant[own]
+            else:
+                np.add(self.constant[own], internal, out=part)
             if travel is not None:
-                inertia[own] = body.inertia(travel[own])
-                part += weights.mass * inertia[own]
+                inertia[own] = momentum = body.inertia(travel[own])
+                part += weights.mass * momentum
             if body.has_spring:
                 part += _spring(body, weights, u[own], None if travel is None else travel[own])
         return residual, inertia

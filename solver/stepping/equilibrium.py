@@ -45,7 +45,7 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
                 forces[own] += force
         if not isinstance(body, DenseBody) and spring is not None:
             held[own] = -spring
-    weights = ForceWeights(contact=1.0, traction=1.0, sign=-1.0)
+    weights = ForceWeights.of(contact=1.0, traction=1.0, sign=-1.0)
     for link, memory in zip(links, state.contacts, strict=True):
         if link.interface.theta:
             standing = ContactIncrement(memory.seen, memory.seen, np.zeros_like(memory.force))

@@ -192,6 +192,6 @@ def _compile(system: System, link: Link) -> None:
     """Let what is compiled of an interface be compiled, or read back, before time counts."""
     at, on = (system.parts(np.zeros(system.size), link) for _ in range(2))
     force = np.zeros((link.interface.count, link.interface.dimension))
-    weights = ForceWeights(contact=1.0, traction=0.5, sign=1.0)
+    weights = ForceWeights.of(contact=1.0, traction=0.5, sign=1.0)
     seen = link.interface.press(None, at, force, on, weights)
     link.interface.add_forces(ContactIncrement(seen, seen, force), on, weights)

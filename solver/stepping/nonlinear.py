@@ -104,35 +104,39 @@ class VectorArrays:
     A vector whose array is kept is never freed, so that its handle stands for no other one.
     """
 
-    MOST = 8
-    """Arrays that are kept: SNES and its preconditioner take turns with four vectors, and two of
-    these are both read and written."""
+    MOST = 4
+    """Arrays that are kept to be read, and as many to be written: SNES and its preconditioner take
+    turns with four vectors."""
 
     def __init__(self) -> None:
         """Keep none yet."""
-        self._arrays: dict[tuple[int, bool], Array] = {}
+        self._read: dict[int, Array] = {}
+        self._written: dict[int, Array] = {}
 
     def read(self, vector: PETSc.Vec) -> Array:
         """The numbers of a vector that may be locked, to be read only."""
-        return self._of(vector, False)
+        try:
+            return self._read[vector.handle]
+        except KeyError:
+            return self._keep(self._read, vector, vector.array_r)
 
     def written(self, vector: PETSc.Vec) -> Array:
         """The numbers of a vector, to be written now."""
         vector.stateIncrease()  # PETSc keeps norms of what stays the same
-        return self._of(vector, True)
+        try:
+            return self._written[vector.handle]
+        except KeyError:
+            return self._keep(self._written, vector, vector.array)
 
     def forget(self) -> None:
         """Keep none any more."""
-        self._arrays.clear()
+        self._read.clear()
+        self._written.clear()
 
-    def _of(self, vector: PETSc.Vec, writes: bool) -> Array:
-        """The array that is kept, or a new one."""
-        key = vector.handle, writes
-        found = self._arrays.get(key)
-        if found is None:
-            found = vector.array if writes else vector.array_r
-            if len(self._arrays) < self.MOST:
-                self._arrays[key] = found
+    def _keep(self, arrays: dict[int, Array], vector: PETSc.Vec, found: Array) -> Array:
+        """The array of a vector, which is kept from now on if there is room."""
+        if len(arrays) < self.MOST:
+            arrays[vector.handle] = found
         return found
 
 

@@ -76,8 +76,7 @@ class GroundForces(NamedTuple):
     exactly what balances the momentum of all bodies, which residuals are left in."""
 
 
-@dataclass(frozen=True, slots=True)
-class Exchange:
+class Exchange(NamedTuple):
     """Energy that a step took in or lost, J; each term from its own formula.
 
     Attributes:

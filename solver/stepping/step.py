@@ -129,7 +129,7 @@ def inertia_force(
         if drag is not None:
             p[own] += impulse * drag
     p -= impulse * step.load
-    weights = ForceWeights(contact=1.0, traction=0.0, sign=-impulse)
+    weights = ForceWeights.of(contact=1.0, traction=0.0, sign=-impulse)
     for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
         if c.is_unseen(memory):
             continue

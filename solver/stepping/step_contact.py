@@ -45,28 +45,26 @@ def compile_law(d: int, *, in_rounds: bool) -> None:
         return
     y, near, W = np.zeros((1, d)), np.array([0]), np.eye(d).reshape(1, d, 1, d)
     mask, nothing, reach = np.ones(1, dtype=np.bool_), np.zeros(1), np.ones(1)
-    anchor, softness, softening, bed, round_off = y[:, 1:].copy(), *4 * (nothing,)
-    of_points = anchor, softness, softening, y, bed, round_off, nothing, nothing
-    force, number, q, change = y.copy(), near.copy(), y.copy(), y.copy()
-    filled = force, number, mask.copy(), q, change
-    settle(y, reach, mask, near, W, *of_points, not in_rounds, new_counts(), *filled)
+    force, q, change = y.copy(), y.copy(), y.copy()
+    of_points = reach, mask, y[:, 1:].copy(), nothing, y, nothing, nothing
+    filled, bounds = (force, near.copy(), mask.copy()), (nothing, nothing)
+    how = not in_rounds, new_counts()
+    settle(y, near, W, nothing, *of_points, *filled, *bounds, *how, q, change)
     if in_rounds:
         LocalProblem().solve(W, y, y, Bounds.uniform(0.5, 1))
         take_over(force, near, y, change)
 
 
-class Settlement(NamedTuple):
-    """What became of the contact problem of a correction."""
+class OthersNear(NamedTuple):
+    """Points that are near where they are not those of an operator.
 
-    others_near: bool
-    """Whether other points are near than those of the operator: then nothing was changed."""
-    near: Indices
-    """Numbers of the points that are near, rising."""
+    Attributes:
+        number: Their numbers, rising.
+        pressed: Which of them carry a force, or would sink in under the forces so far, (m,).
+    """
+
+    number: Indices
     pressed: Mask
-    """Which near points carry a force, or would sink in under the forces so far, (m,)."""
-    change: Array | None
-    """How much the forces of the operator's points changed, (m, d), N; None where they did not:
-    no point is near, or others are."""
 
 
 class StepContact:
@@ -95,8 +93,12 @@ class StepContact:
             self.softening = model.softening.in_step(model.system, points, balance.load)
             self._held = STEADYING * self.force
         self.beds = points.beds(memories, balance.step)
-        self._bed = points.no_bed if self.beds is None else self.beds.softness
+        bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0
+        near = np.empty(points.count, dtype=np.int64), np.empty(points.count, dtype=np.bool_)
+        of_points = self._reach.distance, self._may_touch, self._anchor, points.softness
+        # What `settle` is given of all points, in its order.
+        self._of_points = *of_points, self._held, bed, points.round_off, self.force, *near
 
     def tell_slips(self, y: Array) -> None:
         """Let friction follow the slips of the free step to augmented positions y."""
@@ -104,43 +106,33 @@ class StepContact:
             slip = y[:, 1:] - self._anchor
             self.friction.tell(slip + self._points.softness[:, None] * self.force[:, 1:])
 
-    def settle(self, y: Array, operator: Delassus) -> Settlement:
+    def settle(self, y: Array, operator: Delassus) -> Array | OthersNear | None:
         """Let the forces obey the contact law after the free step to augmented positions y.
+
+        Returns how much those of the operator's points changed, (m, d), N; where others are near,
+        these, and None where no point is: nothing changed then.
 
         Raises:
             NoContactSolution: The local problem was settled by no method.
         """
-        points, W = self._points, operator.W
+        W, near = operator.W, operator.near.number
         change, q = np.empty(W.shape[:2]), np.empty(W.shape[:2])
-        number, pressed = np.empty(len(y), dtype=np.int64), np.empty(len(y), dtype=np.bool_)
+        alone = not self._points.decays and q.size <= MANY_ROWS
+        how = *self.friction.of_all(), alone, self._local.counts
         outcome, count, squares = settle(
-            y,
-            self._reach.distance,
-            self._may_touch,
-            operator.near.number,
-            W,
-            self._anchor,
-            points.softness,
-            operator.softening,
-            self._held,
-            self._bed,
-            points.round_off,
-            *self.friction.of_all(),
-            not points.decays and q.size <= MANY_ROWS,
-            self._local.counts,
-            self.force,
-            number,
-            pressed,
-            q,
-            change,
+            y, near, W, operator.softening, *self._of_points, *how, q, change
         )
+        if outcome == OTHERS_NEAR:
+            number, pressed = self._of_points[-2:]
+            return OthersNear(number[:count].copy(), pressed[:count].copy())
+        if outcome == NOTHING_NEAR:
+            return None
         if outcome == UNSETTLED:
             raise NoContactSolution(f"the local contact problem of {count} points did not settle")
         if outcome == LEFT_OPEN:
             squares = self._settle_in_rounds(operator, q, change)
         self.largest = max(self.largest, self._weight * math.sqrt(squares))
-        changed = None if outcome in (NOTHING_NEAR, OTHERS_NEAR) else change
-        return Settlement(outcome == OTHERS_NEAR, number[:count], pressed[:count], changed)
+        return change
 
     def sinks_in(self, y: Array) -> bool:
         """Whether points sink in that no correction has looked at, at augmented positions y."""

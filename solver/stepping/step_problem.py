@@ -19,6 +19,7 @@ import numpy as np
 from solver.bodies.dense_body import DenseBody
 from solver.contact.increment import ForceWeights, Observed
 from solver.contact.kernels.candidates import put_away
+from solver.contact.projection import ContactKinematics
 from solver.parallel import global_sum
 from solver.stepping.balance import Balance, Contact
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
@@ -32,7 +33,8 @@ from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.point_table import joined
 from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
-from solver.stepping.step_contact import Settlement, StepContact
+from solver.stepping.step_contact import OthersNear, StepContact
+from solver.stepping.system import Link
 from solver.types import Array, Mask
 
 PLACED_CORRECTIONS = 2
@@ -44,6 +46,24 @@ class Iterate(NamedTuple):
 
     u: Array
     seen: Sequence[Observed]
+
+
+class Pressing(NamedTuple):
+    """An interface that residuals look at: what stays the same from one to the next.
+
+    Attributes:
+        number: Its number.
+        link: The interface, and its bodies.
+        before: Where it was at t_n, in the frame of the step; None in equilibrium.
+        force: Its part of the point forces, which corrections write to, (points, d), N.
+        weights: How they count in a residual.
+    """
+
+    number: int
+    link: Link
+    before: Observed | None
+    force: Array
+    weights: ForceWeights
 
 
 class StepProblem:
@@ -78,6 +98,8 @@ class StepProblem:
         self._watch = EdgeWatch()
         self._beyond: Mask | None = None
         self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
+        self._remembered = [memory.seen for memory in balance.contact]
+        self._awake = self._pressing()
         self._number = 0
         for carrier, asleep in zip(model.points.carriers, self.sleepers.asleep, strict=True):
             if carrier.turns and not asleep:
@@ -97,34 +119,32 @@ class StepProblem:
 
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
-        balance = self._balance
-        residual, self.inertia = balance.smooth_residual(self._system, u)
-        seen: list[Observed] = []
-        asleep = self.sleepers.asleep
-        for number, memory in enumerate(balance.contact):
-            if asleep[number]:
-                seen.append(memory.seen)
-            else:
-                seen.append(self._press(number, u, residual))
-        if len(self._system.fixed):
-            self.held = residual[self._system.fixed]
-            residual[self._system.fixed] = 0.0
-        self._iterate = Iterate(u, seen)
-        self._kinematics = [
-            None if asleep[number] else kinematics for number, (_, kinematics) in enumerate(seen)
-        ]
+        residual, self.inertia = self._balance.smooth_residual(self._system, u)
+        seen, parts = self._remembered.copy(), self._system.parts
+        kinematics: list[ContactKinematics | None] = [None] * len(seen)
+        for number, link, before, force, weights in self._awake:
+            at, on = parts(u, link), parts(residual, link)
+            seen[number] = found = link.interface.press(before, at, force, on, weights)
+            kinematics[number] = found[1]
+        fixed = self._system.fixed
+        if len(fixed):
+            self.held = residual[fixed]
+            residual[fixed] = 0.0
+        self._iterate, self._kinematics = Iterate(u, seen), kinematics
         self._residual = residual
         return residual
 
-    def _press(self, number: int, u: Array, residual: Array) -> Observed:
-        """Subtract the forces of an interface on both its bodies; returns where it is at u."""
-        system, balance, link = self._system, self._balance, self._points.links[number]
-        before = None if self._static else balance.contact[number].seen
-        force = self.contact.force[self._points.own[number]]
-        tangent = balance.weights[link.body or 0]
-        weights = ForceWeights(contact=tangent.contact, traction=tangent.interface, sign=-1.0)
-        parts = system.parts(u, link), force, system.parts(residual, link)
-        return link.interface.press(before, *parts, weights)
+    def _pressing(self) -> list[Pressing]:
+        """The interfaces that residuals look at."""
+        balance, points, found = self._balance, self._points, []
+        for number, asleep in enumerate(self.sleepers.asleep):
+            if not asleep:
+                link, force = points.links[number], self.contact.force[points.own[number]]
+                before = None if self._static else self._remembered[number]
+                tangent = balance.weights[link.body or 0]
+                weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
+                found.append(Pressing(number, link, before, force, weights))
+        return found
 
     def acceleration(self) -> float:
         """Largest acceleration that the resultant of that force gives a body, m/s2.
@@ -222,19 +242,19 @@ class StepProblem:
         step = 0.0 if self.contact.beds is None else self._balance.step
         key = DelassusKey(tangents.weights, tangents.stiffness, step, self._number)
         operator = self._kept.fitting(key, tangents.responses, self._configurations)
-        while (found := self.contact.settle(y, operator)).others_near:
-            operator = self._kept.operator = self._delassus(key, found)
-        return operator, found.change
+        while isinstance(change := self.contact.settle(y, operator), OthersNear):
+            operator = self._kept.operator = self._delassus(key, change)
+        return operator, change
 
-    def _delassus(self, key: DelassusKey, found: Settlement) -> Delassus:
+    def _delassus(self, key: DelassusKey, found: OthersNear) -> Delassus:
         """The operator at the points that are near, with all bodies as they are at the iterate."""
-        near, points = found.near.copy(), self._points
+        (near, pressed), points = found, self._points
         self._model.reach.meet(near)
         return assembled(
             key,
             self._tangents.responses,
             self._configurations,
-            CandidateSet(near, points.frames_at(near), self._kinematics, found.pressed.copy()),
+            CandidateSet(near, points.frames_at(near), self._kinematics, pressed),
             contact_weight=self._weight,
             softness=points.softness,
             beds=self.contact.beds,
@@ -243,11 +263,10 @@ class StepProblem:
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
-        return (
-            self.sleepers.wake(u)
-            or self._sinks_in()
-            or self.contact.friction.break_loose(self.contact.force)
-        )
+        if self.sleepers.wake(u):
+            self._awake = self._pressing()
+            return True
+        return self._sinks_in() or self.contact.friction.break_loose(self.contact.force)
 
     def _sinks_in(self) -> bool:
         """Whether points sink in at the iterate that no correction has looked at."""

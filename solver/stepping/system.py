@@ -96,8 +96,12 @@ class System:
         return None if body is None else vector[self.slices[body]]
 
     def parts(self, vector: Array, link: Link) -> Parts:
-        """The unknowns of the body and of the carrier of an interface."""
-        return self.part(vector, link.body), self.part(vector, link.carrier)
+        """The unknowns of the body and of the carrier of an interface; None for the ground."""
+        body, carrier, slices = link.body, link.carrier, self.slices
+        return (
+            None if body is None else vector[slices[body]],
+            None if carrier is None else vector[slices[carrier]],
+        )
 
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from, of those at the end of a step."""

@@ -245,7 +245,7 @@ def test_theta_matrix(thing, theta):
         """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
         surface = thing.surface(s * v)
         nothing = np.zeros((points.count, 2))
-        pull = interface.traction_pull(nothing, ForceWeights(1.0, 1.0, 1.0))
+        pull = interface.traction_pull(nothing, ForceWeights.of(1.0, 1.0, 1.0))
         total = np.zeros(body.size)
         interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
         return total
@@ -259,7 +259,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     u0, u1 = thing.displacement(13, 0.1, 1e-2), thing.displacement(14, 0.15, 1e-2)
     old, new = thing.surface(u0), thing.surface(u1)
     force = np.random.default_rng(15).standard_normal((points.count, 2))
-    pull = interface.traction_pull(force, ForceWeights(1.0, 0.0, 1.0))
+    pull = interface.traction_pull(force, ForceWeights.of(1.0, 0.0, 1.0))
     vectors, reaction = interface.point_forces(
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )
@@ -286,7 +286,7 @@ def test_passes_in_one_go_are_those_one_by_one(thing, theta, on):
     force, found = np.random.default_rng(18).standard_normal((points.count, 2)), []
     for kind in (NitscheOnPlane, Interface):
         interface = kind(points, carrier, law, theta=theta)
-        before, weights = interface.observe(u[0], moved[0]), ForceWeights(0.6, 0.7, -1.0)
+        before, weights = interface.observe(u[0], moved[0]), ForceWeights.of(0.6, 0.7, -1.0)
         targets = [(np.zeros(body.size), None if own is None else np.zeros(1)) for _ in range(3)]
         seen = interface.press(before, (u[1], moved[1]), force, targets[0], weights)
         again = interface.observe(u[1], moved[1])

@@ -85,7 +85,7 @@ def test_a_step_in_which_bodies_move_farther_than_anybody_looked_fails() -> None
     state, _ = initial_state(parse_scene(sliding_off({})), assembly)
     state, _ = stepper.advance(state, 1e-3)
     assert [memory.clear > 0 for memory in state.contacts] == [False, True]
-    near = replace(state.contacts[1], clear=1e-6)
+    near = state.contacts[1]._replace(clear=1e-6)
     state = replace(state, contacts=[state.contacts[0], near])
     with pytest.raises(StepFailed, match="too far"):
         stepper.advance(state, 0.1)

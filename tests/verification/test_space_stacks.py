@@ -156,7 +156,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     target = np.zeros(system.size)
     increment = ContactIncrement(memory.seen, (surface, kinematics), force)
     interface.add_forces(
-        increment, system.parts(target, Link(interface, 0, 1)), ForceWeights(1.0, 0.0, 1.0)
+        increment, system.parts(target, Link(interface, 0, 1)), ForceWeights.of(1.0, 0.0, 1.0)
     )
     y = [seen.augmented for seen in (memory.kinematics, kinematics)]
     work = force * (y[1] - y[0])

@@ -205,7 +205,7 @@ def test_work_is_exact_and_forces_are_opposite(
     force = np.random.default_rng(5).uniform(0.5, 1.5, (*interface.weight.shape, d))
     target = np.zeros(system.size)
     increment = ContactIncrement(memory.seen, (surface, kinematics), force)
-    interface.add_forces(increment, system.parts(target, pair.link), ForceWeights(1.0, 0.0, 1.0))
+    interface.add_forces(increment, system.parts(target, pair.link), ForceWeights.of(1.0, 0.0, 1.0))
     y = [seen.augmented for seen in (memory.kinematics, kinematics)]
     work = force * (y[1] - y[0])
     assert target @ (u1 - u0) == pytest.approx(work.sum(), abs=1e-10 * np.abs(work).sum())

@@ -128,23 +128,23 @@ def take_over(force: Array, near: Indices, new: Array, change: Array) -> float:
 @compiled
 def settle(
     y: Array,
-    reach: Array,
-    may_touch: Mask,
     near: Indices,
     W: Array,
+    softening: Array,
+    reach: Array,
+    may_touch: Mask,
     anchor: Array,
     softness: Array,
-    softening: Array,
     held: Array,
     bed: Array,
     round_off: Array,
+    force: Array,
+    number: Indices,
+    pressed: Mask,
     mu: Array,
     cohesion: Array,
     alone: bool,
     counts: Indices,
-    force: Array,
-    number: Indices,
-    pressed: Mask,
     q: Array,
     change: Array,
 ) -> tuple[int, int, float]:
@@ -155,23 +155,23 @@ def settle(
 
     Args:
         y: Augmented positions of all points after the free step, (points, d), m.
+        near: Points that W belongs to; where others are near nothing is changed.
+        W: As in `free_values`.
+        softening: Likewise, of the near points.
         reach: As in `candidates`.
         may_touch: As in `candidates`.
-        near: Points that W belongs to; where others are near nothing is changed.
-        W: As in `free_values`, like all up to `round_off`.
-        anchor: Of all points.
-        softness: Of all points.
-        softening: Of the near ones.
-        held: Of all points.
-        bed: Of all points.
-        round_off: Of all points.
+        anchor: As in `free_values`, like all up to `round_off`, of all points.
+        softness: Of the interface.
+        held: Forces that those so far are compared with.
+        bed: Softness of the beds.
+        round_off: Of the gaps.
+        force: Forces of all points, replaced by those that obey the law, (points, d), N.
+        number: As in `candidates`.
+        pressed: As in `candidates`.
         mu: Coefficients of friction of all points, (points,).
         cohesion: What they hold besides, (points,), N.
         alone: Whether to solve the problem here, or to leave that to the caller.
         counts: Of outcomes of local problems.
-        force: Forces of all points, replaced by those that obey the law, (points, d), N.
-        number: As in `candidates`.
-        pressed: As in `candidates`.
         q: Free values, filled in, (m, d), m.
         change: How much the forces of near points changed, filled in, (m, d), N.
     """

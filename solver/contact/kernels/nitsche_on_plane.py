@@ -16,11 +16,7 @@ def observe_over_plane(
     table: Array,
     reference: Array,
     displacement: Array,
-    origin: Array,
-    shift: Array,
-    frame: Array,
-    low: Array,
-    high: Array,
+    plane: Array,
     inverse_gamma: Array,
     state: Array,
     place: Array,
@@ -34,11 +30,7 @@ def observe_over_plane(
         table: Of the rows.
         reference: Of the rows.
         displacement: Of the nodes, (n, d), m.
-        origin: As in `places`, like all up to `high`.
-        shift: Of the plane.
-        frame: Rows normal and tangents, (d, d).
-        low: Least tangential positions.
-        high: Greatest ones.
+        plane: Where it lies, as in `places`.
         inverse_gamma: 1/gamma_h, (p,), m/Pa.
         state: The values of a `NitscheState`.
         place: As in `places`.
@@ -47,8 +39,8 @@ def observe_over_plane(
     """
     evaluate(index, table, reference, displacement, state)
     points = len(reference)
-    places(state[:points], origin, shift, frame, low, high, place, beyond)
-    augment(place, state[points : 2 * points], inverse_gamma, frame, y)
+    places(state[:points], plane, place, beyond)
+    augment(place, state[points : 2 * points], inverse_gamma, plane[4:], y)
 
 
 @compiled
@@ -59,11 +51,11 @@ def add_forces_on_plane(
     new: Array,
     force: Array,
     weight: float,
-    frame: Array,
-    pulls: bool,
-    scale: Array,
     old_weight: float,
     new_weight: float,
+    pulls: bool,
+    scale: Array,
+    frame: Array,
     nodal: Array,
     total: Array,
 ) -> None:
@@ -75,12 +67,12 @@ def add_forces_on_plane(
         old: The values of the `NitscheState` at t_n.
         new: Those at t_{n+1}.
         force: f, (p, d), N: normal, tangential.
-        weight: By which forces count.
-        frame: Rows normal and tangents, (d, d).
+        weight: By which forces count, as in `ForceWeights`.
+        old_weight: By which the traction at t_n does.
+        new_weight: By which that at t_{n+1} does.
         pulls: Whether there is a theta term.
-        scale: Of the `TractionPull`, like both weights.
-        old_weight: Of the traction at t_n.
-        new_weight: At t_{n+1}.
+        scale: Of the `TractionPull`.
+        frame: Rows normal and tangents, (d, d).
         nodal: Forces on nodes, (n, d), N.
         total: Sum of the forces in space, (d,), N.
     """
@@ -102,19 +94,15 @@ def press_on_plane(
     table: Array,
     reference: Array,
     displacement: Array,
-    origin: Array,
-    shift: Array,
-    frame: Array,
-    low: Array,
-    high: Array,
+    plane: Array,
     inverse_gamma: Array,
     old: Array,
     force: Array,
     weight: float,
-    pulls: bool,
-    scale: Array,
     old_weight: float,
     new_weight: float,
+    pulls: bool,
+    scale: Array,
     state: Array,
     place: Array,
     beyond: Mask,
@@ -127,7 +115,7 @@ def press_on_plane(
     Arguments are those of `observe_over_plane` and of `add_forces_on_plane`. The values `old` may
     be those that are filled in: then the points are there at both ends of the step.
     """
-    where = displacement, origin, shift, frame, low, high, inverse_gamma
+    where = displacement, plane, inverse_gamma
     observe_over_plane(index, table, reference, *where, state, place, beyond, y)
-    pull = pulls, scale, old_weight, new_weight
-    add_forces_on_plane(index, table, old, state, force, weight, frame, *pull, nodal, total)
+    how = weight, old_weight, new_weight, pulls, scale, plane[4:]
+    add_forces_on_plane(index, table, old, state, force, *how, nodal, total)

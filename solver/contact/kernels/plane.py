@@ -7,28 +7,17 @@ from solver.types import Array, Mask
 
 
 @compiled
-def places(
-    position: Array,
-    origin: Array,
-    shift: Array,
-    frame: Array,
-    low: Array,
-    high: Array,
-    place: Array,
-    beyond: Mask,
-) -> None:
+def places(position: Array, plane: Array, place: Array, beyond: Mask) -> None:
     """Fill in gaps and tangential positions (g, s) of points, and which are beyond an end.
 
     Args:
         position: x, (m, d), m.
-        origin: A point of the plane, (d,), m.
-        shift: How far the plane has moved, (d,), m.
-        frame: Rows normal and tangents, (d, d).
-        low: Least tangential positions on the plane, (d-1,), m; infinite where it has no end.
-        high: Greatest ones.
+        plane: Where the plane lies, (4 + d, d): its rows are a point of it, how far it has moved,
+            least and greatest places on it, m, and the rows of its frame, normal and tangents.
         place: (g, s), (m, d), m.
         beyond: Points beyond an end, (m,).
     """
+    origin, shift, low, high, frame = plane[0], plane[1], plane[2], plane[3], plane[4:]
     place[:] = 0.0
     for p in range(len(place)):
         beyond[p] = False
@@ -37,7 +26,7 @@ def places(
             for i in range(len(frame)):
                 place[p, i] += frame[i, j] * apart
         for i in range(1, len(frame)):
-            if not low[i - 1] <= place[p, i] <= high[i - 1]:
+            if not low[i] <= place[p, i] <= high[i]:
                 beyond[p] = True
 
 
