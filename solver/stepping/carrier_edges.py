@@ -21,6 +21,9 @@ class CarrierEdges:
 
     A point that is within the edges when the step begins stays in contact until its end: let go in
     the middle of a solve, it would lose the friction that keeps it from going.
+
+    Attributes:
+        numbers: Of the interfaces with points that begin beyond one.
     """
 
     def __init__(self, points: PointTable, memories: Sequence[Memory]):
@@ -28,6 +31,7 @@ class CarrierEdges:
         self._carriers = points.carriers
         pairs = zip(points.carriers, memories, strict=True)
         self._before = [_points_beyond(carrier, memory) for carrier, memory in pairs]
+        self.numbers = [k for k, before in enumerate(self._before) if before is not None]
 
     def beyond(self, number: int, kinematics: ContactKinematics) -> Mask | None:
         """Points of an interface that began the step beyond an edge, and still are; None: none."""

@@ -74,6 +74,11 @@ class Delassus(NamedTuple):
     W: Array
     softening: Array
 
+    def fits(self, responses: Sequence[AnyResponse], configurations: Sequence[Any]) -> bool:
+        """Whether it belongs to configurations: the responses of bodies tell how close they are."""
+        bodies = zip(responses, configurations, self.configurations, strict=True)
+        return all(response.close(now, before) for response, now, before in bodies)
+
     @classmethod
     def of_no_points(cls, d: int) -> Delassus:
         """The operator where no point is near."""
@@ -83,33 +88,21 @@ class Delassus(NamedTuple):
 
 
 class LastDelassus:
-    """The operator that was made last, given again for as long as it fits."""
+    """The operator that was made last, which is taken again for as long as it fits.
+
+    Attributes:
+        operator: That operator; None before the first.
+        of_no_points: The operator where no point is near.
+    """
 
     def __init__(self, dimension: int) -> None:
         """Start without any."""
         self.operator: Delassus | None = None
-        self._of_no_points = Delassus.of_no_points(dimension)
+        self.of_no_points = Delassus.of_no_points(dimension)
 
     def forget(self) -> None:
         """Keep none: it belongs to compliances that are dropped."""
         self.operator = None
-
-    def fitting(
-        self, key: DelassusKey, responses: Sequence[AnyResponse], configurations: Sequence[Any]
-    ) -> Delassus:
-        """The operator, if it fits a key and configurations, else that of no points.
-
-        The caller has to compare its points. The responses of bodies tell when configurations are
-        the same.
-        """
-        kept = self.operator
-        if kept is None or kept.key != key:
-            return self._of_no_points
-        pairs = zip(configurations, kept.configurations, strict=True)
-        for response, (now, before) in zip(responses, pairs, strict=True):
-            if not response.close(now, before):
-                return self._of_no_points
-        return kept
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,10 +35,15 @@ from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
 from solver.stepping.step_contact import OthersNear, StepContact
 from solver.stepping.system import Link
-from solver.types import Array, Mask
+from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2
 """Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
+
+
+FEW_POINTS = 50
+"""Points up to which their operator is made anew as bodies turn before anybody knows whether others
+are near by now, which they seldom are; of more points it takes longer than to find out."""
 
 
 class Iterate(NamedTuple):
@@ -100,10 +105,10 @@ class StepProblem:
         self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
         self._remembered = [memory.seen for memory in balance.contact]
         self._awake = self._pressing()
-        self._number = 0
-        for carrier, asleep in zip(model.points.carriers, self.sleepers.asleep, strict=True):
-            if carrier.turns and not asleep:
-                self._number = number
+        starts = model.system.slices, balance.rotations
+        self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
+        self._frames = model.points.frames
+        self._key = self._key_of(number)
         self._iterate = Iterate(guess, ())
         self._kinematics: Kinematics = []  # at the iterate
         self._configurations: Sequence[Any] = ()
@@ -111,6 +116,14 @@ class StepProblem:
         self.held: Array = np.empty(0)
         self.inertia: Array = self.held
         self._residual: Array = self.held
+
+    def _key_of(self, number: int) -> DelassusKey:
+        """What the Delassus operator of this solve depends on, by its number."""
+        tangents, turns = self._tangents, False
+        for carrier, asleep in zip(self._points.carriers, self.sleepers.asleep, strict=True):
+            turns |= carrier.turns and not asleep
+        step = 0.0 if self.contact.beds is None else self._balance.step
+        return DelassusKey(tangents.weights, tangents.stiffness, step, number if turns else 0)
 
     @property
     def forces(self) -> float:
@@ -173,7 +186,7 @@ class StepProblem:
         free = self._free(residual, y)
         delassus, change = self._settled(y)
         found = []
-        for k, response in enumerate(self._tangents.responses):
+        for k, (response, _, _) in enumerate(self._bodies):
             at = self._configurations[k]
             if change is None:
                 found.append(response.owned(at, free[k]))
@@ -184,25 +197,16 @@ class StepProblem:
 
     def _placed(self) -> Sequence[Any]:
         """The configurations of all bodies at the iterate."""
-        return [
-            response.at(self._iterate.u[own], start)
-            for response, own, start in zip(
-                self._tangents.responses,
-                self._system.slices,
-                self._balance.rotations,
-                strict=True,
-            )
-        ]
+        u = self._iterate.u
+        return [response.at(u[own], start) for response, own, start in self._bodies]
 
     def _free(self, residual: Array, y: Array) -> list[Any]:
         """The free motions of all bodies; what they do to augmented positions is added to y."""
-        frames, kinematics = self._points.frames, self._kinematics
         found = []
-        for response, at, own in zip(
-            self._tangents.responses, self._configurations, self._system.slices, strict=True
-        ):
+        for k, (response, own, _) in enumerate(self._bodies):
+            at = self._configurations[k]
             free = response.free(at, residual[own])
-            response.read(at, free, y, frames, kinematics)
+            response.read(at, free, y, self._frames, self._kinematics)
             found.append(free)
         return found
 
@@ -219,9 +223,9 @@ class StepProblem:
     def _points_beyond(self) -> Mask | None:
         """Points beyond an edge at the iterate, with all of interfaces that sleep; None: none."""
         points, beyond = self._points, self.sleepers.points
-        for number, (_, kinematics) in enumerate(self._iterate.seen):
-            off = None
-            if not self.sleepers.asleep[number]:
+        for number in self._edges.numbers:
+            kinematics, off = self._kinematics[number], None
+            if kinematics is not None:
                 off = self._edges.beyond(number, kinematics)
             if off is not None and np.count_nonzero(off):
                 none = np.zeros(points.count, dtype=np.bool_)
@@ -236,22 +240,30 @@ class StepProblem:
         beyond an edge goes to and fro with the face. Returns the operator of the points that are
         near, and the change of their forces, (m, d), N; None where no point is near.
         """
-        tangents = self._tangents
         self._put_away(y)
         self.contact.tell_slips(y)
-        step = 0.0 if self.contact.beds is None else self._balance.step
-        key = DelassusKey(tangents.weights, tangents.stiffness, step, self._number)
-        operator = self._kept.fitting(key, tangents.responses, self._configurations)
+        operator = self._operator()
         while isinstance(change := self.contact.settle(y, operator), OthersNear):
-            operator = self._kept.operator = self._delassus(key, change)
+            self._model.reach.meet(change.number)
+            operator = self._delassus(*change)
         return operator, change
 
-    def _delassus(self, key: DelassusKey, found: OthersNear) -> Delassus:
-        """The operator at the points that are near, with all bodies as they are at the iterate."""
-        (near, pressed), points = found, self._points
-        self._model.reach.meet(near)
-        return assembled(
-            key,
+    def _operator(self) -> Delassus:
+        """The operator that a correction begins with: the last one, or one of the same points."""
+        kept = self._kept.operator
+        if kept is None or kept.key != self._key:
+            return self._kept.of_no_points
+        if kept.fits(self._tangents.responses, self._configurations):
+            return kept
+        number, pressed = kept.near.number, kept.near.pressed
+        few = len(number) <= FEW_POINTS
+        return self._delassus(number, pressed) if few else self._kept.of_no_points
+
+    def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
+        """The operator at some points, with all bodies as they are at the iterate; it is kept."""
+        points = self._points
+        self._kept.operator = assembled(
+            self._key,
             self._tangents.responses,
             self._configurations,
             CandidateSet(near, points.frames_at(near), self._kinematics, pressed),
@@ -260,6 +272,7 @@ class StepProblem:
             beds=self.contact.beds,
             softening=self.contact.softening,
         )
+        return self._kept.operator
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
