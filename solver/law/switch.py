@@ -7,9 +7,9 @@ the runs of a process are interpreted until they have taken as long as the impor
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 #: Environment variable; set to anything but "" or "0": interpret.
 SWITCH = "ROCKSLIP_NO_NUMBA"
@@ -26,6 +26,15 @@ class _Choice:
     """Whether compiled functions are interpreted now."""
     spent: float = 0.0
     """Steps of one block that were interpreted so far."""
+    followers: list[Callable[[], None]] = field(default_factory=list)
+    """Called whenever the choice was made anew."""
+
+    def make(self, *, interprets: bool) -> None:
+        """Choose."""
+        if interprets != self.interprets:
+            self.interprets = interprets
+            for follow in self.followers:
+                follow()
 
 
 CHOICE = _Choice()
@@ -43,10 +52,10 @@ def chosen_for(block_steps: float) -> Iterator[None]:
     By the number of its steps times that of its blocks; infinite: never interpret.
     """
     before = CHOICE.interprets
-    CHOICE.interprets = CHOICE.spent + block_steps <= SHORT
+    CHOICE.make(interprets=CHOICE.spent + block_steps <= SHORT)
     if CHOICE.interprets:
         CHOICE.spent += block_steps
     try:
         yield
     finally:
-        CHOICE.interprets = before
+        CHOICE.make(interprets=before)

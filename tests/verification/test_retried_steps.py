@@ -125,13 +125,12 @@ def test_a_step_that_is_taken_again_ends_at_the_same_state(name: str) -> None:
         np.testing.assert_allclose(other.force, one.force, rtol=0, atol=atol)
         assert (one.may_touch == other.may_touch).all()
     total = first.kinetic + first.strain
-    for field in fields(booked):
-        given, found = getattr(booked, field.name), getattr(once_more, field.name)
+    for name, given, found in zip(booked._fields, booked, once_more, strict=True):
         if isinstance(given, GroundForces):
             for one, other in zip(given, found, strict=True):
                 atol = 1e-7 * np.abs(one).max(initial=1e-9)
                 np.testing.assert_allclose(other, one, rtol=0, atol=atol)
-        elif field.name != "iterations":
+        elif name != "iterations":
             assert found == pytest.approx(given, rel=1e-6, abs=1e-9 * total)
 
 
