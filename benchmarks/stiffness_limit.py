@@ -15,7 +15,6 @@ keep part of it as vibration, and the block rebounds otherwise however stiff it 
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +61,7 @@ def in_whole_steps(scene: Scene) -> NDArray[np.float64]:
     angles = [scene.blocks[0].tilt]
     for number in range(round(END / scene.time.step)):
         state, _ = stepper.advance(state, scene.time.step)
-        state = replace(state, time=(number + 1) * scene.time.step)
+        state = state._replace(time=(number + 1) * scene.time.step)
         rotation = state.rigid_motion(stepper.system, 0).rotation
         angles.append(float(np.arctan2(rotation[0, 1], rotation[0, 0])))
     return np.array(angles)

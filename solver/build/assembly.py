@@ -14,7 +14,6 @@ from geometry.arrangement import Pose
 from geometry.foundation import level_frame
 from geometry.mesh import block_mesh, move
 from geometry.tags import FacetTag
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import RigidBox, rigid_box
 from solver.build.foundation import foundation
@@ -277,8 +276,8 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
         own = stepper.system.slices[member.number]
         u[own], v[own] = _placed(member)
     closed = all(block.tilt == 0.0 for block in scene.blocks)
-    meshed = any(not isinstance(body, DenseBody) for body in stepper.system.bodies)
-    if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
+    loaded = bool(stepper.system.meshed) and scene.gravity > 0
+    if scene.time.initial == "static" and closed and loaded:
         for glued in (False, True):
             try:
                 state = stepper.static_start(u, glued=glued)

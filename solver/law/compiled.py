@@ -18,8 +18,8 @@ from functools import cache, cached_property, update_wrapper
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
-from pathlib import Path
 from operator import attrgetter
+from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
-from solver.bodies.dense_body import DenseBody
 from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
@@ -166,7 +164,7 @@ class MeshedRun:
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
             self._stepper.stand(ahead.standing)
-            return replace(ahead.new, time=end), ahead.exchange
+            return ahead.new._replace(time=end), ahead.exchange
         return self._stepper.advance(start, dt, end)
 
     def _following(self, start: State, dt: float) -> State | None:
@@ -205,7 +203,7 @@ class MeshedRun:
         """What the run took."""
         stepper = self._stepper
         system = stepper.system
-        bodies = [body for body in system.bodies if not isinstance(body, DenseBody)]
+        bodies = [body for body, _ in system.meshed]
         return {
             "steps": self._steps,
             "rejected_steps": self._rejected,

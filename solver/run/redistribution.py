@@ -8,7 +8,6 @@ place in the undeformed mesh, and its digits stay as they are.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -125,7 +124,7 @@ def redistributed(system: System, parts: Sequence[dict[str, Any]]) -> dict[str, 
     """
     moved, first = Redistribution(system, [part["owned"] for part in parts]), parts[0]
     apart = moved.fields([part["state"] for part in parts], HELD_APART)
-    state: State = replace(first["state"], **apart)
+    state: State = first["state"]._replace(**apart)
     judge = first["judge"]
     if judge is not None:
         past: Past = judge[0]

@@ -109,11 +109,10 @@ class ContactSolve:
     def _restiffens(self, balance: Balance) -> bool:
         """Give meshed bodies the stiffness of the strained state of a step that failed, once."""
         system, start = self._model.system, balance.start
-        meshed = [(body, own) for body, own in system.members if not isinstance(body, DenseBody)]
-        if balance.static or not meshed or self._was_strained_at(start):
+        if balance.static or not system.meshed or self._was_strained_at(start):
             return False
         self._strained_at = start
-        changed = [body.restiffen(start[own]) for body, own in meshed]
+        changed = [body.restiffen(start[own]) for body, own in system.meshed]
         if any(changed):
             self._tangents.clear()
             self._stiffness += 1

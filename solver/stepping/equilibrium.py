@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -53,8 +52,7 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
     held[system.fixed] = -forces[system.fixed]
     forces[system.fixed] = 0.0
     stored = energies(system, state.u, state.v)
-    return replace(
-        state,
+    return state._replace(
         p=-forces,
         held=held,
         kinetic=stored.kinetic,

@@ -67,8 +67,8 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
     total = Energies()
     for body, own in system.members:
         total.kinetic += 0.5 * float(v[own].dot(body.inertia(v[own])))
-        if not isinstance(body, DenseBody):
-            total.strain += body.strain_energy(u[own])
+    for meshed, own in system.meshed:
+        total.strain += meshed.strain_energy(u[own])
     for body, own in system.tied:
         spring = body.spring(u[own])
         if spring is not None:

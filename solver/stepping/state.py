@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +13,11 @@ from solver.stepping.system import System
 from solver.stepping.turning import Turning
 from solver.types import Array
 
+NO_FORCES: Array = np.zeros(0)
+"""Forces of the supports of bodies that have none."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class State:
+
+class State(NamedTuple):
     """Everything a step starts from; no step writes to it.
 
     Attributes:
@@ -24,9 +25,10 @@ class State:
         u: Displacement of the owned unknowns of all bodies, m.
         v: Velocity, m/s.
         p: Inertia force M a without that of the impulses, which are contact, loads and damping, N.
+        contacts: Memory of each interface.
+        motions: What `rigid_motion` finds for u and v, by the number of the body; empty at first.
         held: The p of elastic forces at supports and of springs to the ground, else 0, N; kept
             up to date where a meshed body stands on the ground.
-        contacts: Memory of each interface.
         faces: Tags of the faces of each contact that have joined: whose points the memories are of.
         kinetic: Kinetic energy, J.
         strain: Strain energy, J.
@@ -35,7 +37,6 @@ class State:
         changed: Whether contact changed in the step that led here.
         reversal: Speed at which what slipped in that step now slips back, the largest, m/s.
         damped_until: Time until which steps are damped since contact changed, s.
-        motions: What `rigid_motion` found for u and v, by the number of the body.
     """
 
     time: float
@@ -43,7 +44,8 @@ class State:
     v: Array
     p: Array
     contacts: Sequence[Memory]
-    held: Array = field(default_factory=lambda: np.zeros(0))
+    motions: dict[int, RigidMotion]
+    held: Array = NO_FORCES
     faces: tuple[frozenset[int], ...] = ()
     kinetic: float = 0.0
     strain: float = 0.0
@@ -52,7 +54,6 @@ class State:
     changed: bool = False
     reversal: float = 0.0
     damped_until: float = 0.0
-    motions: dict[int, RigidMotion] = field(default_factory=dict, compare=False, repr=False)
 
     def is_damped(self, dt: float) -> bool:
         """Whether a step of length `dt` (s) from here is taken with rho_inf = 0."""

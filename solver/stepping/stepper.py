@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -171,13 +170,15 @@ class Stepper:
         return consistent(
             self.system,
             self.links,
-            State(time=time, u=u, v=v, p=np.zeros_like(u), contacts=contacts, faces=faces),
+            State(time, u, v, p=np.zeros_like(u), contacts=contacts, motions={}, faces=faces),
         )
 
     def launch(self, state: State, v: Array) -> State:
         """The state with other velocities."""
         return consistent(
-            self.system, self.links, replace(state, v=v, turning=None, damped_until=0.0, motions={})
+            self.system,
+            self.links,
+            state._replace(v=v, turning=None, damped_until=0.0, motions={}),
         )
 
     def static_start(
@@ -229,7 +230,7 @@ class Stepper:
         return consistent(
             self.system,
             self.links,
-            State(time=time, u=u, v=rest, p=rest, contacts=contacts, faces=state.faces),
+            State(time, u, rest, p=rest, contacts=contacts, motions={}, faces=state.faces),
         )
 
     def _load(self, time: float, dt: float) -> Array:
@@ -312,8 +313,9 @@ class Stepper:
             u=system.settled(u),
             v=v + correction.change,
             p=turned(system, p, step.turning.halves),
-            held=held,
             contacts=contacts,
+            motions={},
+            held=held,
             faces=step.start.faces,
             kinetic=sums.energies.kinetic - correction.contact - correction.friction,
             strain=sums.energies.strain,

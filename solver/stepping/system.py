@@ -68,12 +68,14 @@ class System:
 
         self.members = tuple(zip(self.bodies, self.slices, strict=True))
         """All bodies, and where their unknowns are."""
+        self.meshed = tuple(
+            (body, own) for body, own in self.members if not isinstance(body, DenseBody)
+        )
+        """Meshed and reduced ones."""
 
         self.grounded = tuple((body, own) for body, own in self.members if _stands_on_ground(body))
         """Bodies that supports or springs to the ground hold, and where their unknowns are."""
-        self.clamped = tuple(
-            (body, own) for body, own in self.grounded if not isinstance(body, DenseBody)
-        )
+        self.clamped = tuple((body, own) for body, own in self.meshed if body.clamped)
         """The meshed ones of these; the same on all ranks."""
 
         self.tied = tuple(

@@ -108,6 +108,7 @@ def test_all_that_ranks_hold_apart_is_moved(system: System) -> None:
             "state": State(
                 time=0.5,
                 contacts=(),
+                motions={},
                 **{name: before.whole(vector)[rank] for name, vector in fields.items()},
             ),
             "judge": (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from mpi4py import MPI
 
@@ -183,7 +182,7 @@ def test_the_estimate_is_the_error_of_the_trapezoidal_rule(shape: str) -> None:
     past = estimate.start(state)
     for step in range(1, 5):
         fast, far = unit * jerk / 2 * (step * dt) ** 2, unit * jerk / 6 * (step * dt) ** 3
-        found, past = estimate.of(past, replace(state, u=far, v=fast, motions={}), dt)
+        found, past = estimate.of(past, state._replace(u=far, v=fast, motions={}), dt)
     moved = jerk / 6 * dt**3 * (4**3 - 3**3)
     trapezoid = dt * jerk / 4 * dt**2 * (4**2 + 3**2)
     error = abs(trapezoid - moved) / size

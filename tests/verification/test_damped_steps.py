@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -54,7 +52,7 @@ def test_a_step_that_fails_leaves_the_time(monkeypatch: pytest.MonkeyPatch) -> N
     assembly = build(scene)
     stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
     until = 5 * scene.time.step
-    state = replace(state, damped_until=until)
+    state = state._replace(damped_until=until)
     skews: list[float] = []
     ended = Stepper._ended
 

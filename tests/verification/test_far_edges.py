@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -86,7 +85,7 @@ def test_a_step_in_which_bodies_move_farther_than_anybody_looked_fails() -> None
     state, _ = stepper.advance(state, 1e-3)
     assert [memory.clear > 0 for memory in state.contacts] == [False, True]
     near = state.contacts[1]._replace(clear=1e-6)
-    state = replace(state, contacts=[state.contacts[0], near])
+    state = state._replace(contacts=[state.contacts[0], near])
     with pytest.raises(StepFailed, match="too far"):
         stepper.advance(state, 0.1)
     after, _ = stepper.advance(state, 1e-3)  # 4 mm: less than what is left until contact
