@@ -77,3 +77,7 @@ class Dissipation(NamedTuple):
     friction: float
     contact: float
     damping: float
+
+
+NOTHING_LOST = Dissipation(friction=0.0, contact=0.0, damping=0.0)
+"""What a step loses where nothing touches."""

@@ -49,7 +49,7 @@ TYPES = {
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.compliance": ("SavedCompliance",),
     "solver.stepping.delassus": ("Delassus", "DelassusKey"),
-    "solver.stepping.elastic_response": ("ElasticConfiguration", "ElasticCoupling"),
+    "solver.stepping.elastic_response": ("ElasticCoupling",),
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration"),

@@ -16,14 +16,14 @@ from solver.contact.kernels.turned import (
     add_places,
     add_readings,
     into_frame,
-    largest_change,
+    largest_turn,
     mark_ports,
-    middle_of,
     moved_by_few,
     moved_with_strain,
     out_of_frame,
     point_vectors,
     read_points,
+    turn,
 )
 from solver.contact.projection import Interpolation
 from solver.parallel import global_sum
@@ -35,20 +35,6 @@ from solver.types import Array, Indices, Mask
 TURNED = 1e-5
 """Change of the entries of a rotation below which the compliance of a body is not made anew: it is
 part of the correction of an iteration, not of the residual, and neglects strains as large."""
-
-
-class ElasticConfiguration(NamedTuple):
-    """How a meshed body is turned.
-
-    Attributes:
-        rotation: R, of the body, (d, d).
-        middle: R_m, in the middle of the step, (d, d).
-        shift: S = (R^T R_m - I)/(w m), (d, d); 0 where the two are the same.
-    """
-
-    rotation: Array
-    middle: Array
-    shift: Array
 
 
 class ElasticMotion(NamedTuple):
@@ -135,9 +121,8 @@ class ElasticResponse:
         self._itself = [_unspread(side.points.count) for side in sides]
         self._ports = sum(side.points.count for side in sides)
         self._whole = np.ones(self._ports)  # of their forces, that points which are ports get
-        self._unshifted = np.zeros((body.dimension, body.dimension))
         unturned = np.eye(body.dimension)
-        self._unturned = ElasticConfiguration(unturned, unturned, self._unshifted)
+        self._unturned: Array = np.array([unturned, unturned, np.zeros_like(unturned)])
         still = np.zeros((body.owned, body.dimension))
         self._at_rest = ElasticMotion(still, np.zeros(body.dimension))
 
@@ -146,39 +131,38 @@ class ElasticResponse:
         """Memory of the factorization and of compliances, on all ranks together, bytes."""
         return self.compliance.nbytes
 
-    def at(self, u: Array, start: Array | None) -> ElasticConfiguration:
-        """The rotations R and R_m at a displacement."""
+    def at(self, u: Array, start: Array | None) -> Array:
+        """R, R_m and S at a displacement, (3, d, d); without a step R_m is R, and S is zero."""
         rotation = self.body.rotation(u)
         if start is None:
-            return ElasticConfiguration(rotation, rotation, self._unshifted)
-        middle, shift = np.empty(rotation.shape), np.empty(rotation.shape)
-        middle_of(start, rotation, self._inertia, middle, shift)
-        return ElasticConfiguration(rotation, middle, shift)
+            return np.array([rotation, rotation, np.zeros_like(rotation)])
+        turns = np.empty(self._unturned.shape)
+        turn(start, rotation, self._inertia, turns)
+        return turns
 
-    def of_mass(self, u: Array) -> ElasticConfiguration:
+    def of_mass(self, u: Array) -> Array:
         """The unturned body: its mass commutes with rotations."""
         return self._unturned
 
-    def close(self, now: ElasticConfiguration, before: ElasticConfiguration) -> bool:
+    def close(self, now: Array, before: Array) -> bool:
         """Whether neither rotation has changed to speak of."""
-        ends = now.rotation, before.rotation
-        return largest_change(*ends, now.middle, before.middle) <= TURNED
+        return largest_turn(now, before) <= TURNED
 
     def at_rest(self) -> ElasticMotion:
         """A motion of zero."""
         return self._at_rest
 
-    def free(self, at: ElasticConfiguration, residual: Array) -> ElasticMotion:
+    def free(self, at: Array, residual: Array) -> ElasticMotion:
         """The free motion -K^-1 r."""
         d = self.body.dimension
         turned, total = np.empty((self.body.owned, d)), np.empty(d)
-        into_frame(residual, at.middle, -1.0, turned, total)
+        into_frame(residual, at, -1.0, turned, total)
         free = self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
         return ElasticMotion(free, global_sum(self.body.comm, total))
 
     def read(
         self,
-        at: ElasticConfiguration,
+        at: Array,
         free: ElasticMotion,
         moved: Array,
         frames: Sequence[Array],
@@ -190,18 +174,15 @@ class ElasticResponse:
                 continue
             nodes, frame = port.layer.reached(free.nodes).reshape(-1), frames[side.interface]
             each = frame[None] if frame.ndim == 2 else frame
-            spots, motion = side.spots(kinematics), (nodes, free.push, at.shift)
+            spots = side.spots(kinematics)
             if spots is None:
-                add_readings(moved, side.first, side.sign, *rows, *motion, each, at.rotation)
+                add_readings(moved, side.first, side.sign, *rows, nodes, free.push, each, at)
             else:
                 points = np.empty((side.points.count, self.body.dimension))
-                read_points(*rows, *motion, points)
-                carried = spots.carried(points)
-                add_places(moved, side.first, side.sign, carried, each, at.rotation)
+                read_points(*rows, nodes, free.push, at[2], points)
+                add_places(moved, side.first, side.sign, spots.carried(points), each, at[0])
 
-    def couple(
-        self, at: ElasticConfiguration, near: CandidateSet, weight: float, W: Array
-    ) -> ElasticCoupling:
+    def couple(self, at: Array, near: CandidateSet, weight: float, W: Array) -> ElasticCoupling:
         """Add the compliance among near points; returns the ports that they act on."""
         coupling = self._coupling(near)
         if not len(coupling.ports):
@@ -217,8 +198,7 @@ class ElasticResponse:
             half = (load @ C.reshape(count, -1)).reshape(m * d, count, d).swapaxes(1, 2)
             whole = half.reshape(m * d * d, count) @ load.T
             C = np.ascontiguousarray(whole.reshape(m, d, d, m).swapaxes(2, 3))
-        turns = at.rotation, at.middle
-        add_compliance(W, weight, near.frames, turns, C, share, at.shift)
+        add_compliance(W, weight, near.frames, at, C, share)
         return coupling
 
     def _coupling(self, near: CandidateSet) -> ElasticCoupling:
@@ -249,7 +229,7 @@ class ElasticResponse:
 
     def respond(
         self,
-        at: ElasticConfiguration,
+        at: Array,
         coupling: ElasticCoupling,
         near: CandidateSet,
         force: Array,
@@ -262,19 +242,18 @@ class ElasticResponse:
         moved, load = np.empty(motion.nodes.size), coupling.load
         few = self.compliance.few_columns(coupling.ports) if load is None else None
         if few is not None:
-            turns = at.middle, few, at.shift, at.rotation
-            moved_by_few(*motion, force, weight, near.frames, *turns, moved)
+            moved_by_few(*motion, force, weight, near.frames, few, at, moved)
             return moved
         vectors = np.empty(force.shape)
-        point_vectors(force, weight, near.frames, at.middle, vectors)
+        point_vectors(force, weight, near.frames, at[1], vectors)
         if load is not None:
             vectors = load.T @ vectors
         strain = self.compliance.displacement(coupling.ports, vectors)
-        moved_with_strain(*motion, strain, vectors, at.shift, at.rotation, moved)
+        moved_with_strain(*motion, strain, vectors, at, moved)
         return moved
 
-    def owned(self, at: ElasticConfiguration, motion: ElasticMotion) -> Array:
+    def owned(self, at: Array, motion: ElasticMotion) -> Array:
         """A motion of the owned unknowns, from the frame of the body back into space."""
         vectors = np.empty(motion.nodes.size)
-        out_of_frame(*motion, at.shift, at.rotation, vectors)
+        out_of_frame(*motion, at, vectors)
         return vectors

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.increment import ContactIncrement, ForceWeights
-from solver.contact.memory import Dissipation, Memory
+from solver.contact.memory import NOTHING_LOST, Dissipation, Memory
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.balance import Balance, Contact
 from solver.stepping.interfaces import StepStart
@@ -150,9 +150,4 @@ def remembered(
         after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
         memories.append(after[0].until(c.clear) if c.clear else after[0])
         lost.append(after[1])
-    total = Dissipation(
-        friction=sum(each.friction for each in lost),
-        contact=sum(each.contact for each in lost),
-        damping=sum(each.damping for each in lost),
-    )
-    return memories, total
+    return memories, Dissipation(*map(sum, zip(NOTHING_LOST, *lost, strict=True)))

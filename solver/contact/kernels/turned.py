@@ -1,7 +1,8 @@
 """Motions of a meshed body in the frame that turns with it; compiled.
 
-Nodes are rows of d numbers; a shift is the d x d matrix that moves all of them by what their forces
-make together.
+Nodes are rows of d numbers. How a body is turned, its `turns`, are three matrices, (3, d, d): R at
+the end of a step, R_m in its middle, and the shift S = (R^T R_m - I)/(w m), m/N, which moves all
+nodes by what their forces make together.
 """
 
 from __future__ import annotations
@@ -14,17 +15,17 @@ from solver.types import Array, Indices, Mask
 
 
 @compiled
-def into_frame(vectors: Array, rotation: Array, factor: float, turned: Array, total: Array) -> None:
-    """Fill in multiples of R^T x of vectors x, (n d,), as rows (n, d), and their sum (d,).
+def into_frame(vectors: Array, turns: Array, factor: float, turned: Array, total: Array) -> None:
+    """Fill in multiples of R_m^T x of vectors x, (n d,), as rows (n, d), and their sum (d,).
 
     Args:
         vectors: x, one after another, (n d,).
-        rotation: R, (d, d).
+        turns: Of the body.
         factor: What they are multiplied by.
         turned: (n, d).
         total: Their sum, (d,).
     """
-    d = len(total)
+    d, rotation = len(total), turns[1]
     total[:] = 0.0
     for n in range(len(turned)):
         for j in range(d):
@@ -69,15 +70,14 @@ def moved_with_strain(
     push: Array,
     strain: Array,
     vectors: Array,
-    shift: Array,
-    rotation: Array,
+    turns: Array,
     moved: Array,
 ) -> None:
     """Fill in R (x + S p) where forces (m, d) add strain, (n d,), and push, as vectors (n d,)."""
-    d, way, total = len(rotation), shifted(shift, push), np.zeros(len(push))
+    d, rotation, total = len(push), turns[0], np.zeros(len(push))
     for p in range(len(vectors)):
         total += vectors[p]
-    further = shifted(shift, total)
+    way, further = shifted(turns[2], push), shifted(turns[2], total)
     for n in range(len(nodes)):
         for i in range(d):
             along = 0.0
@@ -88,10 +88,10 @@ def moved_with_strain(
 
 
 @compiled
-def out_of_frame(nodes: Array, push: Array, shift: Array, rotation: Array, vectors: Array) -> None:
+def out_of_frame(nodes: Array, push: Array, turns: Array, vectors: Array) -> None:
     """Fill in R (x + S p) of rows x, (n, d), as vectors one after another in (n d,)."""
     strain, nothing = np.zeros(len(vectors)), np.empty((0, len(push)))
-    moved_with_strain(nodes, push, strain, nothing, shift, rotation, vectors)
+    moved_with_strain(nodes, push, strain, nothing, turns, vectors)
 
 
 @compiled
@@ -101,10 +101,8 @@ def moved_by_few(
     force: Array,
     weight: float,
     frames: Array,
-    middle: Array,
     columns: Array,
-    shift: Array,
-    rotation: Array,
+    turns: Array,
     moved: Array,
 ) -> None:
     """Fill in R (x + S p) where forces at few points add strain by columns of K_0^-1, and push.
@@ -112,19 +110,17 @@ def moved_by_few(
     Args:
         nodes: x, (n, d), m.
         push: p, (d,), N.
-        force: As in `point_vectors`, like all up to `middle`.
+        force: As in `point_vectors`, like all up to `frames`.
         weight: Of the forces.
         frames: At the points.
-        middle: R_m, (d, d).
         columns: What unit forces at the points do to the nodes, (m d, n d), m/N.
-        shift: S, (d, d), m/N.
-        rotation: R, (d, d).
+        turns: Of the body.
         moved: (n d,), m.
     """
     vectors = np.empty(force.shape)
-    point_vectors(force, weight, frames, middle, vectors)
+    point_vectors(force, weight, frames, turns[1], vectors)
     strain = vectors.reshape(force.size) @ columns
-    moved_with_strain(nodes, push, strain, vectors, shift, rotation, moved)
+    moved_with_strain(nodes, push, strain, vectors, turns, moved)
 
 
 @compiled
@@ -195,15 +191,14 @@ def add_readings(
     weight: Array,
     nodes: Array,
     push: Array,
-    shift: Array,
     frame: Array,
-    rotation: Array,
+    turns: Array,
 ) -> None:
     """Add to places of points what rows as of `read_points` read; otherwise as `add_places`."""
-    d = len(rotation)
+    d = len(push)
     read = np.empty((len(start) // d, d))
-    read_points(start, column, weight, nodes, push, shift, read)
-    add_places(moved, first, sign, read, frame, rotation)
+    read_points(start, column, weight, nodes, push, turns[2], read)
+    add_places(moved, first, sign, read, frame, turns[0])
 
 
 @compiled
@@ -261,10 +256,9 @@ def add_compliance(
     W: Array,
     weight: float,
     frames: Array,
-    turns: tuple[Array, Array],
+    turns: Array,
     C: Array,
     share: Array,
-    shift: Array,
 ) -> None:
     """Add `weight` times the compliance of a turned body among points to W, (m, d, m, d).
 
@@ -272,12 +266,11 @@ def add_compliance(
         W: What is added to, m/N.
         weight: w_c.
         frames: Rows normal and tangents at each point, (m, d, d).
-        turns: Rotations R and R_m of the body, (d, d) each.
+        turns: Of the body.
         C: Its compliance in the frame that turns with it, (m, d, m, d), m/N.
         share: How much of each point's force the body gets, (m,).
-        shift: S, (d, d), m/N.
     """
-    m, d = frames.shape[:2]
+    (m, d), shift = frames.shape[:2], turns[2]
     moved, pushed = np.zeros_like(frames), np.zeros_like(frames)
     for p in range(m):
         for i in range(d):
@@ -301,17 +294,17 @@ def add_compliance(
 
 
 @compiled
-def middle_of(start: Array, rotation: Array, inertia: float, middle: Array, shift: Array) -> None:
-    """Fill in the rotation R_m in the middle of a step, and the shift S = (R^T R_m - I)/(w m).
+def turn(start: Array, rotation: Array, inertia: float, turns: Array) -> None:
+    """Fill in how a body is turned.
 
     Args:
-        start: Rotation at its start, (d, d).
+        start: Rotation at the start of the step, (d, d).
         rotation: R, at its end, (d, d).
         inertia: w m, N/m.
-        middle: R_m, (d, d).
-        shift: S, (d, d), m/N.
+        turns: R, R_m and S.
     """
-    d = len(rotation)
+    d, middle, shift = len(rotation), turns[1], turns[2]
+    turns[0] = rotation
     polar_factor(start + rotation, middle)
     for i in range(d):
         for j in range(d):
@@ -322,11 +315,11 @@ def middle_of(start: Array, rotation: Array, inertia: float, middle: Array, shif
 
 
 @compiled
-def largest_change(end: Array, end_before: Array, middle: Array, middle_before: Array) -> float:
-    """Largest change of the entries of two matrices, at the end and in the middle of a step."""
+def largest_turn(now: Array, before: Array) -> float:
+    """Largest change of the entries of both rotations between two `turns` of a body."""
     largest = 0.0
-    for i in range(end.shape[0]):
-        for j in range(end.shape[1]):
-            largest = max(largest, abs(end[i, j] - end_before[i, j]))
-            largest = max(largest, abs(middle[i, j] - middle_before[i, j]))
+    for k in range(2):
+        for i in range(now.shape[1]):
+            for j in range(now.shape[2]):
+                largest = max(largest, abs(now[k, i, j] - before[k, i, j]))
     return largest
