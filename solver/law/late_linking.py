@@ -216,12 +216,13 @@ def _late_linking() -> Iterator[None]:
 def linked_late(machine: Any, *, kept: bool) -> Any:
     """A function compiled by numba for Python, whose parts become machine code only with it.
 
-    Those that `watching` names are told; `kept`: the machine code will be there for later runs.
+    Those that `watching` names are told, also where it is only read back; `kept`: the machine code
+    will be there for later runs.
     """
     usual = machine.compile
 
     def compile_late(signature: Any) -> Any:
-        with _late_linking(), _brief_errors(), _announcing(kept):
+        with _late_linking(), _brief_errors(), _watched(kept):
             return usual(signature)
 
     machine.compile = compile_late
@@ -247,10 +248,13 @@ def part_of_others(function: Callable[..., Any]) -> Any:
 
 
 class Watcher(Protocol):
-    """What wants to know when functions are compiled, which takes its time."""
+    """What wants to know when functions are compiled or read back, which takes its time."""
 
-    def pause(self, why: str) -> None:
+    def pause(self) -> None:
         """It begins."""
+
+    def say(self, why: str) -> None:
+        """The function is not kept, and has to be compiled."""
 
     def go_on(self) -> None:
         """It is over."""
@@ -261,7 +265,7 @@ _WATCHERS: list[Watcher] = []
 
 @contextmanager
 def watching(watcher: Watcher) -> Iterator[None]:
-    """Tell of what is compiled within this block."""
+    """Tell of what is compiled or read back within this block."""
     _WATCHERS.append(watcher)
     try:
         yield
@@ -270,26 +274,28 @@ def watching(watcher: Watcher) -> Iterator[None]:
 
 
 @contextmanager
-def _announcing(kept: bool) -> Iterator[None]:
-    """Tell the watchers once numba begins to compile: not where it finds what was kept."""
+def _watched(kept: bool) -> Iterator[None]:
+    """Tell the watchers, and once numba begins to compile why: not where it finds what was kept."""
     from numba.core import event
 
-    depth = 0
+    said = False
 
     class Listener(event.Listener):  # type: ignore[misc]
         def on_start(self, event: Any) -> None:
-            nonlocal depth
-            depth += 1
-            if depth == 1:
+            nonlocal said
+            if not said:
+                said = True
                 for watcher in _WATCHERS:
-                    watcher.pause(COMPILING if kept else COMPILING_IN_VAIN)
+                    watcher.say(COMPILING if kept else COMPILING_IN_VAIN)
 
         def on_end(self, event: Any) -> None:
-            nonlocal depth
-            depth -= 1
-            if depth == 0:
-                for watcher in _WATCHERS:
-                    watcher.go_on()
+            """The block ends later."""
 
-    with event.install_listener("numba:compile", Listener()):
-        yield
+    for watcher in _WATCHERS:
+        watcher.pause()
+    try:
+        with event.install_listener("numba:compile", Listener()):
+            yield
+    finally:
+        for watcher in _WATCHERS:
+            watcher.go_on()

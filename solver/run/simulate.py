@@ -105,20 +105,31 @@ class RunContext:
 
 
 class _Compilations:
-    """Says once in a run that functions are being compiled, and how long that has taken."""
+    """Says once in a run that functions are being compiled.
+
+    Attributes:
+        seconds: How long that has taken so far, or to read back what was kept.
+    """
 
     def __init__(self, log: Log, progress: ProgressReport | None):
         """Know who is told."""
         self._log, self._progress = log, progress
         self._began = self.seconds = 0.0
+        self._said = False
 
-    def pause(self, why: str) -> None:
-        """Begin to compile."""
-        said, self._began = self._began > 0.0, time.perf_counter()
-        if not said:
-            self._log(why)
+    def pause(self) -> None:
+        """Begin to read back or to compile."""
+        self._began = time.perf_counter()
         if self._progress is not None:
-            self._progress.pause("" if said else why)
+            self._progress.pause("")
+
+    def say(self, why: str) -> None:
+        """Say why it takes so long, once."""
+        if not self._said:
+            self._said = True
+            self._log(why)
+            if self._progress is not None:
+                self._progress.pause(why)
 
     def go_on(self) -> None:
         """Be done with it."""
@@ -269,8 +280,8 @@ def _run(
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint. What is compiled in the loop
-    counts as set-up. `twin` runs the twin of the scene, where the scene wants it.
+    counter, s, with these cautions; it may go on from a checkpoint. What is compiled or read back
+    in the loop counts as set-up. `twin` runs the twin of the scene, where the scene wants it.
     """
     for text in cautions:
         desk.files.log(f"caution: {text}")

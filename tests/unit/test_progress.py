@@ -106,10 +106,12 @@ def test_that_functions_are_compiled_is_said_once(monkeypatch: pytest.MonkeyPatc
             told.append("on")
 
     compilations = simulate._Compilations(said.append, Display(1.0, quiet=True))
-    for begin, end in ((1.0, 3.0), (5.0, 9.0)):
+    for begin, end, kept in ((1.0, 3.0, False), (5.0, 9.0, False), (9.5, 10.0, True)):
         now[0] = begin
-        compilations.pause("compiling")
+        compilations.pause()
+        if not kept:
+            compilations.say("compiling")
         now[0] = end
         compilations.go_on()
-    assert compilations.seconds == 6.0
-    assert said == ["compiling"] and told == ["compiling", "on", "", "on"]
+    assert compilations.seconds == 6.5
+    assert said == ["compiling"] and told == ["", "compiling", "on", "", "on", "", "on"]

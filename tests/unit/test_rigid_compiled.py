@@ -211,7 +211,8 @@ TELLING = """
 import sys
 from solver.law.late_linking import watching
 class Said:
-    def pause(self, why): print(why)
+    def pause(self): print("waits")
+    def say(self, why): print(why)
     def go_on(self): print("done")
 from solver.law.newton import lengths
 import numpy as np
@@ -222,8 +223,8 @@ with watching(Said()):
 
 
 @pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
-def test_who_watches_is_told_of_what_is_compiled_not_of_what_is_kept(tmp_path: Path) -> None:
-    """Once for all functions below; where nothing can be kept the words say so."""
+def test_who_watches_is_told_of_what_is_compiled_or_read_back(tmp_path: Path) -> None:
+    """Once for all functions below, and why; where nothing can be kept the words say so."""
 
     def said(folder: Path) -> list[str]:
         done = subprocess.run(
@@ -236,10 +237,10 @@ def test_who_watches_is_told_of_what_is_compiled_not_of_what_is_kept(tmp_path: P
         )
         return done.stdout.splitlines()
 
-    assert said(tmp_path / "cache") == [late_linking.COMPILING, "done"]
-    assert said(tmp_path / "cache") == []
+    assert said(tmp_path / "cache") == ["waits", late_linking.COMPILING, "done"]
+    assert said(tmp_path / "cache") == ["waits", "done"]
     (tmp_path / "file").write_text("")
-    assert said(tmp_path / "file") == [late_linking.COMPILING_IN_VAIN, "done"]
+    assert said(tmp_path / "file") == ["waits", late_linking.COMPILING_IN_VAIN, "done"]
 
 
 @compiled
