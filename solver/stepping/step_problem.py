@@ -250,14 +250,15 @@ class StepProblem:
 
     def _operator(self) -> Delassus:
         """The operator that a correction begins with: the last one, or one of the same points."""
-        kept = self._kept.operator
-        if kept is None or kept.key != self._key:
-            return self._kept.of_no_points
-        if kept.fits(self._tangents.responses, self._configurations):
+        kept, none = self._kept.operator, self._kept.of_no_points
+        if kept is None or kept.key[:-1] != self._key[:-1]:
+            return none
+        if kept.key == self._key and kept.fits(self._tangents.responses, self._configurations):
             return kept
         number, pressed = kept.near.number, kept.near.pressed
-        few = len(number) <= FEW_POINTS
-        return self._delassus(number, pressed) if few else self._kept.of_no_points
+        # Interfaces that sleep have no kinematics.
+        known = len(number) <= FEW_POINTS and self.sleepers.points is None
+        return self._delassus(number, pressed) if known else none
 
     def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate; it is kept."""
