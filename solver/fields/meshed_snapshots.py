@@ -59,8 +59,7 @@ class Snapshots:
             self._bodies.append(HeldFields(held, files))
         files.begin()
         if writes:
-            elastic = any(not isinstance(body, DenseBody) for body in system.bodies)
-            write_script(folder, scene, stress=elastic)
+            write_script(folder, scene, stress=bool(system.meshed))
 
     def write(self, time: float) -> None:
         """Write the fields of the run's state.

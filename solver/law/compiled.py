@@ -69,16 +69,16 @@ class _Compiled:
         self.py_func = function
         update_wrapper(self, function)
         self.choose_again()
-        CHOICE.followers.append(self.choose_again)
+        CHOICE.followers.add(self)
 
     def choose_again(self) -> None:
         """Ask at the next call whether to interpret or to run machine code."""
         self._runs: Callable[..., Any] = self._first
 
-    def _first(self, *arguments: Any) -> Any:
+    def _first(self, *arguments: Any, **named: Any) -> Any:
         """Call it for the first time since that was chosen."""
         self._runs = self.py_func if CHOICE.interprets else self._machine
-        return self._runs(*arguments)
+        return self._runs(*arguments, **named)
 
     __call__ = property(attrgetter("_runs"))
     """Calls it, without a frame of Python's own: that took a third of the time of a small call."""

@@ -7,15 +7,24 @@ the runs of a process are interpreted until they have taken as long as the impor
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Protocol
+from weakref import WeakSet
 
 #: Environment variable; set to anything but "" or "0": interpret.
 SWITCH = "ROCKSLIP_NO_NUMBA"
 
 #: Steps of one block in the plane that take as long interpreted as numba takes to be imported.
 SHORT = 1000.0
+
+
+class Follower(Protocol):
+    """What runs as was chosen."""
+
+    def choose_again(self) -> None:
+        """Ask what was chosen at the next call."""
 
 
 @dataclass(slots=True)
@@ -26,15 +35,15 @@ class _Choice:
     """Whether compiled functions are interpreted now."""
     spent: float = 0.0
     """Steps of one block that were interpreted so far."""
-    followers: list[Callable[[], None]] = field(default_factory=list)
-    """Called whenever the choice was made anew."""
+    followers: WeakSet[Follower] = field(default_factory=WeakSet)
+    """Told whenever another choice was made."""
 
     def make(self, *, interprets: bool) -> None:
         """Choose."""
         if interprets != self.interprets:
             self.interprets = interprets
-            for follow in self.followers:
-                follow()
+            for follower in self.followers:
+                follower.choose_again()
 
 
 CHOICE = _Choice()

@@ -93,12 +93,14 @@ class LastDelassus:
     Attributes:
         operator: That operator; None before the first.
         of_no_points: The operator where no point is near.
+        touches: Whether points were near in the last correction.
     """
 
     def __init__(self, dimension: int) -> None:
         """Start without any."""
         self.operator: Delassus | None = None
         self.of_no_points = Delassus.of_no_points(dimension)
+        self.touches = False
 
     def forget(self) -> None:
         """Keep none: it belongs to compliances that are dropped."""

@@ -242,23 +242,35 @@ class StepProblem:
         """
         self._put_away(y)
         self.contact.tell_slips(y)
-        operator = self._operator()
+        before, operator = self._kept.operator, self._operator()
         while isinstance(change := self.contact.settle(y, operator), OthersNear):
             self._model.reach.meet(change.number)
             operator = self._delassus(*change)
+        self._kept.touches = change is not None
+        if change is None:
+            self._kept.operator = before
         return operator, change
 
     def _operator(self) -> Delassus:
-        """The operator that a correction begins with: the last one, or one of the same points."""
+        """The operator that a correction begins with: the last one, or one of the same points.
+
+        On planes these act on the same ports, so that to make it anew asks for no column more.
+        """
         kept, none = self._kept.operator, self._kept.of_no_points
-        if kept is None or kept.key[:-1] != self._key[:-1]:
+        if kept is None or kept.key != self._key:
             return none
-        if kept.key == self._key and kept.fits(self._tangents.responses, self._configurations):
+        if kept.fits(self._tangents.responses, self._configurations):
             return kept
         number, pressed = kept.near.number, kept.near.pressed
-        # Interfaces that sleep have no kinematics.
-        known = len(number) <= FEW_POINTS and self.sleepers.points is None
-        return self._delassus(number, pressed) if known else none
+        same = self._kept.touches and len(number) <= FEW_POINTS and self._on_planes(number)
+        return self._delassus(number, pressed) if same else none
+
+    def _on_planes(self, number: Indices) -> bool:
+        """Whether no carrier turns that a step looks at, and it looks at all of these points."""
+        if any([each.link.interface.carrier.turns for each in self._awake]):
+            return False
+        asleep = self.sleepers.points
+        return asleep is None or not asleep[number].any()
 
     def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate; it is kept."""

@@ -53,6 +53,28 @@ def test_a_function_does_the_same_both_ways() -> None:
     assert quadruple.__doc__ == "Four times x."
 
 
+NUMBER = 1
+
+
+@compiled
+def number() -> int:
+    """The number that the code knows."""
+    return NUMBER
+
+
+def test_a_function_follows_every_choice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Machine code knows a number as it was when it was made, the interpreter as it is."""
+    assert number() == 1
+    monkeypatch.setitem(globals(), "NUMBER", 2)
+    found = []
+    for steps in (1.0, math.inf, 1.0, 1.0, math.inf):
+        with switch.chosen_for(steps):
+            found.append(number())
+            with switch.chosen_for(math.inf):
+                found.append(number())
+    assert found == [2, 1, 1, 1, 2, 1, 2, 1, 1, 1]
+
+
 SCRIPT = """
 import sys
 from rockslip import parse_scene, simulate

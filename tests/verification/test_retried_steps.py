@@ -72,7 +72,8 @@ def equal(a: Any, b: Any) -> bool:
     if isinstance(a, np.ndarray):
         return a.dtype == b.dtype and np.array_equal(a, b)
     if isinstance(a, Sequence) and not isinstance(a, str):
-        return len(a) == len(b) and all(equal(x, y) for x, y in zip(a, b, strict=True))
+        same = type(a) is type(b) and len(a) == len(b)
+        return same and all(equal(x, y) for x, y in zip(a, b, strict=True))
     return bool(a == b)
 
 
@@ -127,12 +128,12 @@ def test_a_step_that_is_taken_again_ends_at_the_same_state(name: str) -> None:
         np.testing.assert_allclose(other.force, one.force, rtol=0, atol=atol)
         assert (one.may_touch == other.may_touch).all()
     total = first.kinetic + first.strain
-    for name, given, found in zip(booked._fields, booked, once_more, strict=True):
+    for field, given, found in zip(booked._fields, booked, once_more, strict=True):
         if isinstance(given, GroundForces):
             for one, other in zip(given, found, strict=True):
                 atol = 1e-7 * np.abs(one).max(initial=1e-9)
                 np.testing.assert_allclose(other, one, rtol=0, atol=atol)
-        elif name != "iterations":
+        elif field != "iterations":
             assert found == pytest.approx(given, rel=1e-6, abs=1e-9 * total)
 
 

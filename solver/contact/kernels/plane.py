@@ -13,7 +13,8 @@ def places(position: Array, plane: Array, place: Array, beyond: Mask) -> None:
     Args:
         position: x, (m, d), m.
         plane: Where the plane lies, (4 + d, d): its rows are a point of it, how far it has moved,
-            least and greatest places on it, m, and the rows of its frame, normal and tangents.
+            least and greatest (g, s) on it, of which only s count, m, and the rows of its frame,
+            normal and tangents.
         place: (g, s), (m, d), m.
         beyond: Points beyond an end, (m,).
     """
