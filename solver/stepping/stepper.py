@@ -175,11 +175,8 @@ class Stepper:
 
     def launch(self, state: State, v: Array) -> State:
         """The state with other velocities."""
-        return consistent(
-            self.system,
-            self.links,
-            state._replace(v=v, turning=None, damped_until=0.0, motions={}),
-        )
+        launched = state._replace(v=v, turning=None, damped_until=0.0, motions={})
+        return consistent(self.system, self.links, launched)
 
     def static_start(
         self,
