@@ -188,7 +188,7 @@ class ElasticBody:
     def internal_force(self, u: Array, *, static: bool = False) -> Array:
         """Averaged internal force at displacement u: stress of averaged strain, midpoint gradient.
 
-        With `static` the midpoint is the configuration itself.
+        A new array. With `static` the midpoint is the configuration itself.
         """
         self._forms.place(u)
         if static:

@@ -17,6 +17,7 @@ from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.nonlinear import NewtonOutcome
+from solver.stepping.point_table import joined
 from solver.stepping.system import Body, System
 from solver.types import Array
 
@@ -109,20 +110,21 @@ class Balance(NamedTuple):
         if self.way is not None:
             travel = u - self.start
             travel -= self.way
-        residual: Array = np.empty(u.shape)
-        inertia: Array = np.zeros(u.shape) if travel is None else np.empty(u.shape)
+        forces, momenta = [], []
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
-            part, internal = residual[own], body.internal_force(u[own], static=static)
-            if internal is None:
-                part[:] = self.constant[own]
+            force, constant = body.internal_force(u[own], static=static), self.constant[own]
+            if force is None:
+                force = constant.copy()
             else:
-                np.add(self.constant[own], internal, out=part)
+                force += constant
             if travel is not None:
-                inertia[own] = momentum = body.inertia(travel[own])
-                part += weights.mass * momentum
+                momentum = body.inertia(travel[own])
+                momenta.append(momentum)
+                force += weights.mass * momentum
             if body.has_spring:
-                part += _spring(body, weights, u[own], None if travel is None else travel[own])
-        return residual, inertia
+                force += _spring(body, weights, u[own], None if travel is None else travel[own])
+            forces.append(force)
+        return joined(forces), joined(momenta) if momenta else np.zeros(u.shape)
 
 
 def _spring(body: Body, weights: TangentWeights, u: Array, travel: Array | None) -> Array:
