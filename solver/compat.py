@@ -93,7 +93,7 @@ class PackedForm:
 
     def vector(self, target: NDArray[np.float64]) -> None:
         """Assemble into `target` (owned and ghost entries), which is overwritten."""
-        target[:] = 0
+        target.fill(0.0)
         cpp.fem.assemble_vector(target, self.form._cpp_object, self.constants, self._coefficients())
 
     def matrix(self) -> PETSc.Mat:

@@ -89,6 +89,7 @@ class ElasticBody:
         self.nodes = self.space.tabulate_dof_coordinates()[: self.owned, :d].copy()
         self._buffer = la.vector(dofs.index_map, dofs.index_map_bs)
         self._forces = self._buffer.array
+        self._own_forces = self._forces[: self.size]
 
     def _assemble(self) -> None:
         """Forms, mass and stiffness; no tangent is factorized yet."""
@@ -200,7 +201,7 @@ class ElasticBody:
         form.vector(self._forces)
         if self.comm.size > 1:
             self._buffer.scatter_reverse(la.InsertMode.add)
-        return self._forces[: self.size].copy()
+        return self._own_forces.copy()
 
     def impulsive_force(self, u: Array, dt: float) -> Array | None:
         """Internal force outside the averages of the step that ends at u.

@@ -18,6 +18,9 @@ from solver.contact.plane_target import Plane
 from solver.contact.projection import ContactKinematics
 from solver.types import Array, Mask
 
+NOTHING: Array = np.empty(0)
+"""Room for a sum that nobody asks for."""
+
 
 class NitscheOnPlane(Interface):
     """The interface of a meshed body on a plane: one compiled call for each pass.
@@ -47,6 +50,10 @@ class NitscheOnPlane(Interface):
         seen, beyond = self.carrier.room(self.count, platform, tractions=True)
         return new_state(self.points.rows), seen, beyond
 
+    def _sum_for(self, on_carrier: Array | None) -> Array:
+        """Room for the sum of the forces, where the carrier takes them."""
+        return NOTHING if on_carrier is None else np.empty(self.dimension)
+
     def press(
         self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
     ) -> Observed:
@@ -57,7 +64,7 @@ class NitscheOnPlane(Interface):
         state, seen, beyond = self._room(platform)
         old, old_seen = before or (state, seen)
         assert isinstance(old, NitscheState)
-        points, total = self.points, np.empty(self.dimension)
+        points, total = self.points, self._sum_for(on_carrier)
         owned = on_body.reshape(-1, self.dimension)
         nodal = points.layer.room(owned)
         press_on_plane(
@@ -87,7 +94,7 @@ class NitscheOnPlane(Interface):
         ((old, old_seen), (new, seen), force), (on_body, on_carrier) = increment, on
         assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
         assert on_body is not None
-        points, total = self.points, np.empty(self.dimension)
+        points, total = self.points, self._sum_for(on_carrier)
         owned = on_body.reshape(-1, self.dimension)
         nodal = points.layer.room(owned)
         add_forces_on_plane(

@@ -57,6 +57,10 @@ class Carrier(Protocol):
         """Points beyond the edge of the carrier; None where it has none."""
 
 
+NOWHERE: Mask = np.empty(0, dtype=np.bool_)
+"""Points beyond the end of what has none."""
+
+
 class Flat:
     """A plane that does not turn, endless or with ends: places on it are closed forms.
 
@@ -84,16 +88,17 @@ class Flat:
     def room(
         self, count: int, carrier: SurfaceState | None, *, tractions: bool = False
     ) -> tuple[ContactKinematics, Mask]:
-        """Kinematics of `count` points to be filled in, and which points are beyond an end.
+        """Kinematics of `count` points to be filled in, and which of them are beyond an end.
 
-        Augmented positions of points with tractions are others than their places.
+        Of an endless plane that is no mask of points at all. Augmented positions of points with
+        tractions are others than their places.
         """
         place = augmented = np.empty((count, len(self.origin)))
         if tractions:
             augmented = np.empty(place.shape)
-        beyond = np.empty(count, dtype=np.bool_)
-        known = None if self.is_endless else beyond
-        return ContactKinematics(place, augmented, self.frame, carrier, None, None, known), beyond
+        known = None if self.is_endless else np.empty(count, dtype=np.bool_)
+        seen = ContactKinematics(place, augmented, self.frame, carrier, None, None, known)
+        return seen, NOWHERE if known is None else known
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""

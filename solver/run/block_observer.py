@@ -102,7 +102,8 @@ class BlockObserver:
         assert isinstance(points, NitschePoints) and isinstance(self._corners, tuple)
         nodes, places = self._corners
         moved = points.points.layer.reached(u.reshape(-1, body.dimension))
-        return np.asarray(places + moved.take(nodes, axis=0))
+        found: Array = places + moved.take(nodes, axis=0)
+        return found
 
     def write(self, state: State, row: Array) -> None:
         """Fill in the columns of the block, all of `row`."""

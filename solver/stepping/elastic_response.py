@@ -26,7 +26,7 @@ from solver.contact.kernels.turned import (
     turn,
 )
 from solver.contact.projection import Interpolation
-from solver.parallel import global_sum
+from solver.parallel import Layer, global_sum
 from solver.stepping.compliance import Compliance
 from solver.stepping.ports import InterfaceDofs
 from solver.stepping.response import BodyRole, CandidateSet, Kinematics
@@ -41,7 +41,7 @@ class ElasticMotion(NamedTuple):
     """A motion of a meshed body in the frame that turns with it: x + S p.
 
     Attributes:
-        nodes: x, of the owned nodes, (n, d), m.
+        nodes: x, of the owned nodes, (n d,), m.
         push: p, the forces that make it, added up over all nodes, (d,), N.
     """
 
@@ -123,7 +123,7 @@ class ElasticResponse:
         self._whole = np.ones(self._ports)  # of their forces, that points which are ports get
         unturned = np.eye(body.dimension)
         self._unturned: Array = np.array([unturned, unturned, np.zeros_like(unturned)])
-        still = np.zeros((body.owned, body.dimension))
+        still = np.zeros(body.owned * body.dimension)
         self._at_rest = ElasticMotion(still, np.zeros(body.dimension))
 
     @property
@@ -154,10 +154,9 @@ class ElasticResponse:
 
     def free(self, at: Array, residual: Array) -> ElasticMotion:
         """The free motion -K^-1 r."""
-        d = self.body.dimension
-        turned, total = np.empty((self.body.owned, d)), np.empty(d)
+        turned, total = np.empty(residual.shape), np.empty(self.body.dimension)
         into_frame(residual, at, -1.0, turned, total)
-        free = self.compliance.factor.solve(turned.ravel()).reshape(turned.shape)
+        free = self.compliance.factor.solve(turned)
         return ElasticMotion(free, global_sum(self.body.comm, total))
 
     def read(
@@ -172,7 +171,7 @@ class ElasticResponse:
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
             if kinematics[side.interface] is None:
                 continue
-            nodes, frame = port.layer.reached(free.nodes).reshape(-1), frames[side.interface]
+            nodes, frame = self._reached(port.layer, free.nodes), frames[side.interface]
             each = frame[None] if frame.ndim == 2 else frame
             spots = side.spots(kinematics)
             if spots is None:
@@ -181,6 +180,12 @@ class ElasticResponse:
                 points = np.empty((side.points.count, self.body.dimension))
                 read_points(*rows, nodes, free.push, at[2], points)
                 add_places(moved, side.first, side.sign, spots.carried(points), each, at[0])
+
+    def _reached(self, layer: Layer, nodes: Array) -> Array:
+        """What `Layer.reached` gives, one number after another, of as many in (n d,)."""
+        if layer.direct:
+            return nodes
+        return layer.gather(nodes.reshape(-1, self.body.dimension)).reshape(-1)
 
     def couple(self, at: Array, near: CandidateSet, weight: float, W: Array) -> ElasticCoupling:
         """Add the compliance among near points; returns the ports that they act on."""

@@ -74,13 +74,14 @@ def add_forces_on_plane(
         scale: Of the `TractionPull`.
         frame: Rows normal and tangents, (d, d).
         nodal: Forces on nodes, (n, d), N.
-        total: Sum of the forces in space, (d,), N.
+        total: Sum of the forces in space, (d,), N; (0,) where nobody asks.
     """
     weighted, vectors = weight * force, np.empty(force.shape)
     vectors_of(weighted, frame, vectors)
-    total[:] = 0.0
-    for p in range(len(vectors)):
-        total += vectors[p]
+    if len(total) > 0:
+        total[:] = 0.0
+        for p in range(len(vectors)):
+            total += vectors[p]
     if pulls:
         pull = scale, weighted, frame, old_weight, new_weight
         add_contact_forces(index, table, old, new, vectors, *pull, nodal)

@@ -16,19 +16,20 @@ def places(position: Array, plane: Array, place: Array, beyond: Mask) -> None:
             least and greatest (g, s) on it, of which only s count, m, and the rows of its frame,
             normal and tangents.
         place: (g, s), (m, d), m.
-        beyond: Points beyond an end, (m,).
+        beyond: Points beyond an end, (m,); (0,) where there is none.
     """
     origin, shift, low, high, frame = plane[0], plane[1], plane[2], plane[3], plane[4:]
     place[:] = 0.0
     for p in range(len(place)):
-        beyond[p] = False
         for j in range(len(frame)):
             apart = position[p, j] - (origin[j] + shift[j])
             for i in range(len(frame)):
                 place[p, i] += frame[i, j] * apart
-        for i in range(1, len(frame)):
-            if not low[i] <= place[p, i] <= high[i]:
-                beyond[p] = True
+        if len(beyond) > 0:
+            beyond[p] = False
+            for i in range(1, len(frame)):
+                if not low[i] <= place[p, i] <= high[i]:
+                    beyond[p] = True
 
 
 @compiled

@@ -1,8 +1,8 @@
 """Motions of a meshed body in the frame that turns with it; compiled.
 
-Nodes are rows of d numbers. How a body is turned, its `turns`, are three matrices, (3, d, d): R at
-the end of a step, R_m in its middle, and the shift S = (R^T R_m - I)/(w m), m/N, which moves all
-nodes by what their forces make together.
+Nodes are d numbers each, one after another. How a body is turned, its `turns`, are three matrices,
+(3, d, d): R at the end of a step, R_m in its middle, and the shift S = (R^T R_m - I)/(w m), m/N,
+which moves all nodes by what their forces make together.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from solver.types import Array, Indices, Mask
 
 @compiled
 def into_frame(vectors: Array, turns: Array, factor: float, turned: Array, total: Array) -> None:
-    """Fill in multiples of R_m^T x of vectors x, (n d,), as rows (n, d), and their sum (d,).
+    """Fill in multiples of R_m^T x of vectors x, (n d,), and their sum (d,).
 
     Args:
         vectors: x, one after another, (n d,).
         turns: Of the body.
         factor: What they are multiplied by.
-        turned: (n, d).
+        turned: (n d,).
         total: Their sum, (d,).
     """
     d, rotation = len(total), turns[1]
     total[:] = 0.0
-    for n in range(len(turned)):
+    for n in range(0, len(turned), d):
         for j in range(d):
             along = 0.0
             for i in range(d):
-                along += rotation[i, j] * vectors[n * d + i]
-            turned[n, j] = factor * along
+                along += rotation[i, j] * vectors[n + i]
+            turned[n + j] = factor * along
             total[j] += factor * along
 
 
@@ -78,18 +78,18 @@ def moved_with_strain(
     for p in range(len(vectors)):
         total += vectors[p]
     way, further = shifted(turns[2], push), shifted(turns[2], total)
-    for n in range(len(nodes)):
+    for n in range(0, len(nodes), d):
         for i in range(d):
             along = 0.0
             for j in range(d):
-                added = strain[n * d + j] + further[j]
-                along += rotation[i, j] * ((nodes[n, j] + way[j]) + added)
-            moved[n * d + i] = along
+                added = strain[n + j] + further[j]
+                along += rotation[i, j] * ((nodes[n + j] + way[j]) + added)
+            moved[n + i] = along
 
 
 @compiled
 def out_of_frame(nodes: Array, push: Array, turns: Array, vectors: Array) -> None:
-    """Fill in R (x + S p) of rows x, (n, d), as vectors one after another in (n d,)."""
+    """Fill in R (x + S p), vectors one after another in (n d,)."""
     strain, nothing = np.zeros(len(vectors)), np.empty((0, len(push)))
     moved_with_strain(nodes, push, strain, nothing, turns, vectors)
 
@@ -108,7 +108,7 @@ def moved_by_few(
     """Fill in R (x + S p) where forces at few points add strain by columns of K_0^-1, and push.
 
     Args:
-        nodes: x, (n, d), m.
+        nodes: x, (n d,), m.
         push: p, (d,), N.
         force: As in `point_vectors`, like all up to `frames`.
         weight: Of the forces.
