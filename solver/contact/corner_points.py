@@ -38,11 +38,10 @@ class CornerPoints:
         choose_points(self._member, self._first, self._normal, rotation, towards, mask)
         return mask
 
-    def closed_to_all(self, may_touch: Mask) -> Mask:
-        """Points that may not touch, but for those at whose corner another one may."""
+    def closed_to_all(self, may_touch: Mask) -> Mask | None:
+        """Points that may not touch, but for those at whose corner another one may; None: none."""
         outside = np.empty(len(may_touch), dtype=np.bool_)
-        exclude_groups(self._member, self._first, may_touch, outside)
-        return outside
+        return outside if exclude_groups(self._member, self._first, may_touch, outside) else None
 
     def moves(self, before: Mask, after: Mask) -> Iterator[tuple[int, int]]:
         """Pairs (old, new) of points of a corner between which contact changes."""

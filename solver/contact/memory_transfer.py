@@ -19,13 +19,14 @@ def _ignored_until_open(interface: Interface, memory: Memory) -> Mask | None:
     They did so beside a face, or before the face that they are on joined: Gauss points of one
     face do not keep another from sinking in at an edge between them. None where there are none.
     """
-    outside = ~memory.may_touch
-    if interface.corners is not None:
-        outside = interface.corners.closed_to_all(memory.may_touch)
+    may_touch, corners = memory.may_touch, interface.corners
+    outside = ~may_touch if corners is None else corners.closed_to_all(may_touch)
     beyond = interface.carrier.beyond_edge(memory.kinematics)
     if beyond is not None:
-        outside |= beyond
-    return outside & penetrating(interface, memory) if np.count_nonzero(outside) else None
+        outside = beyond if outside is None else outside | beyond
+    if outside is None or not np.count_nonzero(outside):
+        return None
+    return outside & penetrating(interface, memory)
 
 
 def penetrating(interface: Interface, memory: Memory) -> Mask:

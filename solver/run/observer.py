@@ -77,9 +77,11 @@ class Observer:
             for member in assembly.members
         )
         self._exchanged = [0.0] * len(EXCHANGED)
-        at = positions("energy", d)
-        energies = *STORED, *EXCHANGED, "total", "ledger_error"
-        self._energies = np.array([getattr(at, f"{name}_J") for name in energies])
+        # The columns of the energies stand one after another, in this order.
+        at, energies = positions("energy", d), (*STORED, *EXCHANGED, "total", "ledger_error")
+        places = [getattr(at, f"{name}_J") for name in energies]
+        assert places == [*range(places[0], places[-1] + 1)]
+        self._energies = slice(places[0], places[-1] + 1)
         self._start: float | None = None
 
     def saved(self) -> dict[str, Any]:

@@ -123,7 +123,8 @@ def inertia_force(
     p -= (impulse - 1) * step.p
     for own, rates in zip(system.slices, ends.impulsive, strict=True):
         if rates is not None:
-            p[own] += impulse * rates
+            part = p[own]
+            part += impulse * rates
     for body, own in system.tied:
         drag = body.drag(ends.mean[own])
         if drag is not None:

@@ -116,7 +116,8 @@ class StepContact:
             NoContactSolution: The local problem was settled by no method.
         """
         W, near = operator.W, operator.near.number
-        change, q = np.empty(W.shape[:2]), np.empty(W.shape[:2])
+        shape = W.shape[:2]
+        change, q = np.empty(shape), np.empty(shape)
         alone = not self._points.decays and q.size <= MANY_ROWS
         how = *self.friction.of_all(), alone, self._local.counts
         outcome, count, squares = settle(

@@ -37,8 +37,11 @@ def choose_points(
 
 
 @compiled
-def exclude_groups(member: Indices, first: Indices, may_touch: Mask, outside: Mask) -> None:
-    """Fill in the points that may not touch, but for those in whose group another one may."""
+def exclude_groups(member: Indices, first: Indices, may_touch: Mask, outside: Mask) -> int:
+    """Fill in the points that may not touch, but for those in whose group another one may.
+
+    Returns how many there are.
+    """
     for p in range(len(outside)):
         outside[p] = not may_touch[p]
     for group in range(len(first) - 1):
@@ -47,3 +50,7 @@ def exclude_groups(member: Indices, first: Indices, may_touch: Mask, outside: Ma
             closed = closed and not may_touch[member[k]]
         for k in range(first[group], first[group + 1]):
             outside[member[k]] = closed
+    count = 0
+    for p in range(len(outside)):
+        count += outside[p]
+    return count
