@@ -26,6 +26,11 @@ def joined(arrays: Sequence[NDArray[Scalar]]) -> NDArray[Scalar]:
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
+def copied(arrays: Sequence[NDArray[Scalar]]) -> NDArray[Scalar]:
+    """Arrays of several interfaces one after another, always in a new array."""
+    return arrays[0].copy() if len(arrays) == 1 else np.concatenate(arrays)
+
+
 def numbered(links: Sequence[Link]) -> list[slice]:
     """Numbers of the points of each interface among those of all."""
     ends = np.cumsum([link.interface.count for link in links]).tolist()

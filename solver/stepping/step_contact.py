@@ -24,7 +24,7 @@ from solver.stepping.balance import Balance
 from solver.stepping.delassus import Delassus
 from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel
-from solver.stepping.point_table import joined
+from solver.stepping.point_table import copied, joined
 from solver.types import Array, Indices, Mask
 
 MOST_FRICTION_ROUNDS = 50
@@ -84,7 +84,7 @@ class StepContact:
         points, memories = model.points, balance.contact
         self._points, self._local, self._weight = points, model.local, balance.contact_weight
         self._reach = model.reach
-        self.force: Array = np.concatenate([memory.force for memory in memories])
+        self.force: Array = copied([memory.force for memory in memories])
         self._anchor = joined([memory.anchor for memory in memories])
         self._may_touch = joined([memory.may_touch for memory in memories])
         self.friction = FrictionBounds(points, memories, step=balance.step, glued=balance.glued)

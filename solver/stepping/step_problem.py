@@ -20,7 +20,7 @@ from solver.bodies.dense_body import DenseBody
 from solver.contact.increment import ForceWeights, Observed
 from solver.contact.kernels.candidates import put_away
 from solver.contact.projection import ContactKinematics
-from solver.parallel import global_sum
+from solver.parallel import global_sums
 from solver.stepping.balance import Balance, Contact
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
 from solver.stepping.delassus import (
@@ -30,7 +30,7 @@ from solver.stepping.delassus import (
     assembled,
 )
 from solver.stepping.model import ContactModel, Tangents
-from solver.stepping.point_table import joined
+from solver.stepping.point_table import copied, joined
 from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
 from solver.stepping.step_contact import OthersNear, StepContact
@@ -164,17 +164,20 @@ class StepProblem:
 
         On rigid bodies all of it is resultant, moments by the metre.
         """
-        system = self._system
-        sums = np.zeros((len(system.bodies), system.dimension))
-        for number, (body, own) in enumerate(system.members):
+        system, d = self._system, self._system.dimension
+        sums: list[float] = []
+        for body, own in system.members:
             force = self._residual[own]
             if isinstance(body, DenseBody):  # one rank has all of it, the others nothing
-                sums[number, 0] = math.sqrt(force @ force)
+                sums += math.sqrt(force @ force), *[0.0] * (d - 1)
             else:
-                sums[number] = body.resultant(force)
-        totals = global_sum(system.comm, sums)
+                sums += map(float, body.resultant(force))
+        sums = global_sums(system.comm, sums)
         return max(
-            math.hypot(*totals[number]) / body.mass for number, body in enumerate(system.bodies)
+            [
+                math.hypot(*sums[d * k : d * (k + 1)]) / body.mass
+                for k, body in enumerate(system.bodies)
+            ]
         )
 
     def correction(self, residual: Array) -> Array:
@@ -213,9 +216,9 @@ class StepProblem:
     def _positions(self) -> Array:
         """Augmented positions of all points at the iterate, with what is left of beds' compression.
 
-        A copy even where there is one interface only: it is written to.
+        A copy: it is written to.
         """
-        y: Array = np.concatenate([seen.augmented for _, seen in self._iterate.seen])
+        y: Array = copied([seen.augmented for _, seen in self._iterate.seen])
         if self.contact.beds is not None:
             y[:, 0] += self.contact.beds.offset
         return y
