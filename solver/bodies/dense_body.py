@@ -80,7 +80,7 @@ class DenseBody(ABC):
         """Prepare for a step or an equilibrium: a body without strain needs no preparation."""
 
     def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
-        """Internal force of strain, a new array: None, because the body does not deform."""
+        """Internal force of strain: None, because the body does not deform."""
         return None
 
     def impulsive_force(self, u: Array, dt: float) -> Array | None:

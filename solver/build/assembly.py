@@ -276,8 +276,8 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
         own = stepper.system.slices[member.number]
         u[own], v[own] = _placed(member)
     closed = all(block.tilt == 0.0 for block in scene.blocks)
-    loaded = bool(stepper.system.meshed) and scene.gravity > 0
-    if scene.time.initial == "static" and closed and loaded:
+    meshed = bool(stepper.system.meshed)
+    if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
         for glued in (False, True):
             try:
                 state = stepper.static_start(u, glued=glued)

@@ -97,7 +97,7 @@ class Flat:
         if tractions:
             augmented = np.empty(place.shape)
         known = None if self.is_endless else np.empty(count, dtype=np.bool_)
-        seen = ContactKinematics(place, augmented, self.frame, carrier, None, None, known)
+        seen = ContactKinematics(place, augmented, self.frame, carrier, beyond_edge=known)
         return seen, NOWHERE if known is None else known
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:

@@ -289,7 +289,7 @@ def _watched(kept: bool) -> Iterator[None]:
                     watcher.say(COMPILING if kept else COMPILING_IN_VAIN)
 
         def on_end(self, event: Any) -> None:
-            """The block ends later."""
+            """Nothing: watchers go on at the end of the block."""
 
     for watcher in _WATCHERS:
         watcher.pause()

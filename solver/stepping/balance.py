@@ -112,6 +112,7 @@ class Balance(NamedTuple):
             travel -= self.way
         forces, momenta = [], []
         for body, own, weights in zip(system.bodies, system.slices, self.weights, strict=True):
+            # Internal forces are new arrays, which are added to here.
             force, constant = body.internal_force(u[own], static=static), self.constant[own]
             if force is None:
                 force = constant.copy()

@@ -77,7 +77,7 @@ class Delassus(NamedTuple):
     def fits(self, responses: Sequence[AnyResponse], configurations: Sequence[Any]) -> bool:
         """Whether it belongs to configurations: the responses of bodies tell how close they are."""
         places = zip(responses, configurations, self.configurations, strict=True)
-        return all([response.close(now, before) for response, now, before in places])
+        return all(response.close(now, before) for response, now, before in places)
 
     @classmethod
     def of_no_points(cls, d: int) -> Delassus:

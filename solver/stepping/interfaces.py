@@ -135,7 +135,7 @@ class Interfaces:
     def energy(self, faces: Faces, contacts: Sequence[Memory]) -> float:
         """Energy stored in all interfaces, J."""
         pairs = zip(self.links(faces), contacts, strict=True)
-        return sum([link.interface.energy(memory) for link, memory in pairs])
+        return sum(link.interface.energy(memory) for link, memory in pairs)
 
     def start(self, state: State, faces: Faces, dt: float) -> StepStart:
         """What a step of length `dt` (s) starts from; the state is left as it is.
@@ -148,10 +148,14 @@ class Interfaces:
             before = self.energy(state.faces, contacts)
             contacts = self._joined(state, faces)
             exchanged = before - self.energy(faces, contacts)
-        links, part, ahead, found = self.links(faces), self._system.part, state.u, []
-        pairs = zip(links, contacts, strict=True)
-        if any([link.interface.carrier.turns and not memory.clear for link, memory in pairs]):
+        links, part = self.links(faces), self._system.part
+        ahead = state.u
+        if any(
+            link.interface.carrier.turns and not memory.clear
+            for link, memory in zip(links, contacts, strict=True)
+        ):
             ahead = state.u + 0.5 * dt * state.v
+        found = []
         for link, memory, rotation in zip(links, contacts, self.rotations_of(state), strict=True):
             if memory.clear:
                 found.append(memory)

@@ -11,7 +11,7 @@ prefix, as in
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import NamedTuple, Protocol
 
 from mpi4py import MPI
@@ -31,6 +31,9 @@ from solver.types import Array
 
 CORRECTION_TOLERANCE = 1e-15
 """Part of the unknowns that a correction has to exceed to change anything but round-off."""
+
+NOTHING = nullcontext()
+"""What an iteration is surrounded by where no option has to stand in PETSc's data base."""
 
 REASONS = {
     2: "residual below its absolute tolerance",
@@ -312,13 +315,10 @@ class NonlinearSolver:
         self.snes.setTolerances(atol=tolerance.norm)
         self._tolerances = IterationTolerances(tolerance, self._relative, self._smallest)
         self._arrays.written(self._x)[:] = unknowns
+        late = in_data_base(self._late) if self._late else NOTHING
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
-                if self._late:
-                    with in_data_base(self._late):
-                        self.snes.solve(None, self._x)
-                else:
-                    self.snes.solve(None, self._x)
+            with late, np.errstate(over="ignore", invalid="ignore"):  # what diverges says so
+                self.snes.solve(None, self._x)
         except PETSc.Error as error:
             if not self._words:
                 raise

@@ -123,8 +123,7 @@ def inertia_force(
     p -= (impulse - 1) * step.p
     for own, rates in zip(system.slices, ends.impulsive, strict=True):
         if rates is not None:
-            part = p[own]
-            part += impulse * rates
+            p[own] += impulse * rates
     for body, own in system.tied:
         drag = body.drag(ends.mean[own])
         if drag is not None:

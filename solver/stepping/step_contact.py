@@ -88,17 +88,18 @@ class StepContact:
         self._anchor = joined([memory.anchor for memory in memories])
         self._may_touch = joined([memory.may_touch for memory in memories])
         self.friction = FrictionBounds(points, memories, step=balance.step, glued=balance.glued)
-        self.softening, self._held = model.softening, self.force
+        self.softening, held = model.softening, self.force
         if model.softening is not None and not balance.static:
             self.softening = model.softening.in_step(model.system, points, balance.load)
-            self._held = STEADYING * self.force
+            held = STEADYING * self.force
         self.beds = points.beds(memories, balance.step)
         bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0
         near = np.empty(points.count, dtype=np.int64), np.empty(points.count, dtype=np.bool_)
+        self._near = near  # filled in with numbers and masks of near points
         of_points = self._reach.distance, self._may_touch, self._anchor, points.softness
         # What `settle` is given of all points, in its order.
-        self._of_points = *of_points, self._held, bed, points.round_off, self.force, *near
+        self._of_points = *of_points, held, bed, points.round_off, self.force, *near
 
     def tell_slips(self, y: Array) -> None:
         """Let friction follow the slips of the free step to augmented positions y."""
@@ -124,7 +125,7 @@ class StepContact:
             y, near, W, operator.softening, *self._of_points, *how, q, change
         )
         if outcome == OTHERS_NEAR:
-            number, pressed = self._of_points[-2:]
+            number, pressed = self._near
             return OthersNear(number[:count].copy(), pressed[:count].copy())
         if outcome == NOTHING_NEAR:
             return None

@@ -40,7 +40,6 @@ from solver.types import Array, Indices, Mask
 PLACED_CORRECTIONS = 2
 """Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
 
-
 FEW_POINTS = 50
 """Points up to which their operator is made anew as bodies turn before anybody knows whether others
 are near by now, which they seldom are; of more points it takes longer than to find out."""
@@ -105,6 +104,7 @@ class StepProblem:
         self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
         self._remembered = [memory.seen for memory in balance.contact]
         self._awake = self._pressing()
+        # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
         self._frames = model.points.frames
@@ -119,11 +119,13 @@ class StepProblem:
 
     def _key_of(self, number: int) -> DelassusKey:
         """What the Delassus operator of this solve depends on, by its number."""
-        tangents, turns = self._tangents, False
-        for carrier, asleep in zip(self._points.carriers, self.sleepers.asleep, strict=True):
-            turns |= carrier.turns and not asleep
+        tangents, solve = self._tangents, number if self._turns() else 0
         step = 0.0 if self.contact.beds is None else self._balance.step
-        return DelassusKey(tangents.weights, tangents.stiffness, step, number if turns else 0)
+        return DelassusKey(tangents.weights, tangents.stiffness, step, solve)
+
+    def _turns(self) -> bool:
+        """Whether a carrier turns that residuals look at."""
+        return any(each.link.interface.carrier.turns for each in self._awake)
 
     @property
     def forces(self) -> float:
@@ -174,10 +176,8 @@ class StepProblem:
                 sums += map(float, body.resultant(force))
         sums = global_sums(system.comm, sums)
         return max(
-            [
-                math.hypot(*sums[d * k : d * (k + 1)]) / body.mass
-                for k, body in enumerate(system.bodies)
-            ]
+            math.hypot(*sums[d * k : d * (k + 1)]) / body.mass
+            for k, body in enumerate(system.bodies)
         )
 
     def correction(self, residual: Array) -> Array:
@@ -250,7 +250,7 @@ class StepProblem:
             self._model.reach.meet(change.number)
             operator = self._delassus(*change)
         self._kept.touches = change is not None
-        if change is None:
+        if change is None:  # for when the points come back
             self._kept.operator = before
         return operator, change
 
@@ -264,16 +264,11 @@ class StepProblem:
             return none
         if kept.fits(self._tangents.responses, self._configurations):
             return kept
-        number, pressed = kept.near.number, kept.near.pressed
-        same = self._kept.touches and len(number) <= FEW_POINTS and self._on_planes(number)
-        return self._delassus(number, pressed) if same else none
-
-    def _on_planes(self, number: Indices) -> bool:
-        """Whether no carrier turns that a step looks at, and it looks at all of these points."""
-        if any([each.link.interface.carrier.turns for each in self._awake]):
-            return False
-        asleep = self.sleepers.points
-        return asleep is None or not asleep[number].any()
+        number, asleep = kept.near.number, self.sleepers.points
+        same = self._kept.touches and len(number) <= FEW_POINTS and not self._turns()
+        if not same or (asleep is not None and asleep[number].any()):
+            return none
+        return self._delassus(number, kept.near.pressed)
 
     def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate; it is kept."""

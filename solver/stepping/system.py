@@ -99,11 +99,7 @@ class System:
 
     def parts(self, vector: Array, link: Link) -> Parts:
         """The unknowns of the body and of the carrier of an interface; None for the ground."""
-        body, carrier, slices = link.body, link.carrier, self.slices
-        return (
-            None if body is None else vector[slices[body]],
-            None if carrier is None else vector[slices[carrier]],
-        )
+        return self.part(vector, link.body), self.part(vector, link.carrier)
 
     def settled(self, u: Array) -> Array:
         """The unknowns that the next step starts from, of those at the end of a step."""
