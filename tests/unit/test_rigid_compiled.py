@@ -195,6 +195,38 @@ def test_borrowed_arrays_outlive_their_use() -> None:
         assert [sys.getrefcount(arrays.numbers), sys.getrefcount(arrays.inner.gap)] == counts
 
 
+@compiled
+def largest_of(numbers: np.ndarray) -> float:
+    """The largest number; the array is written to."""
+    numbers[0] = -1.0
+    return float(numbers.max())
+
+
+@compiled
+def all_but_first(numbers: np.ndarray) -> np.ndarray:
+    """A part of what is given."""
+    return numbers[1:]
+
+
+@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
+def test_arrays_of_python_are_counted_only_where_a_part_of_them_may_be_given_back() -> None:
+    """That part then outlives all else that knew of the array."""
+    numbers, ways = np.arange(4.0), []
+    names = late_linking._COUNTED, late_linking._BORROWED
+    before = sys.getrefcount(numbers)
+    assert largest_of(numbers) == 3.0 and numbers[0] == -1.0
+    assert sys.getrefcount(numbers) == before
+    rest_of_them = all_but_first(np.arange(1000.0))
+    for k in range(100):  # what was freed would be written over
+        np.full(1000, -float(k))
+    assert (rest_of_them == np.arange(1.0, 1000.0)).all()
+    for function in (largest_of, all_but_first):
+        (overload,) = function._machine.overloads.values()  # type: ignore[attr-defined]
+        text = overload.library.get_llvm_str()
+        ways.append([f"@{name}(" in text for name in names])
+    assert ways == [[False, True], [True, False]]
+
+
 @pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
 def test_numba_is_one_that_borrowing_is_known_to_work_with() -> None:
     """`borrowed` reaches into its internals: the versions that pyproject.toml allows."""
