@@ -161,8 +161,10 @@ class Softening:
 
     def at(self, near: CandidateSet, W: Array) -> Array:
         """The diagonal at candidate points, (m,), m/N, for their W without it."""
-        largest = np.einsum("ijij->ij", W).max(axis=1)
-        return np.maximum(self.relative[near.number] * largest, self.least[near.number])
+        relative, least = self.relative.take(near.number), self.least.take(near.number)
+        if not relative.any():
+            return least
+        return np.maximum(relative * np.einsum("ijij->ij", W).max(axis=1), least)
 
 
 def assembled(

@@ -41,5 +41,7 @@ class Reach:
 
     def meet(self, near: Indices) -> None:
         """Take note that points are near, by their numbers."""
+        if self.met.take(near).all():
+            return
         self.met[near] = True
         self.distance[near] = REACH * self._size[near]

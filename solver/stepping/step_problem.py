@@ -143,8 +143,8 @@ class StepProblem:
             kinematics[number] = found[1]
         fixed = self._system.fixed
         if len(fixed):
-            self.held = residual[fixed]
-            residual[fixed] = 0.0
+            self.held = residual.take(fixed)
+            residual.put(fixed, 0.0)
         self._iterate, self._kinematics = Iterate(u, seen), kinematics
         self._residual = residual
         return residual

@@ -293,7 +293,7 @@ class Stepper:
         impulsive, residual = impulsive_forces(system, u, dt), solution.residual
         ends = StepEnds(dt, u, v, du, mean, impulsive, residual, solution.inertia)
         p = inertia_force(system, self.links, state, step, ends, solution.contacts)
-        at_supports = np.empty(0)
+        at_supports: Array = np.empty(0)
         if len(system.fixed):
             at_supports, p[system.fixed] = p[system.fixed], 0.0
         contacts, lost = remembered(self.links, old, solution.contacts, dt)

@@ -58,9 +58,9 @@ class System:
         self.size = int(ends[-1])
         self.unknowns = sum(body.unknowns for body in bodies)
         self.directional_mass = np.hstack([body.directional_mass for body in bodies])
-        self.fixed = np.concatenate(
-            [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
-        )
+        fixed = [body.fixed + own.start for body, own in zip(bodies, self.slices, strict=True)]
+        self.fixed = np.concatenate(fixed).astype(np.int64)
+        """Owned unknowns that do not move."""
 
         self._ports: dict[tuple[Interface, SurfacePoints, bool], InterfaceDofs] = {}
         self._unturned: Array = np.eye(self.dimension)
