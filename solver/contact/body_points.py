@@ -89,7 +89,12 @@ class FixedPoints:
 
 
 class NodePoints:
-    """Nodes of a meshed body."""
+    """Nodes of a meshed body.
+
+    Attributes:
+        layer: Nodes of the body, these among them.
+        numbers: Where they stand in what the layer reaches.
+    """
 
     def __init__(
         self,
@@ -103,6 +108,7 @@ class NodePoints:
         self.body, self.layer = body, layer
         self.chosen = np.arange(layer.size) if chosen is None else chosen
         self._all = chosen is None
+        self.numbers: Indices = layer.numbers(self.chosen)
         self.reference: Array = positions[self.chosen]
         self.count, self.dimension = len(self.chosen), positions.shape[1]
         self.size = float(np.max(np.ptp(positions, axis=0)))

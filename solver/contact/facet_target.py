@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import basix
 import numpy as np
 
@@ -27,6 +29,8 @@ class Face(FacetCarrier):
         frame: Rows normal and tangents of the coming step, (d, d).
         reference_frame: Those of the undeformed face.
         degree: Polynomial degree on a facet.
+        chain: Of straight facets in the plane, as `stand_on_chain` takes them; None of others.
+        shapes: The fields of its `FacetShapes`, and room, as `stand_on_facets` takes them.
         margin: Part of a facet by which points may be beyond its edge.
         length: Of the longest side of the face, m.
         facet: Length of its smallest facet, m.
@@ -57,14 +61,14 @@ class Face(FacetCarrier):
         along = points.reference @ frame[1:].T
         kind = getattr(basix.CellType, cell)
         corners = len(basix.geometry(kind))
-        self._chain: Indices | None = None
+        self.chain: tuple[Indices, Array, float] | None = None
         if cell == "interval" and degree == 1:
-            self._chain = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
-            self._reference = np.ascontiguousarray(along[self._chain, 0])
-        self._shapes = tuple(facet_shapes(facets, kind, degree, along, margin))
+            nodes = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
+            self.chain = nodes, np.ascontiguousarray(along[nodes, 0]), margin
         n, t = along.shape
         at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
-        self._room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
+        room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
+        self.shapes = tuple(facet_shapes(facets, kind, degree, along, margin)), room
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -76,33 +80,44 @@ class Face(FacetCarrier):
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         assert carrier is not None
-        m, (_, k), t = len(position), self.facets.shape, len(self.frame) - 1
-        place = np.empty((m, t + 1))
-        feet = Feet(
-            nodes=np.empty((m, k), dtype=np.int64),
-            weights=np.empty((m, k)),
-            slope=np.empty((m, t)),
-            stretch=np.empty((m, t, t)),
-            beyond_edge=np.empty(m, dtype=np.bool_),
-        )
-        nodes = carrier.position
-        if self._chain is not None:
-            chain = self._chain, self._reference, self.margin
-            stand_on_chain(*chain, position, nodes, self.frame, place, tuple(feet))
+        seen = self.unfilled(len(position), carrier)
+        where, filled = (position, carrier.position, self.frame), (seen.place, feet_of(seen))
+        if self.chain is not None:
+            stand_on_chain(*self.chain, *where, *filled)
         else:
-            stand = place, tuple(feet), self._room
-            stand_on_facets(self._shapes, position, nodes, self.frame, *stand)
-        return ContactKinematics(place, place, self.frame, carrier, Projection(feet))
+            stand_on_facets(*self.shapes, *where, *filled)
+        return seen
+
+    def unfilled(
+        self, count: int, carrier: SurfaceState, *, tractions: bool = False
+    ) -> ContactKinematics:
+        """Kinematics of `count` points to be filled in.
+
+        Augmented positions of points with tractions are others than their places.
+        """
+        k, t = self.facets.shape[1], len(self.frame) - 1
+        place = augmented = np.empty((count, t + 1))
+        if tractions:
+            augmented = np.empty(place.shape)
+        feet = Feet(
+            nodes=np.empty((count, k), dtype=np.int64),
+            weights=np.empty((count, k)),
+            slope=np.empty((count, t)),
+            stretch=np.empty((count, t, t)),
+            beyond_edge=np.empty(count, dtype=np.bool_),
+        )
+        return ContactKinematics(place, augmented, self.frame, carrier, Projection(feet))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
         vectors = np.empty(force.shape)
-        forces_in_space(_stand(old), _stand(new), self.frame, self.facet, force, vectors)
+        stands = stand_arrays(old), stand_arrays(new)
+        forces_in_space(*stands, self.frame, self.facet, force, vectors)
         return vectors
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Work of the vectors of point forces less that of the forces on (g, s), J."""
-        return work_defect(_stand(old), _stand(new), self.frame, self.facet, force)
+        return work_defect(stand_arrays(old), stand_arrays(new), self.frame, self.facet, force)
 
     def came_round(self, kinematics: ContactKinematics) -> Mask:
         """Points so far behind the face that they can only have come there round its edge."""
@@ -115,10 +130,16 @@ class Face(FacetCarrier):
         return kinematics.foot.beyond_edge
 
 
-def _stand(kinematics: ContactKinematics) -> StandArrays:
+def stand_arrays(kinematics: ContactKinematics) -> StandArrays:
     """Where points stand on a face, as arrays."""
     assert isinstance(kinematics.foot, Projection) and kinematics.carrier is not None
     return *kinematics.foot.feet[:4], kinematics.place, kinematics.carrier.position
+
+
+def feet_of(kinematics: ContactKinematics) -> tuple[Any, ...]:
+    """The fields of the `Feet` of points on a face: tuples without names are handed over faster."""
+    assert isinstance(kinematics.foot, Projection)
+    return tuple(kinematics.foot.feet)
 
 
 def facet_shapes(

@@ -175,4 +175,5 @@ class PlatformObserver:
             return body.replicate(vector)
         assert isinstance(body, ElasticBody | ReducedBody) and surface is not None
         nodes = surface.layer.gather(vector.reshape(-1, body.dimension))
-        return np.asarray(nodes.mean(axis=0)[:-1])
+        total: Array = np.add.reduce(nodes, axis=0)
+        return total[:-1] / len(nodes)

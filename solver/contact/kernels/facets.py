@@ -158,24 +158,24 @@ def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) 
 @compiled
 def stand_on_facets(
     face: tuple[Any, ...],
+    room: tuple[Array, Array, Array, Array],
     position: Array,
     carrier: Array,
     frame: Array,
     place: Array,
     stand: tuple[Any, ...],
-    room: tuple[Array, Array, Array, Array],
 ) -> None:
     """Fill in gaps and tangential positions (m, d) of points over a face, and their feet.
 
     Args:
         face: The fields of its `FacetShapes`; tuples without names are handed over faster.
+        room: For the nodes in the frame, (n, d), for a (d-1, d-1) matrix of each facet, and for
+            slopes, (n, d-1), and stretches, (n, d-1, d-1), averaged at the nodes.
         position: Of the points in space, (m, d), m.
         carrier: Of its nodes in space, (n, d), m.
         frame: Rows normal and tangents, (d, d).
         place: (g, s), (m, d), m.
         stand: The fields of the `Feet` of the points.
-        room: For the nodes in the frame, (n, d), for a (d-1, d-1) matrix of each facet, and for
-            slopes, (n, d-1), and stretches, (n, d-1, d-1), averaged at the nodes.
     """
     shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
     placed, inverses, mean_slope, mean_stretch = borrowed(room)
