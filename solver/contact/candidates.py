@@ -20,9 +20,9 @@ from solver.contact.facet_target import Face
 from solver.contact.facets import evaluate_facets, gather
 from solver.contact.held_face import HeldFace
 from solver.contact.interface import Interface
-from solver.contact.nitsche_on_face import NitscheOnFace
-from solver.contact.nitsche_on_plane import NitscheOnPlane
 from solver.contact.nitsche_points import contact_points, extent
+from solver.contact.passes.on_face import NitscheOnFace
+from solver.contact.passes.on_plane import NitscheOnPlane
 from solver.contact.plane_target import Carrier, Plane
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array

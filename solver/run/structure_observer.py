@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
+import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced.body import ReducedBody
 from solver.build.assembly import Assembly
 from solver.history.columns import Structure, positions
 from solver.parallel import global_sum
+from solver.stepping.point_table import joined
 from solver.stepping.state import Exchange, GroundForces, State
 from solver.types import Array
 
@@ -36,6 +39,9 @@ class StructureObserver:
         self._stepper, support = assembly.stepper, assembly.support
         assert support.number is not None and isinstance(support.body, ElasticBody | ReducedBody)
         self._body, self._storeys = support.body, support.storeys
+        floors = support.storeys.floors
+        sparse = [floor for floor in floors if sp.issparse(floor)]
+        self._floors: Sequence[Any] = [sp.vstack(sparse, format="csr")] if sparse else floors
         self._own = self._stepper.system.slices[support.number]
         d = self._body.dimension
         self._at = tuple(positions(part, d) for part in ("foundation", "storey", "column"))
@@ -80,10 +86,11 @@ class StructureObserver:
         )
         place = (nodes + moved)[:, :-1]
         own = np.empty((1 + len(feet), 2 * d - 1))
-        own[0, :d], own[0, d:] = force.sum(axis=0), place.T @ force[:, -1]
+        own[0, :d], own[0, d:] = np.add.reduce(force, axis=0), place.T @ force[:, -1]
         for number, foot in enumerate(feet, start=1):
-            pushed, arm = force[foot.nodes], place[foot.nodes] - foot.centre
-            own[number, :d], own[number, d:] = pushed.sum(axis=0), arm.T @ pushed[:, -1]
+            pushed = force.take(foot.nodes, axis=0)
+            arm = place.take(foot.nodes, axis=0) - foot.centre
+            own[number, :d], own[number, d:] = np.add.reduce(pushed, axis=0), arm.T @ pushed[:, -1]
         return global_sum(self._body.comm, own)
 
     def _write_storeys(self, state: State, row: Array) -> None:
@@ -92,14 +99,15 @@ class StructureObserver:
         if not floors:
             return
         place, velocity = (self._means(vector[self._own]) for vector in (state.u, state.v))
-        drift = np.diff(place, axis=0, prepend=np.zeros((1, place.shape[1])))
+        drift = place.copy()
+        drift[1:] -= place[:-1]
         for number in range(len(floors)):
             part = row[len(at) * number :]
             for k, way in enumerate(WAYS[: place.shape[1]]):
                 part[getattr(at, f"drift{way}_m")] = drift[number, k]
                 part[getattr(at, f"velocity{way}_m_s")] = velocity[number, k]
 
-    def _means(self, vector: Array) -> Any:
+    def _means(self, vector: Array) -> Array:
         """Horizontal means over the floors, (floors, d - 1)."""
-        own = np.array([floor @ vector for floor in self._storeys.floors])
-        return global_sum(self._body.comm, own)
+        own = [rows @ vector for rows in self._floors]
+        return global_sum(self._body.comm, joined(own).reshape(-1, self._body.dimension - 1))

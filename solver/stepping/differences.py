@@ -1,4 +1,4 @@
-"""Differences of the motion over three steps, for the error of the last one; compiled."""
+"""Differences of the motion over steps; compiled."""
 
 from __future__ import annotations
 
@@ -46,4 +46,13 @@ def third_differences(
     for k in range(len(rigid)):
         rigid_change[k] = (rigid[k] - rigid_before[k]) / dt
         largest = max(largest, abs(rigid_change[k] - rigid_change_before[k]) / between)
+    return largest
+
+
+@compiled
+def largest_change(now: Array, before: Array) -> float:
+    """The largest change of any of some numbers; 0 where there are none."""
+    largest = 0.0
+    for i in range(len(now)):
+        largest = max(largest, abs(now[i] - before[i]))
     return largest

@@ -223,9 +223,7 @@ class ElasticResponse:
             spots = side.spots(near.kinematics) or itself
             parts.append((side.first, side.count, side.port, spots.nodes))
             mark_ports(near.number, *parts[-1], used)
-        ports = used.nonzero()[0]
-        column = np.zeros(self._ports, dtype=np.int64)
-        column[ports] = np.arange(len(ports))
+        ports, column = used.nonzero()[0], used.cumsum() - 1
         load = np.zeros((len(near.number), len(ports)))
         for side, itself, part in zip(self.sides, self._itself, parts, strict=True):
             spots = side.spots(near.kinematics) or itself

@@ -13,6 +13,7 @@ from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges
+from solver.stepping.differences import largest_change
 from solver.stepping.point_table import PointTable
 from solver.stepping.reach import REACH
 from solver.stepping.system import Body, System
@@ -80,7 +81,7 @@ class Sleepers:
         """Whether interfaces have come into contact at the solution u after all."""
         if self.points is None:
             return False
-        ways = ways_of(self._system, u - self._start)
+        ways = ways_of(self._system, u, self._start)
         woken = False
         for number, asleep in enumerate(self.asleep):
             if asleep and self._wakes(number, u, ways):
@@ -114,16 +115,17 @@ class Sleepers:
         return self._clear[number] if self.asleep[number] else 0.0
 
 
-def ways_of(system: System, change: Array) -> list[float]:
-    """At most how far a point of each body moves by a change of the owned unknowns, m; collective.
+def ways_of(system: System, now: Array, before: Array) -> list[float]:
+    """At most how far a point of each body moves between owned unknowns, m; collective.
 
     By positions relative to the ground.
     """
-    return global_max(system.comm, [_way(body, change[own]) for body, own in system.members])
+    ways = [_way(body, now[own], before[own]) for body, own in system.members]
+    return global_max(system.comm, ways)
 
 
-def _way(body: Body, change: Array) -> float:
+def _way(body: Body, now: Array, before: Array) -> float:
     """At most how far a point moves that this rank knows of, m."""
     if isinstance(body, DenseBody):
-        return body.way(change)
-    return math.sqrt(body.dimension) * float(np.maximum.reduce(np.abs(change), initial=0.0))
+        return body.way(now - before)
+    return math.sqrt(body.dimension) * largest_change(now, before)

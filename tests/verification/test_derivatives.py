@@ -19,7 +19,7 @@ from solver.contact.candidates import MeshedContactPair
 from solver.contact.held_face import HeldFace
 from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.interface import Interface
-from solver.contact.nitsche_on_plane import NitscheOnPlane
+from solver.contact.passes.on_plane import NitscheOnPlane
 from solver.contact.plane_target import Plane
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material

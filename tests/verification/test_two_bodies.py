@@ -23,8 +23,8 @@ from solver.contact.carrier_surface import carrier_surface
 from solver.contact.facet_target import Face
 from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.interface import Interface
-from solver.contact.nitsche_on_face import NitscheOnFace
 from solver.contact.nitsche_points import contact_points
+from solver.contact.passes.on_face import NitscheOnFace
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import Link, System

@@ -11,7 +11,7 @@ from solver.contact.facet_target import Face, feet_of, stand_arrays
 from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
 from solver.contact.interface import Interface
 from solver.contact.kernels.nitsche import NitscheState, new_state
-from solver.contact.kernels.nitsche_on_face import (
+from solver.contact.kernels.on_face import (
     add_forces_on_face,
     observe_over_chain,
     observe_over_facets,

@@ -9,7 +9,7 @@ from solver.contact.held_face import HeldFace
 from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
 from solver.contact.interface import Interface
 from solver.contact.kernels.nitsche import NitscheState, new_state
-from solver.contact.kernels.nitsche_on_plane import (
+from solver.contact.kernels.on_plane import (
     add_forces_on_plane,
     observe_over_plane,
     press_on_plane,
