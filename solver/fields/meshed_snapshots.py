@@ -1,9 +1,14 @@
-"""Snapshots of a run for ParaView: the fields of every body, filled from the state of the run."""
+"""Snapshots of a run for ParaView: the fields of every body, filled from the state of the run.
+
+To write takes the caches of the processor from the steps that follow, a tenth of the time of those
+of small bodies: snapshots wait, and several are written one after another.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from dolfinx import fem
 
@@ -21,7 +26,11 @@ from solver.fields.pvd import FieldsBefore
 from solver.fields.writer import BodyFunctions
 from solver.scene import Scene
 from solver.stepping.state import State
+from solver.stepping.system import Link
 from solver.types import Array
+
+MOST_WAITING = 200_000
+"""Unknowns of all snapshots that wait, at most: large bodies are written at once."""
 
 
 class SteppedRun(Protocol):
@@ -31,6 +40,20 @@ class SteppedRun(Protocol):
     state: State
 
 
+class Taken(NamedTuple):
+    """What a snapshot shows.
+
+    Attributes:
+        time: s.
+        state: The bodies.
+        links: The interfaces whose memories the state has.
+    """
+
+    time: float
+    state: State
+    links: Sequence[Link]
+
+
 class Snapshots:
     """Displacement, velocity, stress and contact of all bodies; collective."""
 
@@ -38,8 +61,8 @@ class Snapshots:
         self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None
     ):
         """Begin the files and write the script that shows them in ParaView."""
-        self._run = run
-        system = run.assembly.stepper.system
+        self._run, self._waiting = run, list[Taken]()
+        system = self._system = run.assembly.stepper.system
         writes = system.comm.rank == 0
         before = before or FieldsBefore()
         files = self._files = open_destination(scene, folder, before, writes=writes)
@@ -62,19 +85,38 @@ class Snapshots:
             write_script(folder, scene, stress=bool(system.meshed))
 
     def write(self, time: float) -> None:
-        """Write the fields of the run's state.
+        """Take the fields of the run's state; write them and those that wait if these are many."""
+        links = self._run.assembly.stepper.links
+        self._waiting.append(Taken(time, self._run.state, links))
+        if len(self._waiting) * self._system.unknowns > MOST_WAITING:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the snapshots that wait.
 
         An OSError is raised after all that ranks do together, on those where it happened.
         """
         trouble = None
+        for taken in self._waiting:
+            try:
+                self._write(taken)
+            except OSError as error:
+                trouble = trouble or error
+        self._waiting.clear()
+        if trouble is not None:
+            raise trouble
+
+    def _write(self, taken: Taken) -> None:
+        """Write a snapshot."""
+        trouble = None
         for body in self._bodies:
             try:
-                body.write(time)
+                body.write(taken)
             except OSError as error:
                 trouble = trouble or error
         if trouble is not None:
             raise trouble
-        self._files.end_time(time)
+        self._files.end_time(taken.time)
 
     def close(self) -> None:
         """Finish the files."""
@@ -88,7 +130,7 @@ class MeshedFields:
 
     def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: Destination):
         """Make the functions that the files hold."""
-        self._run, self._body = run, body
+        self._body = body
         self._own = run.assembly.stepper.system.slices[number]
         self._number, space = number, body.space
         self._displacement, self._velocity = fem.Function(space), fem.Function(space)
@@ -106,25 +148,25 @@ class MeshedFields:
         functions = BodyFunctions(nodal, body.material, body.thickness)
         self._writer = files.meshed(body.name, functions)
 
-    def write(self, time: float) -> None:
-        """Write the fields as they are."""
-        body, state = self._body, self._run.state
+    def write(self, taken: Taken) -> None:
+        """Write the fields."""
+        body, state = self._body, taken.state
         for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
             function.x.array[: body.size] = self._on_mesh(values[self._own])
             function.x.scatter_forward()
-        self._fill_contact(state)
-        self._writer.write(time)
+        self._fill_contact(taken)
+        self._writer.write(taken.time)
 
     def _on_mesh(self, values: Array) -> Array:
         """Owned nodal values, from the unknowns of the run."""
         return values
 
-    def _fill_contact(self, state: State) -> None:
+    def _fill_contact(self, taken: Taken) -> None:
         """Pressure, friction and state of the nodes."""
         body = self._body
         for function in (self._pressure, self._friction, self._state):
             function.x.array[:] = 0.0
-        for link, memory in zip(self._run.assembly.stepper.links, state.contacts, strict=True):
+        for link, memory in zip(taken.links, taken.state.contacts, strict=True):
             contact = link.interface.points
             if link.body != self._number or not isinstance(contact, NitschePoints):
                 continue
@@ -162,9 +204,9 @@ class HeldFields:
         nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
         self._writer = files.meshed("plate", BodyFunctions(nodal, None))
 
-    def write(self, time: float) -> None:
+    def write(self, taken: Taken) -> None:
         """Write the plate."""
-        self._writer.write(time)
+        self._writer.write(taken.time)
 
     def close(self) -> None:
         """Finish the files."""
@@ -183,15 +225,15 @@ class RigidFields:
         writer: RigidWriter,
     ):
         """Take the body, its corners and the writer."""
-        self._run, self._body, self._corners, self._writer = run, body, corners, writer
+        self._body, self._corners, self._writer = body, corners, writer
         self._own = run.assembly.stepper.system.slices[number]
 
-    def write(self, time: float) -> None:
-        """Write the body as it stands."""
-        body, state = self._body, self._run.state
+    def write(self, taken: Taken) -> None:
+        """Write the body."""
+        body, state = self._body, taken.state
         pose, speed = body.replicate(state.u[self._own]), body.replicate(state.v[self._own])
         moved = body.material_positions(self._corners, pose) - self._corners
-        self._writer.write(time, moved, body.rows(self._corners, pose) @ speed)
+        self._writer.write(taken.time, moved, body.rows(self._corners, pose) @ speed)
 
     def close(self) -> None:
         """Close the files; they are complete after every snapshot."""

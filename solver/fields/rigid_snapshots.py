@@ -58,6 +58,9 @@ class RigidSnapshots:
             writer.write(time, shift, speed)
         self._files.end_time(time)
 
+    def flush(self) -> None:
+        """Nothing waits to be written."""
+
     def _moved(self, block: int) -> tuple[Array, Array]:
         """From the centre of a block to its corners, m, and the velocities of these, m/s."""
         middle = np.zeros(self._dimension)

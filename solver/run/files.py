@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol, TextIO
 
-from solver.errors import OutputTrouble
+from solver.errors import OutputTrouble, RockslipError
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import History
@@ -19,12 +19,18 @@ from solver.run.checkpoint import NAME, Checkpoint, Schedule, write_checkpoint
 from solver.run.folders import hold_folder, refuse_hidden, release_folder
 from solver.scene import Scene, scene_to_toml
 
+PAUSE = 1.0
+"""Seconds from the end of one writing of rows and fields to the next, at least."""
+
 
 class Fields(Protocol):
     """What writes the fields of a run; collective."""
 
     def write(self, time: float) -> None:
-        """Write the fields as they are at a time (s)."""
+        """Write the fields as they are at a time (s), now or with later ones."""
+
+    def flush(self) -> None:
+        """Write those that wait."""
 
     def close(self) -> None:
         """Finish the files."""
@@ -33,8 +39,8 @@ class Fields(Protocol):
 class RunFiles:
     """Scene, history, log, fields and summary; nothing at all without a folder.
 
-    Rank 0 writes all but the fields. The history is flushed with every snapshot, so that a killed
-    run leaves what it had.
+    Rank 0 writes all but the fields. Rows and fields wait a second at most, if steps do not take
+    longer, so that a killed run leaves what it had.
     """
 
     def __init__(
@@ -54,7 +60,8 @@ class RunFiles:
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None
         self._fields: Fields | None = None
-        self._written: float | None = None
+        self._taken: float | None = None
+        self._flushed = -math.inf
         self._began = time.perf_counter()
         self._log: TextIO | None = None
         self.output_seconds = 0.0
@@ -88,11 +95,14 @@ class RunFiles:
         """Write what is still in memory, whatever happened."""
         try:
             if error is None:
-                self._together(self._flush)
+                self.flush()
             else:
                 self.log(f"stopped by {kind.__name__ if kind else ''}: {error}")
-                with suppress(OSError):
-                    self._flush()
+                with suppress(OSError, OutputTrouble):
+                    if isinstance(error, RockslipError) or self._comm.size == 1:
+                        self.flush()  # all ranks are here
+                    else:
+                        self._write_rows()
         finally:
             if self._fields is not None:
                 self._fields.close()
@@ -102,7 +112,7 @@ class RunFiles:
             if self._writes and self._folder is not None:
                 release_folder(self._folder)
 
-    def _flush(self) -> None:
+    def _write_rows(self) -> None:
         """Write the rows that are not in the file yet."""
         if self._history is not None:
             self._history.flush()
@@ -177,8 +187,9 @@ class RunFiles:
             opened = self._fields
             if resumed is None:
                 self._together(lambda: opened.write(0.0))
-            self._written = 0.0 if resumed is None else resumed.time
+            self._taken = 0.0 if resumed is None else resumed.time
             self.output_seconds += time.perf_counter() - began
+            self.flush()
 
     def next_snapshot(self, now: float) -> float:
         """The first time after `now` (s) at which a snapshot is due; never without a folder."""
@@ -188,24 +199,35 @@ class RunFiles:
         return (math.floor(now / every + 1e-9) + 1) * every
 
     def snapshot(self, now: float) -> None:
-        """Write fields and history at a time (s), once."""
-        if self._folder is None or self._written == now:
+        """Take the fields at a time (s), once; write what waits if that was not done just before.
+
+        Collective.
+        """
+        if self._folder is None or self._taken == now:
             return
-        began = time.perf_counter()
-        self._written = now
-        self._together(self._flush)
-        fields = self._fields
+        began, fields, self._taken = time.perf_counter(), self._fields, now
         if fields is not None:
             self._together(lambda: fields.write(now))
         self.output_seconds += time.perf_counter() - began
+        if self._comm.bcast(began - self._flushed >= PAUSE):
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the rows and the fields that wait; collective."""
+        began, fields = time.perf_counter(), self._fields
+        self._together(self._write_rows)
+        if fields is not None:
+            self._together(fields.flush)
+        self._flushed = time.perf_counter()
+        self.output_seconds += self._flushed - began
 
     def keep(self, ground: GroundMotion, now: float, saved: Any) -> None:
         """Write a checkpoint of what was saved at a time, s; collective."""
         folder = self._folder
         if folder is None or self._history is None:
             return
+        self.flush()
         began = time.perf_counter()
-        self._together(self._flush)
         part = 1 if self._resumed is None else self._resumed.part
         kept = Checkpoint(now, len(self._history), part, [saved])
         self._together(
@@ -216,7 +238,7 @@ class RunFiles:
     def finish(self, summary: dict[str, Any], line: str) -> None:
         """Write what is left of the history, and the summary; collective."""
         self.log(line)
-        self._together(self._flush)
+        self._together(self._write_rows)
         folder = self._folder if self._writes else None
         if folder is not None:
             self._together(lambda: write_json(folder / "summary.json", summary))

@@ -301,6 +301,7 @@ def _run(
         desk.progress.begin(0.0 if resumed is None else resumed.time)
     with rarely_collected():
         status, reason = engine.loop(desk)
+        files.flush()
     compiled = compiling.seconds - compiled
     loop = time.perf_counter() - ready - (files.output_seconds - written) - compiled
     cost = {

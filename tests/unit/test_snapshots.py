@@ -1,0 +1,95 @@
+"""Snapshots of meshed bodies wait for one another, and none of them is lost."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from rockslip import parse_scene, simulate
+from solver.errors import Statement
+from solver.fields import meshed_snapshots
+from solver.fields.pvd import ENTRY
+from solver.run import files
+from solver.scene import Scene
+
+pytestmark = pytest.mark.serial
+pytest.importorskip("dolfinx")
+
+TIMES = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]
+
+
+def scene(**output: object) -> Scene:
+    """A coarse block that rocks on another, rigid one."""
+    block = {"width": 0.25, "height": 1.0, "mass": 503.0, "young": 5e10, "poisson": 0.2}
+    below = {"name": "below", "width": 1.0, "height": 0.2, "mass": 500.0, "model": "rigid"}
+    above = block | {"name": "above", "on": "below", "cells": [2, 4], "tilt_deg": 1.0}
+    time = {"end": TIMES[-1], "step": 1e-3}
+    return parse_scene({"block": [below, above], "time": time, "output": {"every": 0.01} | output})
+
+
+def listed(folder: Path) -> list[float]:
+    """Times at which the fields show the upper block."""
+    entries = ENTRY.finditer((folder / "fields.pvd").read_bytes())
+    return [float(entry[1]) for entry in entries if b"above" in entry[0]]
+
+
+def pieces(folder: Path) -> dict[str, bytes]:
+    """All files of the fields."""
+    return {file.name: file.read_bytes() for file in sorted((folder / "fields").iterdir())}
+
+
+@pytest.fixture
+def written(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many snapshots were written together, each time."""
+    counts, usual = list[int](), meshed_snapshots.Snapshots.flush
+
+    def flush(snapshots: meshed_snapshots.Snapshots) -> None:
+        if snapshots._waiting:
+            counts.append(len(snapshots._waiting))
+        usual(snapshots)
+
+    monkeypatch.setattr(meshed_snapshots.Snapshots, "flush", flush)
+    return counts
+
+
+def test_they_are_the_same_as_written_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, written: list[int]
+) -> None:
+    """All that wait are written before a checkpoint, which they belong to, and at the end."""
+    monkeypatch.setattr(files, "PAUSE", math.inf)
+    simulate(scene(checkpoint={"steps": 25}), folder=tmp_path / "waiting")
+    assert written == [1, 2, 3]
+    written.clear()
+    monkeypatch.setattr(meshed_snapshots, "MOST_WAITING", 0)
+    simulate(scene(), folder=tmp_path / "at once")
+    assert written == [1] * 6
+    assert listed(tmp_path / "waiting") == listed(tmp_path / "at once") == pytest.approx(TIMES)
+    assert pieces(tmp_path / "waiting") == pieces(tmp_path / "at once")
+
+
+def test_a_run_that_ends_early_leaves_those_that_wait(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever it is that cannot go on."""
+    monkeypatch.setattr(files, "PAUSE", math.inf)
+
+    class Refusing:
+        """A display that refuses what is beyond a time."""
+
+        def begin(self, time: float) -> None: ...
+
+        def pause(self, why: str) -> None: ...
+
+        def go_on(self) -> None: ...
+
+        def close(self) -> None: ...
+
+        def update(self, time: float, step: float, iterations: int) -> None:
+            if time > 0.035:
+                raise Statement("this machine", "has no more of it")
+
+    with pytest.raises(Statement):
+        simulate(scene(), folder=tmp_path, progress=Refusing())
+    assert listed(tmp_path) == pytest.approx(TIMES[:4])
