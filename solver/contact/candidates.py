@@ -31,7 +31,7 @@ FACING = -0.5
 """Cosine of the angle between a face's normal and the carrier's below which the face joins."""
 
 
-PASSES: dict[type[Carrier], type[Interface]] = {
+COMPILED_INTERFACES: dict[type[Carrier], type[Interface]] = {
     Plane: NitscheOnPlane,
     HeldFace: NitscheOnPlane,
     Face: NitscheOnFace,
@@ -132,8 +132,8 @@ class MeshedContactPair:
             cuts=self._cuts,
         )
         member = NitschePoints(self._member, points)
-        # Others may have kinematics of their own, which compiled passes do not call.
-        kind = PASSES.get(type(self.surface), Interface)
+        # Other carriers may have kinematics of their own, which compiled passes do not call.
+        kind = COMPILED_INTERFACES.get(type(self.surface), Interface)
         return kind(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 
 

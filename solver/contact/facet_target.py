@@ -119,10 +119,10 @@ class Face(FacetCarrier):
         """Work of the vectors of point forces less that of the forces on (g, s), J."""
         return work_defect(stand_arrays(old), stand_arrays(new), self.frame, self.facet, force)
 
-    def came_round(self, kinematics: ContactKinematics) -> Mask:
-        """Points so far behind the face that they can only have come there round its edge."""
-        before: Mask = kinematics.place[:, 0] > -CAME_ROUND * self.length
-        return ~before
+    def can_touch(self, kinematics: ContactKinematics) -> Mask:
+        """Points not so far behind the face that they can only have come there round its edge."""
+        mask: Mask = kinematics.place[:, 0] > -CAME_ROUND * self.length
+        return mask
 
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the face."""

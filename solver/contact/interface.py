@@ -187,7 +187,7 @@ class Interface:
         else:
             mask = self.corners.chosen(rotation, kinematics.frame[0])
         if isinstance(self.carrier, Face):
-            mask &= ~self.carrier.came_round(kinematics)
+            mask &= self.carrier.can_touch(kinematics)
         return mask
 
     def bounds(self, past: Array) -> Bounds:

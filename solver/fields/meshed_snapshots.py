@@ -1,7 +1,7 @@
 """Snapshots of a run for ParaView: the fields of every body, filled from the state of the run.
 
-To write takes the caches of the processor from the steps that follow, a tenth of the time of those
-of small bodies: snapshots wait, and several are written one after another.
+Writing evicts the processor's caches, and the steps that follow take longer: a tenth in all for
+small bodies. So snapshots of these wait, and are written in batches.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from solver.stepping.system import Link
 from solver.types import Array
 
 MOST_WAITING = 200_000
-"""Unknowns of all snapshots that wait, at most: large bodies are written at once."""
+"""Unknowns of all snapshots that wait, at most: those of large bodies are written at once."""
 
 
 class SteppedRun(Protocol):
@@ -84,11 +84,16 @@ class Snapshots:
         if writes:
             write_script(folder, scene, stress=bool(system.meshed))
 
+    @property
+    def waiting(self) -> bool:
+        """Whether any wait to be written."""
+        return bool(self._waiting)
+
     def write(self, time: float) -> None:
-        """Take the fields of the run's state; write them and those that wait if these are many."""
-        links = self._run.assembly.stepper.links
+        """Take the fields of the run's state, and let them wait if they may."""
+        system, links = self._system, self._run.assembly.stepper.links
         self._waiting.append(Taken(time, self._run.state, links))
-        if len(self._waiting) * self._system.unknowns > MOST_WAITING:
+        if system.comm.size > 1 or len(self._waiting) * system.unknowns > MOST_WAITING:
             self.flush()
 
     def flush(self) -> None:
@@ -96,15 +101,8 @@ class Snapshots:
 
         An OSError is raised after all that ranks do together, on those where it happened.
         """
-        trouble = None
-        for taken in self._waiting:
-            try:
-                self._write(taken)
-            except OSError as error:
-                trouble = trouble or error
-        self._waiting.clear()
-        if trouble is not None:
-            raise trouble
+        while self._waiting:
+            self._write(self._waiting.pop(0))
 
     def _write(self, taken: Taken) -> None:
         """Write a snapshot."""
@@ -236,4 +234,4 @@ class RigidFields:
         self._writer.write(taken.time, moved, body.rows(self._corners, pose) @ speed)
 
     def close(self) -> None:
-        """Close the files; they are complete after every snapshot."""
+        """Close the files; they are complete after each writing."""

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 class RigidSnapshots:
     """Displacement and velocity of all blocks and of the platform."""
 
+    waiting = False
+    """Whether any wait to be written."""
+
     def __init__(
         self,
         bodies: PlaneSystem | SpaceSystem,

@@ -146,21 +146,21 @@ class FieldWriter:
         self._functions.fill()
         for function in self._functions.all:
             function.x.scatter_forward()
+        number, self._count = self._count, self._count + 1  # as dolfinx counts, whatever follows
         self._writer.write_function(self._functions.all, time)
         # Ranks may be killed at any time: what is listed has been written by all of them.
         self._functions.mesh.comm.Barrier()
-        self._check_piece()
+        self._check_piece(number)
         # dolfinx lists its pieces when it closes the file; a killed run would have no list.
-        piece = f"{self._way}{self._stem}{self._count:06d}.pvtu"
+        piece = f"{self._way}{self._stem}{number:06d}.pvtu"
         self._index.add(time, piece, self._part, self._name)
-        self._count += 1
 
-    def _check_piece(self) -> None:
+    def _check_piece(self, number: int) -> None:
         """Raise what dolfinx keeps to itself: the piece of this rank has no end, the disk is full.
 
         Local, and after all that ranks do together.
         """
-        piece = self._folder / f"{self._stem}_p{self._rank}_{self._count:06d}.vtu"
+        piece = self._folder / f"{self._stem}_p{self._rank}_{number:06d}.vtu"
         with piece.open("rb") as stream:
             stream.seek(max(-len(END), -piece.stat().st_size), os.SEEK_END)
             if END.strip() not in stream.read():

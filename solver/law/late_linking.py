@@ -109,7 +109,8 @@ def _codegen_class() -> Any:
             """Take Python's arrays as they are, which Python holds while machine code runs.
 
             numba asks for memory to count the uses of each, half the time of a small call. What
-            gives arrays back still counts: they may be parts of those that it was given.
+            gives arrays back still counts: they may be parts of those that it was given. (Nor may
+            any be kept otherwise, in a typed list or a class of numba's: there are none here.)
             """
             functions = {function.name: function for function in self._final_module.functions}
             gives_back = any(name.startswith(_GIVEN_BACK) for name in functions)

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol, TextIO
 
-from solver.errors import OutputTrouble, RockslipError
+from solver.errors import OutputTrouble
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import History
@@ -20,14 +20,18 @@ from solver.run.folders import hold_folder, refuse_hidden, release_folder
 from solver.scene import Scene, scene_to_toml
 
 PAUSE = 1.0
-"""Seconds from the end of one writing of rows and fields to the next, at least."""
+"""Seconds for which rows and fields may wait to be written."""
 
 
 class Fields(Protocol):
     """What writes the fields of a run; collective."""
 
+    @property
+    def waiting(self) -> bool:
+        """Whether any wait to be written; never on several ranks."""
+
     def write(self, time: float) -> None:
-        """Write the fields as they are at a time (s), now or with later ones."""
+        """Write the fields as they are at a time (s), or let them wait for `flush`."""
 
     def flush(self) -> None:
         """Write those that wait."""
@@ -39,8 +43,9 @@ class Fields(Protocol):
 class RunFiles:
     """Scene, history, log, fields and summary; nothing at all without a folder.
 
-    Rank 0 writes all but the fields. Rows and fields wait a second at most, if steps do not take
-    longer, so that a killed run leaves what it had.
+    Rank 0 writes all but the fields. On one rank rows and fields of small bodies wait for a second,
+    or until a step that takes longer is over; on several they are written with every snapshot. So a
+    killed run leaves what it had.
     """
 
     def __init__(
@@ -98,10 +103,11 @@ class RunFiles:
                 self.flush()
             else:
                 self.log(f"stopped by {kind.__name__ if kind else ''}: {error}")
-                with suppress(OSError, OutputTrouble):
-                    if isinstance(error, RockslipError) or self._comm.size == 1:
-                        self.flush()  # all ranks are here
-                    else:
+                with suppress(OSError):
+                    try:
+                        if self._comm.size == 1:  # of several, others may not be here
+                            self._write_fields()
+                    finally:
                         self._write_rows()
         finally:
             if self._fields is not None:
@@ -111,6 +117,11 @@ class RunFiles:
                     self._log.close()
             if self._writes and self._folder is not None:
                 release_folder(self._folder)
+
+    def _write_fields(self) -> None:
+        """Write the fields that are not in their files yet."""
+        if self._fields is not None:
+            self._fields.flush()
 
     def _write_rows(self) -> None:
         """Write the rows that are not in the file yet."""
@@ -199,25 +210,30 @@ class RunFiles:
         return (math.floor(now / every + 1e-9) + 1) * every
 
     def snapshot(self, now: float) -> None:
-        """Take the fields at a time (s), once; write what waits if that was not done just before.
-
-        Collective.
-        """
+        """Take the fields at a time (s), once; collective."""
         if self._folder is None or self._taken == now:
             return
         began, fields, self._taken = time.perf_counter(), self._fields, now
         if fields is not None:
             self._together(lambda: fields.write(now))
         self.output_seconds += time.perf_counter() - began
-        if self._comm.bcast(began - self._flushed >= PAUSE):
+        if self._comm.size > 1 or (fields is not None and not fields.waiting):
+            self.flush()
+
+    def flush_in_time(self) -> None:
+        """Write what waits, where it may have waited long: after every step of one rank."""
+        if self._comm.size == 1 and time.perf_counter() - self._flushed >= PAUSE:
             self.flush()
 
     def flush(self) -> None:
-        """Write the rows and the fields that wait; collective."""
-        began, fields = time.perf_counter(), self._fields
-        self._together(self._write_rows)
-        if fields is not None:
-            self._together(fields.flush)
+        """Write the fields and the rows that wait; collective."""
+        if self._folder is None:
+            return
+        began = time.perf_counter()
+        try:
+            self._together(self._write_fields)
+        finally:
+            self._together(self._write_rows)
         self._flushed = time.perf_counter()
         self.output_seconds += self._flushed - began
 

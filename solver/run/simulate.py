@@ -87,7 +87,8 @@ class RunContext:
     """Motion of the ground, which checkpoints belong to."""
 
     def keep(self, engine: Engine, step: int, now: float, *, ends: bool = False) -> None:
-        """Write a checkpoint where one is due after a step, or the run is interrupted there."""
+        """Write what waits, and a checkpoint where one is due or the run is interrupted there."""
+        self.files.flush_in_time()
         schedule = self.files.schedule
         if schedule.is_due(step) or (ends and schedule.wanted):
             self.files.keep(self.ground, now, (engine.saved(), self.watch.before))

@@ -51,7 +51,7 @@ def third_differences(
 
 @compiled
 def largest_change(now: Array, before: Array) -> float:
-    """The largest change of any of some numbers; 0 where there are none."""
+    """The largest change of any of some numbers; 0 where there are none, or none is a number."""
     largest = 0.0
     for i in range(len(now)):
         largest = max(largest, abs(now[i] - before[i]))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
 
 from rockslip import parse_scene, simulate
-from solver.errors import Statement
+from solver.errors import RockslipError
 from solver.fields import meshed_snapshots
-from solver.fields.pvd import ENTRY
+from solver.fields.pvd import ENTRY, PvdIndex
+from solver.history.history import History
 from solver.run import files
 from solver.scene import Scene
 
@@ -61,35 +63,64 @@ def test_they_are_the_same_as_written_at_once(
     monkeypatch.setattr(files, "PAUSE", math.inf)
     simulate(scene(checkpoint={"steps": 25}), folder=tmp_path / "waiting")
     assert written == [1, 2, 3]
-    written.clear()
-    monkeypatch.setattr(meshed_snapshots, "MOST_WAITING", 0)
-    simulate(scene(), folder=tmp_path / "at once")
-    assert written == [1] * 6
-    assert listed(tmp_path / "waiting") == listed(tmp_path / "at once") == pytest.approx(TIMES)
-    assert pieces(tmp_path / "waiting") == pieces(tmp_path / "at once")
+    for name, where, value in ("in time", files, 0.0), ("large", meshed_snapshots, 0):
+        written.clear()
+        monkeypatch.setattr(where, "PAUSE" if where is files else "MOST_WAITING", value)
+        simulate(scene(), folder=tmp_path / name)
+        assert written == [1] * 6
+        assert listed(tmp_path / "waiting") == listed(tmp_path / name) == pytest.approx(TIMES)
+        assert pieces(tmp_path / "waiting") == pieces(tmp_path / name)
+        monkeypatch.setattr(files, "PAUSE", math.inf)
 
 
+class Stopping:
+    """A display that stops the run at a time."""
+
+    def __init__(self, error: type[BaseException]):
+        self.error = error
+
+    def begin(self, time: float) -> None: ...
+
+    def pause(self, why: str) -> None: ...
+
+    def go_on(self) -> None: ...
+
+    def close(self) -> None: ...
+
+    def update(self, time: float, step: float, iterations: int) -> None:
+        if time > 0.035:
+            raise self.error("no more")
+
+
+@pytest.mark.parametrize("error", [RockslipError, MemoryError, KeyboardInterrupt])
 def test_a_run_that_ends_early_leaves_those_that_wait(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
 ) -> None:
-    """Whatever it is that cannot go on."""
+    """Whatever it is that ends it; rows are there up to the last step."""
     monkeypatch.setattr(files, "PAUSE", math.inf)
-
-    class Refusing:
-        """A display that refuses what is beyond a time."""
-
-        def begin(self, time: float) -> None: ...
-
-        def pause(self, why: str) -> None: ...
-
-        def go_on(self) -> None: ...
-
-        def close(self) -> None: ...
-
-        def update(self, time: float, step: float, iterations: int) -> None:
-            if time > 0.035:
-                raise Statement("this machine", "has no more of it")
-
-    with pytest.raises(Statement):
-        simulate(scene(), folder=tmp_path, progress=Refusing())
+    with pytest.raises(error, match="no more"):
+        simulate(scene(), folder=tmp_path, progress=Stopping(error))
     assert listed(tmp_path) == pytest.approx(TIMES[:4])
+    rows = History.read(tmp_path / "history.csv")["time_s"]
+    assert rows[-1] == pytest.approx(0.036)
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
+def test_none_is_written_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
+) -> None:
+    """What stops the third one while it is listed leaves the others, in their order."""
+    usual = PvdIndex.add
+
+    def add(index: PvdIndex, time: float, *piece: object, **of: object) -> None:
+        if time == pytest.approx(TIMES[2]) and "above" in piece:
+            raise error("no more")
+        usual(index, time, *piece, **of)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(files, "PAUSE", math.inf)
+    monkeypatch.setattr(PvdIndex, "add", add)
+    with pytest.raises(error, match="no more"):
+        simulate(scene(), folder=tmp_path)
+    assert listed(tmp_path) == pytest.approx(TIMES[:2] + TIMES[3:])
+    named = re.findall(r"above(\d{6})[.]pvtu", (tmp_path / "fields.pvd").read_text())
+    assert [int(number) for number in named] == [0, 1, 3, 4, 5]

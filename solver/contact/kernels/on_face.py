@@ -14,11 +14,11 @@ from solver.law.compiled import compiled
 from solver.types import Array, Indices
 
 Bodies = tuple[Indices, Array, Array, Array, Indices, Array, Array]
-"""What `look` takes of both bodies, before what it fills in."""
+"""What `evaluate_both` takes of both bodies, before what it fills in."""
 
 
 @compiled
-def look(
+def evaluate_both(
     index: Indices,
     table: Array,
     reference: Array,
@@ -59,11 +59,11 @@ def observe_over_chain(
     stand: tuple[Any, ...],
     y: Array,
 ) -> None:
-    """Look, and fill in where points are over straight facets, with augmented positions.
+    """Evaluate both bodies, and fill in where points are over straight facets.
 
     Args:
         chain: As `stand_on_chain` takes it, up to the margin.
-        bodies: As `look` takes them, up to `carrier_moved`.
+        bodies: As `evaluate_both` takes them, up to `carrier_moved`.
         inverse_gamma: 1/gamma_h, (p,), m/Pa.
         frame: Rows normal and tangents of the step, (d, d).
         state: The values of a `NitscheState`, filled in like all that follows.
@@ -72,7 +72,7 @@ def observe_over_chain(
         stand: The fields of the `Feet` of the points.
         y: (p, d), m.
     """
-    look(*bodies, state, carrier)
+    evaluate_both(*bodies, state, carrier)
     points = len(place)
     stand_on_chain(*chain, state[:points], carrier, frame, place, stand)
     augment(place, state[points : 2 * points], inverse_gamma, frame, y)
@@ -91,7 +91,7 @@ def observe_over_facets(
     y: Array,
 ) -> None:
     """As `observe_over_chain` over facets of any kind, with what `stand_on_facets` takes first."""
-    look(*bodies, state, carrier)
+    evaluate_both(*bodies, state, carrier)
     points = len(place)
     stand_on_facets(*shapes, state[:points], carrier, frame, place, stand)
     augment(place, state[points : 2 * points], inverse_gamma, frame, y)
@@ -135,7 +135,7 @@ def add_forces_on_face(
         frame: Rows normal and tangents of the step, (d, d).
         facet: Length of the smallest facet, m.
         nodal: Forces on nodes of the body of the points, (n, d), N.
-        numbers: Where the nodes of the face are among those of `on_face`; (0,) where nobody asks.
+        numbers: Where the nodes of the face are among those of `on_face`.
         on_face: Forces on nodes of the body that carries, (n, d), N.
     """
     weighted, vectors = weight * force, np.empty(force.shape)
@@ -145,7 +145,7 @@ def add_forces_on_face(
         add_contact_forces(index, table, old, new, vectors, *pull, nodal)
     else:
         add_point_forces(index, table, vectors, nodal)
-    if len(numbers) == 0 or not vectors.any():
+    if not vectors.any():
         return
     reaction = np.zeros((len(numbers), len(frame)))
     add_spread(before[0], before[1], 0.5, -vectors, reaction)
