@@ -20,6 +20,7 @@ from solver.contact.facet_target import Face
 from solver.contact.facets import evaluate_facets, gather
 from solver.contact.held_face import HeldFace
 from solver.contact.interface import Interface
+from solver.contact.kernels.corners import look_against
 from solver.contact.nitsche_points import contact_points, extent
 from solver.contact.passes.on_face import NitscheOnFace
 from solver.contact.passes.on_plane import NitscheOnPlane
@@ -102,18 +103,18 @@ class MeshedContactPair:
         space = member.space
         records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
         facets, _ = gather(space, records, extent(space.mesh))
-        self._face, self._outward = facets.tag, facets.normal
+        self._face, self._outward = facets.tag, np.ascontiguousarray(facets.normal)
         self._found: dict[bytes, frozenset[int]] = {}  # faces, by the facets that are turned there
         # The bottom always takes part: the gaps in the history are those of its corners.
         self.always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
     def facing(self, rotation: Array) -> frozenset[int]:
         """Tags of faces with a facet turned towards the carrier, and of the bottom."""
-        normal = self.surface.frame[0] @ rotation
-        towards = self._outward @ normal < FACING
+        towards = np.empty(len(self._outward), dtype=np.bool_)
+        look_against(self._outward, rotation, self.surface.frame[0], FACING, towards)
         key = towards.tobytes()
         if key not in self._found:
-            self._found[key] = self.always.union(self._face[towards].tolist())
+            self._found[key] = self.always.union(map(int, self._face[towards]))
         return self._found[key]
 
     def join(self, faces: frozenset[int]) -> Interface:

@@ -312,8 +312,8 @@ class Interface:
         that at t_n, in the frame of the step, all else is at t_{n+1}; the step (s) is infinite in
         equilibrium.
         """
-        anchor = np.empty(old.anchor.shape)
-        past, friction, contact = after_step(
+        anchor, past = np.empty(old.anchor.shape), np.empty(old.past.shape)
+        friction, contact = after_step(
             tuple(self._laws),
             force,
             kinematics.augmented,
@@ -326,6 +326,7 @@ class Interface:
             bounds.cohesion,
             step,
             anchor,
+            past,
         )
         contact -= self.carrier.work_defect(old.kinematics, kinematics, force)
         compression, damping = old.compression, 0.0

@@ -106,7 +106,9 @@ class Observer:
         row[run.time_s], row[run.step_s] = state.time, step
         row[run.newton_iterations] = exchange.iterations
         row[run.contact_points_closed] = sum(
-            np.count_nonzero(memory.force[:, 0] > 0) for memory in state.contacts
+            np.count_nonzero(memory.force[:, 0] > 0)
+            for memory in state.contacts
+            if not memory.clear
         )
         ground = self._stepper.base(state.time)
         row[run.base_acceleration_m_s2] = ground[0]

@@ -199,7 +199,7 @@ class ElasticResponse:
         C: Any = known.matrix.reshape(count, d, count, d)
         share = self._whole[:count]
         if load is not None:
-            m, share = len(load), load.sum(axis=1)
+            m, share = len(load), np.add.reduce(load, axis=1)
             half = (load @ C.reshape(count, -1)).reshape(m * d, count, d).swapaxes(1, 2)
             whole = half.reshape(m * d * d, count) @ load.T
             C = np.ascontiguousarray(whole.reshape(m, d, d, m).swapaxes(2, 3))
@@ -217,17 +217,16 @@ class ElasticResponse:
             if alone and not side.carries and side.spots(near.kinematics) is None:
                 shift = side.port - side.first
                 return ElasticCoupling(near.number + shift if shift else near.number, None)
-        parts = []
+        sides = zip(self.sides, self._itself, strict=True)
+        parts = [(side, side.spots(near.kinematics) or itself) for side, itself in sides]
         used = np.zeros(self._ports, dtype=np.bool_)
-        for side, itself in zip(self.sides, self._itself, strict=True):
-            spots = side.spots(near.kinematics) or itself
-            parts.append((side.first, side.count, side.port, spots.nodes))
-            mark_ports(near.number, *parts[-1], used)
-        ports, column = used.nonzero()[0], used.cumsum() - 1
+        for side, spots in parts:
+            mark_ports(near.number, side.first, side.count, side.port, spots.nodes, used)
+        ports = used.nonzero()[0]
         load = np.zeros((len(near.number), len(ports)))
-        for side, itself, part in zip(self.sides, self._itself, parts, strict=True):
-            spots = side.spots(near.kinematics) or itself
-            add_loads(near.number, *part, side.sign * spots.weights, column, load)
+        for side, spots in parts:
+            where = near.number, side.first, side.count, side.port, spots.nodes
+            add_loads(*where, spots.weights, side.sign, ports, load)
         return ElasticCoupling(ports, load)
 
     def respond(

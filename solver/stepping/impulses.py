@@ -33,7 +33,7 @@ class VelocityCorrection(NamedTuple):
     """What contact at velocity level does after a step.
 
     Attributes:
-        change: Change of the velocity of the owned unknowns, m/s.
+        change: Change of the velocity of the owned unknowns, or (1,) of all alike, m/s.
         contact: Energy it takes in the normal directions, J.
         friction: Energy it takes in the tangential directions, J.
         reversal: Speed at which what slipped in the step slips back at its end, m/s.
@@ -43,6 +43,10 @@ class VelocityCorrection(NamedTuple):
     contact: float
     friction: float
     reversal: float
+
+
+UNCHANGED = VelocityCorrection(np.zeros(1), 0.0, 0.0, 0.0)
+"""The correction where no point is closed, or none was found; on all ranks alike."""
 
 
 class MassOperator(NamedTuple):

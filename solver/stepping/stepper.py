@@ -19,7 +19,7 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.equilibrium import consistent, static_weights
-from solver.stepping.impulses import VelocityCorrection, VelocityImpulses
+from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
@@ -303,7 +303,8 @@ class Stepper:
         if system.grounded:
             forces = HeldForces(solution.held, at_supports)
             held, ground = ground_forces(system, state, step, ends, p, forces)
-            ground = with_impulses(system, ground, correction.change, dt)
+            if correction is not UNCHANGED:
+                ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
         new = State(
             time=end,
@@ -346,4 +347,4 @@ class Stepper:
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
             correction = self._impulses.correct(u, v, solution.contacts, closed, dt, rubbed)
-        return correction or VelocityCorrection(np.zeros_like(v), 0.0, 0.0, 0.0)
+        return correction or UNCHANGED

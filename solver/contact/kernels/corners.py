@@ -1,4 +1,4 @@
-"""Which of the points that share a place may touch; compiled."""
+"""Which faces look against a carrier, and which points that share a place may touch; compiled."""
 
 from __future__ import annotations
 
@@ -6,6 +6,25 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
+
+
+@compiled
+def look_against(normal: Array, rotation: Array, towards: Array, cosine: float, mask: Mask) -> None:
+    """Fill in which faces of a turned body look against a carrier.
+
+    Args:
+        normal: Outward normals on the undeformed body, (n, d).
+        rotation: Of the body, (d, d).
+        towards: Normal of the carrier, (d,).
+        cosine: Of the angle between the two, below which a face does.
+        mask: These faces, (n,).
+    """
+    for p in range(len(normal)):
+        facing = 0.0
+        for i in range(len(towards)):
+            for j in range(len(towards)):
+                facing += normal[p, j] * rotation[i, j] * towards[i]
+        mask[p] = facing < cosine
 
 
 @compiled

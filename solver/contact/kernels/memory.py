@@ -26,8 +26,9 @@ def after_step(
     cohesion: Array,
     step: float,
     anchor: Array,
-) -> tuple[Array, float, float]:
-    """Fill in the anchors after a step; returns the pasts, and what friction and contact took, J.
+    past: Array,
+) -> tuple[float, float]:
+    """Fill in anchors and pasts after a step; returns what friction and contact took, J.
 
     Friction is minus the work of the tangential forces on the anchors. Contact takes the work of
     the forces against y that is neither stored in their softness nor lost in friction.
@@ -45,6 +46,7 @@ def after_step(
         cohesion: What points hold besides, (points,), N.
         step: Its length, s; infinite in equilibrium.
         anchor: Stick memory at t_{n+1}, filled in.
+        past: What points remember of their friction afterwards, likewise.
     """
     laws, bounds = borrowed(FrictionLaws(*friction_laws)), borrowed(Bounds(mu, cohesion, np.inf))
     (m, d), friction, contact = force.shape, 0.0, 0.0
@@ -60,11 +62,8 @@ def after_step(
             way[p] += slip**2
         way[p] = math.sqrt(way[p])
     slipped = points_that_slip(force, way, softness, bounds)
-    return (
-        pasts_after(laws, old_past, closed, slipped, np.divide(way, step), step),
-        friction,
-        contact - friction,
-    )
+    past[:] = pasts_after(laws, old_past, closed, slipped, np.divide(way, step), step)
+    return friction, contact - friction
 
 
 @compiled

@@ -229,7 +229,8 @@ def add_loads(
     port: int,
     nodes: Indices,
     weights: Array,
-    column: Indices,
+    sign: float,
+    ports: Indices,
     load: Array,
 ) -> None:
     """Add how much of their forces near points of an interface put on ports to `load`.
@@ -240,15 +241,17 @@ def add_loads(
         count: Of the interface.
         port: Of the body.
         nodes: Of each point.
-        weights: How much each port gets, with its sign, (count, k).
-        column: Place of each port in `load`, (ports,).
-        load: (m, places).
+        weights: How much each port gets, (count, k).
+        sign: Of all of them.
+        ports: Those in `load`, rising.
+        load: (m, ports).
     """
     for i in range(len(near)):
         p = near[i] - first
         if 0 <= p < count:
             for a in range(nodes.shape[1]):
-                load[i, column[port + nodes[p, a]]] += weights[p, a]
+                place = np.searchsorted(ports, port + nodes[p, a])
+                load[i, place] += sign * weights[p, a]
 
 
 @compiled
