@@ -8,8 +8,8 @@ import basix
 import numpy as np
 
 from solver.contact.body_points import FacePoints, FixedPoints, SurfaceState
-from solver.contact.kernels.chain import Feet, stand_on_chain
-from solver.contact.kernels.facets import stand_on_facets
+from solver.contact.kernels.chain import Feet
+from solver.contact.kernels.facets import Chain, Facets, stand_on_face
 from solver.contact.kernels.shapes import FacetShapes
 from solver.contact.kernels.way import StandArrays, forces_in_space, work_defect
 from solver.contact.plane_target import FacetCarrier
@@ -29,8 +29,7 @@ class Face(FacetCarrier):
         frame: Rows normal and tangents of the coming step, (d, d).
         reference_frame: Those of the undeformed face.
         degree: Polynomial degree on a facet.
-        chain: Of straight facets in the plane, as `stand_on_chain` takes them; None of others.
-        shapes: The fields of its `FacetShapes`, and room, as `stand_on_facets` takes them.
+        shape: Its facets, as `stand_on_face` takes them.
         margin: Part of a facet by which points may be beyond its edge.
         length: Of the longest side of the face, m.
         facet: Length of its smallest facet, m.
@@ -61,14 +60,15 @@ class Face(FacetCarrier):
         along = points.reference @ frame[1:].T
         kind = getattr(basix.CellType, cell)
         corners = len(basix.geometry(kind))
-        self.chain: tuple[Indices, Array, float] | None = None
+        self.shape: tuple[Chain | None, Facets | None]
         if cell == "interval" and degree == 1:
             nodes = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
-            self.chain = nodes, np.ascontiguousarray(along[nodes, 0]), margin
-        n, t = along.shape
-        at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
-        room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
-        self.shapes = tuple(facet_shapes(facets, kind, degree, along, margin)), room
+            self.shape = (nodes, np.ascontiguousarray(along[nodes, 0]), margin), None
+        else:
+            n, t = along.shape
+            at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
+            room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
+            self.shape = None, (tuple(facet_shapes(facets, kind, degree, along, margin)), room)
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -81,11 +81,8 @@ class Face(FacetCarrier):
         """Gaps and tangential positions of points in space."""
         assert carrier is not None
         seen = self.unfilled(len(position), carrier)
-        where, filled = (position, carrier.position, self.frame), (seen.place, feet_of(seen))
-        if self.chain is not None:
-            stand_on_chain(*self.chain, *where, *filled)
-        else:
-            stand_on_facets(*self.shapes, *where, *filled)
+        where = position, carrier.position, self.frame
+        stand_on_face(*self.shape, *where, seen.place, feet_of(seen))
         return seen
 
     def unfilled(

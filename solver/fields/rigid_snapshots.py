@@ -62,7 +62,7 @@ class RigidSnapshots:
         self._files.end_time(time)
 
     def flush(self) -> None:
-        """Nothing waits to be written."""
+        """Do nothing: all fields are written at once."""
 
     def _moved(self, block: int) -> tuple[Array, Array]:
         """From the centre of a block to its corners, m, and the velocities of these, m/s."""

@@ -103,11 +103,10 @@ class RunFiles:
                 self.flush()
             else:
                 self.log(f"stopped by {kind.__name__ if kind else ''}: {error}")
-                with suppress(OSError):
-                    try:
-                        if self._comm.size == 1:  # of several, others may not be here
-                            self._write_fields()
-                    finally:
+                with suppress(OSError, OutputTrouble):
+                    if self._comm.size == 1:
+                        self.flush()
+                    else:  # the other ranks may not be here
                         self._write_rows()
         finally:
             if self._fields is not None:
@@ -252,9 +251,8 @@ class RunFiles:
         self.output_seconds += time.perf_counter() - began
 
     def finish(self, summary: dict[str, Any], line: str) -> None:
-        """Write what is left of the history, and the summary; collective."""
+        """Write the summary, after all rows and fields; collective."""
         self.log(line)
-        self._together(self._write_rows)
         folder = self._folder if self._writes else None
         if folder is not None:
             self._together(lambda: write_json(folder / "summary.json", summary))

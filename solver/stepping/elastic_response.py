@@ -26,7 +26,7 @@ from solver.contact.kernels.turned import (
     turn,
 )
 from solver.contact.projection import Interpolation
-from solver.parallel import Layer, global_sum
+from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance
 from solver.stepping.ports import InterfaceDofs
 from solver.stepping.response import BodyRole, CandidateSet, Kinematics
@@ -171,7 +171,8 @@ class ElasticResponse:
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
             if kinematics[side.interface] is None:
                 continue
-            nodes, frame = self._reached(port.layer, free.nodes), frames[side.interface]
+            nodes = port.layer.reached(free.nodes.reshape(-1, self.body.dimension)).reshape(-1)
+            frame = frames[side.interface]
             each = frame[None] if frame.ndim == 2 else frame
             spots = side.spots(kinematics)
             if spots is None:
@@ -180,12 +181,6 @@ class ElasticResponse:
                 points = np.empty((side.points.count, self.body.dimension))
                 read_points(*rows, nodes, free.push, at[2], points)
                 add_places(moved, side.first, side.sign, spots.carried(points), each, at[0])
-
-    def _reached(self, layer: Layer, nodes: Array) -> Array:
-        """What `Layer.reached` gives, one number after another, of as many in (n d,)."""
-        if layer.direct:
-            return nodes
-        return layer.gather(nodes.reshape(-1, self.body.dimension)).reshape(-1)
 
     def couple(self, at: Array, near: CandidateSet, weight: float, W: Array) -> ElasticCoupling:
         """Add the compliance among near points; returns the ports that they act on."""

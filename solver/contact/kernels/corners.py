@@ -9,6 +9,16 @@ from solver.types import Array, Indices, Mask
 
 
 @compiled
+def facing(normal: Array, rotation: Array, towards: Array) -> float:
+    """Cosine of the angle between a normal of a turned body and that of a carrier, (d,) each."""
+    cosine = 0.0
+    for i in range(len(towards)):
+        for j in range(len(towards)):
+            cosine += normal[j] * rotation[i, j] * towards[i]
+    return cosine
+
+
+@compiled
 def look_against(normal: Array, rotation: Array, towards: Array, cosine: float, mask: Mask) -> None:
     """Fill in which faces of a turned body look against a carrier.
 
@@ -20,11 +30,7 @@ def look_against(normal: Array, rotation: Array, towards: Array, cosine: float, 
         mask: These faces, (n,).
     """
     for p in range(len(normal)):
-        facing = 0.0
-        for i in range(len(towards)):
-            for j in range(len(towards)):
-                facing += normal[p, j] * rotation[i, j] * towards[i]
-        mask[p] = facing < cosine
+        mask[p] = facing(normal[p], rotation, towards) < cosine
 
 
 @compiled
@@ -45,13 +51,10 @@ def choose_points(
     for group in range(len(first) - 1):
         least, best = np.inf, member[first[group]]
         for k in range(first[group], first[group + 1]):
-            p, facing = member[k], 0.0
-            mask[p] = False
-            for i in range(len(towards)):
-                for j in range(len(towards)):
-                    facing += normal[p, j] * rotation[i, j] * towards[i]
-            if facing < least:
-                least, best = facing, p
+            p = member[k]
+            mask[p], cosine = False, facing(normal[p], rotation, towards)
+            if cosine < least:
+                least, best = cosine, p
         mask[best] = True
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet
+from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet, stand_on_chain
 from solver.contact.kernels.shapes import (
     FacetShapes,
     average_at,
@@ -214,3 +214,27 @@ def stand_on_facets(
             for a in range(k):
                 slope += share * values[a] * mean_slope[nodes[a]]
                 stretch += share * values[a] * mean_stretch[nodes[a]]
+
+
+Chain = tuple[Indices, Array, float]
+"""Straight facets in the plane, as `stand_on_chain` takes them."""
+
+Facets = tuple[tuple[Any, ...], tuple[Array, Array, Array, Array]]
+"""Facets of any kind, as `stand_on_facets` takes them."""
+
+
+@compiled
+def stand_on_face(
+    chain: Chain | None,
+    facets: Facets | None,
+    position: Array,
+    carrier: Array,
+    frame: Array,
+    place: Array,
+    stand: tuple[Any, ...],
+) -> None:
+    """Fill in what `stand_on_chain` does, or `stand_on_facets`: a face is one of the two."""
+    if chain is not None:
+        stand_on_chain(*chain, position, carrier, frame, place, stand)
+    if facets is not None:
+        stand_on_facets(*facets, position, carrier, frame, place, stand)

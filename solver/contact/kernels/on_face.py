@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from solver.contact.kernels.chain import stand_on_chain
-from solver.contact.kernels.facets import stand_on_facets
-from solver.contact.kernels.nitsche import add_contact_forces, add_point_forces, augment, evaluate
+from solver.contact.kernels.facets import Chain, Facets, stand_on_face
+from solver.contact.kernels.nitsche import add_forces, augment, evaluate
 from solver.contact.kernels.way import StandArrays, add_spread, forces_in_space
 from solver.law.compiled import compiled
 from solver.types import Array, Indices
@@ -48,8 +47,9 @@ def evaluate_both(
 
 
 @compiled
-def observe_over_chain(
-    chain: tuple[Indices, Array, float],
+def observe_over_face(
+    chain: Chain | None,
+    facets: Facets | None,
     bodies: Bodies,
     inverse_gamma: Array,
     frame: Array,
@@ -59,10 +59,11 @@ def observe_over_chain(
     stand: tuple[Any, ...],
     y: Array,
 ) -> None:
-    """Evaluate both bodies, and fill in where points are over straight facets.
+    """Evaluate both bodies, and fill in where points are over a face.
 
     Args:
-        chain: As `stand_on_chain` takes it, up to the margin.
+        chain: As `stand_on_face` takes it.
+        facets: Likewise.
         bodies: As `evaluate_both` takes them, up to `carrier_moved`.
         inverse_gamma: 1/gamma_h, (p,), m/Pa.
         frame: Rows normal and tangents of the step, (d, d).
@@ -74,26 +75,7 @@ def observe_over_chain(
     """
     evaluate_both(*bodies, state, carrier)
     points = len(place)
-    stand_on_chain(*chain, state[:points], carrier, frame, place, stand)
-    augment(place, state[points : 2 * points], inverse_gamma, frame, y)
-
-
-@compiled
-def observe_over_facets(
-    shapes: tuple[tuple[Any, ...], tuple[Array, Array, Array, Array]],
-    bodies: Bodies,
-    inverse_gamma: Array,
-    frame: Array,
-    state: Array,
-    carrier: Array,
-    place: Array,
-    stand: tuple[Any, ...],
-    y: Array,
-) -> None:
-    """As `observe_over_chain` over facets of any kind, with what `stand_on_facets` takes first."""
-    evaluate_both(*bodies, state, carrier)
-    points = len(place)
-    stand_on_facets(*shapes, state[:points], carrier, frame, place, stand)
+    stand_on_face(chain, facets, state[:points], carrier, frame, place, stand)
     augment(place, state[points : 2 * points], inverse_gamma, frame, y)
 
 
@@ -140,11 +122,8 @@ def add_forces_on_face(
     """
     weighted, vectors = weight * force, np.empty(force.shape)
     forces_in_space(before, after, frame, facet, weighted, vectors)
-    if pulls:
-        pull = scale, weighted, frame, old_weight, new_weight
-        add_contact_forces(index, table, old, new, vectors, *pull, nodal)
-    else:
-        add_point_forces(index, table, vectors, nodal)
+    pull = scale, weighted, frame, old_weight, new_weight
+    add_forces(index, table, old, new, vectors, pulls, *pull, nodal)
     if not vectors.any():
         return
     reaction = np.zeros((len(numbers), len(frame)))

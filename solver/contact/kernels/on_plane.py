@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.contact.kernels.nitsche import add_contact_forces, add_point_forces, augment, evaluate
+from solver.contact.kernels.nitsche import add_forces, augment, evaluate
 from solver.contact.kernels.plane import places, vectors_of
 from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
@@ -82,11 +82,8 @@ def add_forces_on_plane(
         total[:] = 0.0
         for p in range(len(vectors)):
             total += vectors[p]
-    if pulls:
-        pull = scale, weighted, frame, old_weight, new_weight
-        add_contact_forces(index, table, old, new, vectors, *pull, nodal)
-    else:
-        add_point_forces(index, table, vectors, nodal)
+    pull = scale, weighted, frame, old_weight, new_weight
+    add_forces(index, table, old, new, vectors, pulls, *pull, nodal)
 
 
 @compiled

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.contact.body_points import NitschePoints, SurfaceState
+from solver.contact.body_points import SurfaceState
 from solver.contact.held_face import HeldFace
 from solver.contact.increment import ContactIncrement, ForceWeights, Observed, Parts
-from solver.contact.interface import Interface
 from solver.contact.kernels.nitsche import NitscheState, new_state
 from solver.contact.kernels.on_plane import (
     add_forces_on_plane,
     observe_over_plane,
     press_on_plane,
 )
+from solver.contact.passes.nitsche import NitscheInterface
 from solver.contact.plane_target import Plane
 from solver.contact.projection import ContactKinematics
 from solver.types import Array, Mask
@@ -22,13 +22,9 @@ NOTHING: Array = np.empty(0)
 """Room for a sum that nobody asks for."""
 
 
-class NitscheOnPlane(Interface):
-    """The interface of a meshed body on a plane: one compiled call for each pass.
+class NitscheOnPlane(NitscheInterface):
+    """The interface of a meshed body on a plane: one compiled call for each pass."""
 
-    These call the functions that an `Interface` of any points and carrier calls one by one.
-    """
-
-    points: NitschePoints
     carrier: Plane | HeldFace
 
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
@@ -92,24 +88,12 @@ class NitscheOnPlane(Interface):
     def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies, as `Interface.add_forces` does."""
         ((old, old_seen), (new, seen), force), (on_body, on_carrier) = increment, on
-        assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
         assert on_body is not None
         points, total = self.points, self._sum_for(on_carrier)
         owned = on_body.reshape(-1, self.dimension)
         nodal = points.layer.room(owned)
-        add_forces_on_plane(
-            points.rows.numbers,
-            points.rows.table,
-            old.values,
-            new.values,
-            force,
-            *weights,
-            self.theta != 0,
-            self.pull_scale,
-            self.carrier.frame,
-            nodal,
-            total,
-        )
+        given = self.pressed(old, new, force, weights)
+        add_forces_on_plane(*given, self.carrier.frame, nodal, total)
         points.layer.put(owned, nodal)
         if on_carrier is not None:
             self._add_reaction(old_seen, seen, -total[None, :], on_carrier)
