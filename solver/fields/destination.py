@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from solver.fields.hdf_file import NAME, Cells, HdfBody, HdfFile
+from solver.fields.cells import in_space, one_cell
+from solver.fields.hdf_file import NAME, HdfBody, HdfFile
 from solver.fields.pvd import FieldsBefore, PvdIndex
-from solver.fields.rigid_writer import CELL_TYPES, RigidFieldWriter
+from solver.fields.rigid_writer import RigidFieldWriter
 from solver.scene import Scene
 from solver.types import Array
 
@@ -108,11 +109,7 @@ class OneFile:
 
     def rigid(self, name: str, corners: Array) -> RigidWriter:
         """A writer for the next body, which is rigid."""
-        count = len(corners)
-        cells = Cells(
-            points=_in_space(corners), nodes=np.arange(count)[None], kind=CELL_TYPES[count]
-        )
-        return _RigidBody(None if self._file is None else self._file.body(name, cells))
+        return _RigidBody(None if self._file is None else self._file.body(name, one_cell(corners)))
 
     def meshed(self, name: str, functions: BodyFunctions) -> MeshedWriter:
         """A writer for the next body, which is meshed; collective."""
@@ -145,10 +142,5 @@ class _RigidBody:
     def write(self, time: float, displacement: Array, velocity: Array) -> None:
         """Write the motion of the corners; contact forces have no place on a rigid body."""
         if self._body is not None:
-            fields = {"displacement": _in_space(displacement), "velocity": _in_space(velocity)}
+            fields = {"displacement": in_space(displacement), "velocity": in_space(velocity)}
             self._body.write(fields | {"contact_pressure": np.zeros(len(displacement))}, {})
-
-
-def _in_space(vectors: Array) -> Array:
-    """Vectors (n, d) with the third component that VTK wants, (n, 3)."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

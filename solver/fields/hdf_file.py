@@ -13,7 +13,6 @@ import re
 import resource
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -22,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from solver.errors import Statement
+from solver.fields.cells import Cells
 from solver.scene import Scene
 from solver.types import Array, Indices
 
@@ -47,18 +47,6 @@ def refuse_without_h5py(scene: Scene) -> None:
         raise Statement(
             "output.fields", 'is "vtkhdf", for which h5py has to be installed; "vtk" does without'
         )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cells:
-    """The mesh of a body, as it is written once."""
-
-    points: Array
-    """Places of the nodes in the own frame, m, (n, 3)."""
-    nodes: Indices
-    """Numbers of the nodes of each cell, in VTK's order, (cells, nodes of a cell)."""
-    kind: int
-    """VTK's number of the cells."""
 
 
 class HdfFile:

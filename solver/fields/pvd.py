@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,18 @@ def _pieces(file: Path, until: float) -> bytes:
     """The entries of an index up to a time, s."""
     found = ENTRY.finditer(file.read_bytes())
     return b"".join(entry[0] for entry in found if float(entry[1]) <= until)
+
+
+def entry_of(time: float, piece: str, part: int = 0, name: str = "") -> bytes:
+    """The entry of a piece, by its time, s, its way and the number and the name of its body."""
+    called = f' name="{name}"' if name else ""
+    where = f'timestep="{time:.17g}" part="{part}"{called}'
+    return f'    <DataSet {where} file="{piece}" />\n'.encode()
+
+
+def write_index(file: Path, entries: Sequence[bytes]) -> None:
+    """Write an index of these entries."""
+    file.write_bytes(HEAD + b"".join(entries) + TAIL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +66,7 @@ class PvdIndex:
         self._end = len(HEAD)
         if writes:
             kept = b"" if until is None or not file.is_file() else _pieces(file, until)
-            file.write_bytes(HEAD + kept + TAIL)
+            write_index(file, [kept])
             self._end += len(kept)
 
     def way_to(self, folder: Path) -> str:
@@ -69,9 +82,7 @@ class PvdIndex:
         """
         if not self._writes:
             return
-        called = f' name="{name}"' if name else ""
-        where = f'timestep="{time:.17g}" part="{part}"{called}'
-        entry = f'    <DataSet {where} file="{piece}" />\n'.encode()
+        entry = entry_of(time, piece, part, name)
         with self._file.open("r+b") as stream:
             stream.seek(self._end)
             stream.write(entry + TAIL)

@@ -6,28 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from solver.fields.cells import in_space, one_cell
+from solver.fields.piece import PieceWriter
 from solver.fields.pvd import PvdIndex
 from solver.types import Array
-
-#: Numbers of corners of VTK's quadrilateral and hexahedron, and VTK's numbers of these cells.
-CELL_TYPES = {4: 9, 8: 12}
-
-PIECE = """\
-<?xml version="1.0"?>
-<VTKFile type="UnstructuredGrid" version="1.0">
-  <UnstructuredGrid>
-    <Piece NumberOfPoints="{count}" NumberOfCells="1">
-      <Points>{points}</Points>
-      <Cells>
-        <DataArray type="Int32" Name="connectivity" format="ascii">{connectivity}</DataArray>
-        <DataArray type="Int32" Name="offsets" format="ascii">{count}</DataArray>
-        <DataArray type="UInt8" Name="types" format="ascii">{cell_type}</DataArray>
-      </Cells>
-      <PointData>{{}}{{}}{pressure}</PointData>
-    </Piece>
-  </UnstructuredGrid>
-</VTKFile>
-"""
 
 
 class RigidFieldWriter:
@@ -57,14 +39,7 @@ class RigidFieldWriter:
         self._index = PvdIndex(file, writes=writes) if index is None else index
         self._way = self._index.way_to(file.parent)
         self._writes, self._count = writes, 0
-        count = len(corners)
-        self._piece = PIECE.format(
-            count=count,
-            points=_array("", corners),
-            connectivity=" ".join(map(str, range(count))),
-            cell_type=CELL_TYPES[count],
-            pressure=_array("contact_pressure", np.zeros(count)),
-        )
+        self._piece, self._pressure = PieceWriter(one_cell(corners)), np.zeros(len(corners))
 
     def write(self, time: float, displacement: Array, velocity: Array) -> None:
         """Write the body at a time, s, by the motion of its corners relative to the ground, (n, d).
@@ -74,20 +49,11 @@ class RigidFieldWriter:
         if not self._writes:
             return
         name = f"{self._stem}{self._count:06d}.vtu"
-        fields = _array("displacement", displacement), _array("velocity", velocity)
-        (self._folder / name).write_text(self._piece.format(*fields), encoding="utf-8")
+        nodal = {
+            "displacement": in_space(displacement),
+            "velocity": in_space(velocity),
+            "contact_pressure": self._pressure,
+        }
+        self._piece.write(self._folder / name, nodal, {})
         self._index.add(time, self._way + name, self._part, self._name)
         self._count += 1
-
-
-def _array(name: str, values: Array) -> str:
-    """An array of a piece: numbers (n,), or vectors (n, 2 or 3), which VTK wants to be three."""
-    components = 1 if values.ndim == 1 else 3
-    if components == 3:
-        values = np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
-    numbers = " ".join(f"{value:.17g}" for value in values.ravel().tolist())
-    called = f'Name="{name}" ' if name else ""
-    return (
-        f'<DataArray type="Float64" {called}NumberOfComponents="{components}" format="ascii">'
-        f"{numbers}</DataArray>"
-    )

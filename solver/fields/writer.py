@@ -6,22 +6,20 @@ the ground frame, so "warp by vector" with factor 1 shows the block as it stands
 
 from __future__ import annotations
 
-import errno
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, io
+from dolfinx import fem
 
 from solver.bodies.elastic_forms import green_strain
-from solver.fields.pvd import PvdIndex
+from solver.fields.function_arrays import at_nodes, cells_of, in_cells, owned_cells, owned_nodes
+from solver.fields.piece import COPIES, PieceWriter, Values, write_parts
+from solver.fields.pvd import PvdIndex, entry_of, write_index
+from solver.parallel import any_rank
 from solver.scene.material import Material
-
-END = b"</VTKFile>\n"
-"""What a piece ends with."""
 
 
 def cauchy_stress(displacement: fem.Function, material: Material) -> Any:
@@ -107,6 +105,14 @@ class BodyFunctions:
         """Every function, in the order in which files list them."""
         return [*self.nodal, *(mean.function for mean in self.means)]
 
+    def arrays(self) -> tuple[dict[str, Values], dict[str, Values]]:
+        """Values at the nodes and in the cells that this rank knows, by the names of the fields."""
+        nodal: dict[str, Values] = {each.name: at_nodes(each) for each in self.nodal}
+        means: dict[str, Values] = {
+            mean.function.name: in_cells(mean.function) for mean in self.means
+        }
+        return nodal, means
+
     def fill(self) -> None:
         """Let the stress be that of the displacement as it is; collective."""
         for mean in self.means:
@@ -129,43 +135,73 @@ class FieldWriter:
         part: int = 0,
         name: str = "",
     ):
-        """Open the files, named after `file`: `fields_NAME.pvd` makes `fields_NAME000000.pvtu`.
+        """Prepare what does not change.
 
-        When the writer is closed this file lists them, too: the body alone. The index lists the
+        The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`. On
+        several ranks each has a piece of its own, and `fields_NAME000000.pvtu` opens all of them.
+        When the writer is closed the file lists them, too: the body alone. The index lists the
         pieces of all bodies as they are written, by number and name of the body; None: `file` does.
         """
-        self._functions, comm = functions, functions.mesh.comm
-        self._rank = comm.rank
-        self._writer = io.VTKFile(comm, file, "w")
-        self._index = PvdIndex(file, writes=comm.rank == 0) if index is None else index
-        self._folder, self._stem, self._count = file.parent, file.stem, 0
+        self._functions, self._comm = functions, functions.mesh.comm
+        self._file, self._folder, self._stem, self._count = file, file.parent, file.stem, 0
+        self._index = PvdIndex(file, writes=self._comm.rank == 0) if index is None else index
         self._part, self._name, self._way = part, name, self._index.way_to(file.parent)
+        self._alone: list[bytes] | None = None if index is None else []
+        """What the file is to list."""
+        self._piece = PieceWriter(cells_of(functions.space))
+        self._copies = None if self._comm.size == 1 else copies_of(functions.space)
 
     def write(self, time: float) -> None:
-        """Write the fields at a time (s)."""
-        self._functions.fill()
-        for function in self._functions.all:
-            function.x.scatter_forward()
-        number, self._count = self._count, self._count + 1  # as dolfinx counts, whatever follows
-        self._writer.write_function(self._functions.all, time)
-        # Ranks may be killed at any time: what is listed has been written by all of them.
-        self._functions.mesh.comm.Barrier()
-        self._check_piece(number)
-        # dolfinx lists its pieces when it closes the file; a killed run would have no list.
-        piece = f"{self._way}{self._stem}{number:06d}.pvtu"
-        self._index.add(time, piece, self._part, self._name)
+        """Write the fields at a time (s).
 
-    def _check_piece(self, number: int) -> None:
-        """Raise what dolfinx keeps to itself: the piece of this rank has no end, the disk is full.
-
-        Local, and after all that ranks do together.
+        An OSError is raised where it happens, after all that ranks do together.
         """
-        piece = self._folder / f"{self._stem}_p{self._rank}_{number:06d}.vtu"
-        with piece.open("rb") as stream:
-            stream.seek(max(-len(END), -piece.stat().st_size), os.SEEK_END)
-            if END.strip() not in stream.read():
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(piece))
+        functions, comm = self._functions, self._comm
+        functions.fill()
+        for function in functions.all:
+            function.x.scatter_forward()
+        number, self._count = self._count, self._count + 1  # whatever follows
+        trouble = None
+        try:
+            self._write_piece(number)
+        except OSError as error:
+            trouble = error
+        # Ranks may be killed at any time: what is listed has been written by all of them.
+        complete = not any_rank(comm, trouble is not None)
+        if trouble is not None:
+            raise trouble
+        if complete and comm.rank == 0:
+            self._list(time, number)
+
+    def _write_piece(self, number: int) -> None:
+        """Write the piece of this rank, and on the first of several what opens all pieces."""
+        nodal, means = self._functions.arrays()
+        if self._copies is None:
+            self._piece.write(self._folder / f"{self._stem}{number:06d}.vtu", nodal, means)
+            return
+        nodal[COPIES], means[COPIES] = self._copies
+        parts = [f"{self._stem}_p{rank}_{number:06d}.vtu" for rank in range(self._comm.size)]
+        self._piece.write(self._folder / parts[self._comm.rank], nodal, means)
+        if self._comm.rank == 0:
+            write_parts(self._folder / f"{self._stem}{number:06d}.pvtu", parts, nodal, means)
+
+    def _list(self, time: float, number: int) -> None:
+        """List a snapshot."""
+        piece = f"{self._stem}{number:06d}.{'vtu' if self._copies is None else 'pvtu'}"
+        self._index.add(time, self._way + piece, self._part, self._name)
+        if self._alone is not None:
+            self._alone.append(entry_of(time, piece))
 
     def close(self) -> None:
         """Finish the files."""
-        self._writer.close()
+        if self._alone is not None and self._comm.rank == 0:
+            write_index(self._file, self._alone)
+
+
+def copies_of(space: fem.FunctionSpace) -> tuple[Values, Values]:
+    """Which of the nodes and cells that a rank knows are copies of another's: 1, else 0."""
+    known = cells_of(space)
+    nodes = np.zeros(len(known.points), dtype=np.uint8)
+    cells = np.zeros(len(known.nodes), dtype=np.uint8)
+    nodes[owned_nodes(space) :] = cells[owned_cells(space) :] = 1
+    return nodes, cells

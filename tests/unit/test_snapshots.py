@@ -122,5 +122,5 @@ def test_none_is_written_twice(
     with pytest.raises(error, match="no more"):
         simulate(scene(), folder=tmp_path)
     assert listed(tmp_path) == pytest.approx(TIMES[:2] + TIMES[3:])
-    named = re.findall(r"above(\d{6})[.]pvtu", (tmp_path / "fields.pvd").read_text())
+    named = re.findall(r"above(\d{6})[.]vtu", (tmp_path / "fields.pvd").read_text())
     assert [int(number) for number in named] == [0, 1, 3, 4, 5]
