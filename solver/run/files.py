@@ -219,9 +219,14 @@ class RunFiles:
         if self._comm.size > 1 or (fields is not None and not fields.waiting):
             self.flush()
 
+    @property
+    def late(self) -> bool:
+        """Whether what waits to be written may have waited long; never on several ranks."""
+        return self._comm.size == 1 and time.perf_counter() - self._flushed >= PAUSE
+
     def flush_in_time(self) -> None:
-        """Write what waits, where it may have waited long: after every step of one rank."""
-        if self._comm.size == 1 and time.perf_counter() - self._flushed >= PAUSE:
+        """Write what may have waited long."""
+        if self.late:
             self.flush()
 
     def flush(self) -> None:
