@@ -222,7 +222,8 @@ class RunFiles:
     @property
     def late(self) -> bool:
         """Whether what waits to be written may have waited long; never on several ranks."""
-        return self._comm.size == 1 and time.perf_counter() - self._flushed >= PAUSE
+        files = self._folder is not None and self._comm.size == 1
+        return files and time.perf_counter() - self._flushed >= PAUSE
 
     def flush_in_time(self) -> None:
         """Write what may have waited long."""
