@@ -74,7 +74,7 @@ class IterationTolerances(NamedTuple):
 class Convergence:
     """The rules by which an iteration ends."""
 
-    round_off: float = 15.0
+    round_offs: float = 15.0
     """A residual below this many estimates of round-off that no longer falls is round-off and is
     accepted; found with the blocks of the verification tests, where the round-off of stiff stresses
     exceeds its estimate by less than that."""
@@ -140,4 +140,4 @@ class Convergence:
         """Whether round-off keeps the residual from falling any further."""
         if len(past) == 2:
             return False
-        return past[-1] > self.stagnation * past[-2] and past[-1] < self.round_off * round_off
+        return past[-1] > self.stagnation * past[-2] and past[-1] < self.round_offs * round_off
