@@ -15,7 +15,7 @@ from solver.scene import Scene
 from solver.types import Array
 
 if TYPE_CHECKING:
-    from solver.fields.writer import BodyFunctions
+    from solver.fields.body_functions import BodyFunctions
 
 
 class RigidWriter(Protocol):
@@ -85,10 +85,10 @@ class Pieces:
 
     def meshed(self, name: str, functions: BodyFunctions) -> MeshedWriter:
         """A writer for the next body, which is meshed; collective."""
-        from solver.fields.writer import FieldWriter
+        from solver.fields.meshed_writer import MeshedFieldWriter
 
         file, part = self._before.file(self._folder, name), self._next()
-        return FieldWriter(file, functions, index=self._index, part=part, name=name)
+        return MeshedFieldWriter(file, functions, index=self._index, part=part, name=name)
 
     def begin(self) -> None:
         """The index is there already."""

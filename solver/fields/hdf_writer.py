@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from dolfinx import fem
 
+from solver.fields.body_functions import BodyFunctions
 from solver.fields.cells import Cells
 from solver.fields.function_arrays import cells_of, owned_cells, owned_nodes
 from solver.fields.hdf_file import HdfBody, HdfFile
-from solver.fields.writer import BodyFunctions
 from solver.types import Array, Indices
 
 

@@ -18,12 +18,12 @@ from solver.bodies.reduced.body import ReducedBody, ReducedParts
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
+from solver.fields.body_functions import BodyFunctions
 from solver.fields.destination import Destination, RigidWriter, open_destination
 from solver.fields.ground import platform_corners
 from solver.fields.nodal_contact import nodal_contact
 from solver.fields.paraview import write_script
 from solver.fields.pvd import FieldsBefore
-from solver.fields.writer import BodyFunctions
 from solver.scene import Scene
 from solver.stepping.state import State
 from solver.stepping.system import Link

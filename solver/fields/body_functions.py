@@ -1,13 +1,8 @@
-"""Fields of a run for ParaView: those at the nodes of a body as they are given, and its stress.
-
-The mesh in the files is the undeformed block in its own frame; mesh + displacement is the place in
-the ground frame, so "warp by vector" with factor 1 shows the block as it stands.
-"""
+"""The fields of a meshed body as functions on its mesh: those at its nodes, and its stress."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,10 +10,8 @@ import ufl
 from dolfinx import fem
 
 from solver.bodies.elastic_forms import green_strain
-from solver.fields.function_arrays import at_nodes, cells_of, in_cells, owned_cells, owned_nodes
-from solver.fields.piece import COPIES, PieceWriter, Values, write_parts
-from solver.fields.pvd import PvdIndex, entry_of, write_index
-from solver.parallel import any_rank
+from solver.fields.function_arrays import at_nodes, in_cells
+from solver.fields.piece import Values
 from solver.scene.material import Material
 
 
@@ -117,91 +110,3 @@ class BodyFunctions:
         """Let the stress be that of the displacement as it is; collective."""
         for mean in self.means:
             mean.fill()
-
-
-class FieldWriter:
-    """Writes the pieces of one body and lists them in the index; every rank calls every method.
-
-    The functions are written as they are at the time of the call. The stress is the mean over each
-    cell; the other fields have the degree of the displacement.
-    """
-
-    def __init__(
-        self,
-        file: Path,
-        functions: BodyFunctions,
-        *,
-        index: PvdIndex | None = None,
-        part: int = 0,
-        name: str = "",
-    ):
-        """Prepare what does not change.
-
-        The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`. On
-        several ranks each has a piece of its own, and `fields_NAME000000.pvtu` opens all of them.
-        When the writer is closed the file lists them, too: the body alone. The index lists the
-        pieces of all bodies as they are written, by number and name of the body; None: `file` does.
-        """
-        self._functions, self._comm = functions, functions.mesh.comm
-        self._file, self._folder, self._stem, self._count = file, file.parent, file.stem, 0
-        self._index = PvdIndex(file, writes=self._comm.rank == 0) if index is None else index
-        self._part, self._name, self._way = part, name, self._index.way_to(file.parent)
-        self._alone: list[bytes] | None = None if index is None else []
-        """What the file is to list."""
-        self._piece = PieceWriter(cells_of(functions.space))
-        self._copies = None if self._comm.size == 1 else copies_of(functions.space)
-
-    def write(self, time: float) -> None:
-        """Write the fields at a time (s).
-
-        An OSError is raised where it happens, after all that ranks do together.
-        """
-        functions, comm = self._functions, self._comm
-        functions.fill()
-        for function in functions.all:
-            function.x.scatter_forward()
-        number, self._count = self._count, self._count + 1  # whatever follows
-        trouble = None
-        try:
-            self._write_piece(number)
-        except OSError as error:
-            trouble = error
-        # Ranks may be killed at any time: what is listed has been written by all of them.
-        complete = not any_rank(comm, trouble is not None)
-        if trouble is not None:
-            raise trouble
-        if complete and comm.rank == 0:
-            self._list(time, number)
-
-    def _write_piece(self, number: int) -> None:
-        """Write the piece of this rank, and on the first of several what opens all pieces."""
-        nodal, means = self._functions.arrays()
-        if self._copies is None:
-            self._piece.write(self._folder / f"{self._stem}{number:06d}.vtu", nodal, means)
-            return
-        nodal[COPIES], means[COPIES] = self._copies
-        parts = [f"{self._stem}_p{rank}_{number:06d}.vtu" for rank in range(self._comm.size)]
-        self._piece.write(self._folder / parts[self._comm.rank], nodal, means)
-        if self._comm.rank == 0:
-            write_parts(self._folder / f"{self._stem}{number:06d}.pvtu", parts, nodal, means)
-
-    def _list(self, time: float, number: int) -> None:
-        """List a snapshot."""
-        piece = f"{self._stem}{number:06d}.{'vtu' if self._copies is None else 'pvtu'}"
-        self._index.add(time, self._way + piece, self._part, self._name)
-        if self._alone is not None:
-            self._alone.append(entry_of(time, piece))
-
-    def close(self) -> None:
-        """Finish the files."""
-        if self._alone is not None and self._comm.rank == 0:
-            write_index(self._file, self._alone)
-
-
-def copies_of(space: fem.FunctionSpace) -> tuple[Values, Values]:
-    """Which of the nodes and cells that a rank knows are copies of another's: 1, else 0."""
-    known = cells_of(space)
-    nodes = np.zeros(len(known.points), dtype=np.uint8)
-    cells = np.zeros(len(known.nodes), dtype=np.uint8)
-    nodes[owned_nodes(space) :] = cells[owned_cells(space) :] = 1
-    return nodes, cells
