@@ -32,6 +32,7 @@ class BlockObserver:
     ):
         """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
+        self._links: Sequence[Link] = stepper.links
         self._own, self._shape = stepper.system.slices[member.number], member.spec.shape
         d, shape = stepper.system.dimension, self._shape
         self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
@@ -49,7 +50,7 @@ class BlockObserver:
     @property
     def _link(self) -> Link:
         """The interface of the block's own points; another one after a face has joined."""
-        return self._stepper.links[self._member.contacts[0]]
+        return self._links[self._member.contacts[0]]
 
     def saved(self) -> tuple[Any, ...]:
         """What is carried on from step to step, for `resume`."""
@@ -58,6 +59,7 @@ class BlockObserver:
     def resume(self, saved: tuple[Any, ...]) -> None:
         """Go on from the steps that another observer of the block has seen."""
         self._angles, self._slip, self._known = saved
+        self._links = self._stepper.links
         self._take_interface()
         self._take_homes()
 
@@ -105,8 +107,12 @@ class BlockObserver:
         found: Array = places + moved.take(nodes, axis=0)
         return found
 
-    def write(self, state: State, row: Array) -> None:
-        """Fill in the columns of the block, all of `row`."""
+    def write(self, state: State, links: Sequence[Link], row: Array) -> None:
+        """Fill in the columns of the block, all of `row`; the memories of the state are of `links`.
+
+        These stand as they did in the step that led there.
+        """
+        self._links = links
         own, *edges = self._member.contacts
         edges = [number for number in edges if not state.contacts[number].clear]
         memory = state.contacts[own]
@@ -162,7 +168,7 @@ class BlockObserver:
         """How deep a point is in what it touches in some interfaces, at most; 0 if none is, m."""
         deepest = 0.0
         for number in contacts:
-            interface, memory = self._stepper.links[number].interface, state.contacts[number]
+            interface, memory = self._links[number].interface, state.contacts[number]
             gap = memory.kinematics.place[:, 0]
             if float(gap.min()) < deepest:
                 inside = gap[interface.inside(memory)]
@@ -176,14 +182,14 @@ class BlockObserver:
         """
         own, *edges = self._member.contacts
         force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)
-        carrier = self._stepper.links[own].interface.carrier
+        carrier = self._links[own].interface.carrier
         frame = carrier.frame
         if lost:
             assert isinstance(carrier, Face)
             frame = carrier.reference_frame
             force = frame @ (force @ carrier.frame)
         for number in edges:
-            link = self._stepper.links[number]
+            link = self._links[number]
             pushed = in_space(state.contacts[number].force, link.interface.carrier.frame)
             sign = 1.0 if link.body == self._member.number else -1.0
             force = force + sign * pushed.sum(axis=0) @ frame.T

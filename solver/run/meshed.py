@@ -22,6 +22,7 @@ from solver.stepping.interfaces import Standing
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
+from solver.stepping.system import Link
 from solver.types import Array
 
 ROWS_AT_ONCE = 50
@@ -39,7 +40,8 @@ class _Taken(NamedTuple):
         state: Where it led.
         exchange: What it exchanged.
         dt: Its length, s.
-        standing: How the interfaces stood.
+        links: The interfaces that took part.
+        standing: How they stood.
         is_damped: Whether it was damped.
         rejected: How many steps had been refused by then.
     """
@@ -47,6 +49,7 @@ class _Taken(NamedTuple):
     state: State
     exchange: Exchange
     dt: float
+    links: Sequence[Link]
     standing: Standing
     is_damped: bool
     rejected: int
@@ -230,10 +233,10 @@ class MeshedRun:
 
     def _take(self, new: State, exchange: Exchange, dt: float) -> None:
         """Go on from where a step of length dt (s) led; its row waits."""
-        damped, standing = self.state.is_damped(dt), self._stepper.standing()
-        taken = _Taken(new, exchange, dt, standing, damped, self._ladder.rejected)
+        stepper, damped = self._stepper, self.state.is_damped(dt)
+        how = stepper.links, stepper.standing(), damped, self._ladder.rejected
         self.state = new
-        self._waiting.append(taken)
+        self._waiting.append(_Taken(new, exchange, dt, *how))
 
     def _next_stop(self, desk: RunContext) -> float:
         """Number of the step up to which steps may wait for their rows: a checkpoint, or many."""
@@ -249,10 +252,12 @@ class MeshedRun:
         self._rejected = self._ladder.rejected
         waiting, self._waiting = self._waiting, []  # an error leaves no gap between rows
         for taken in waiting:
-            self._stepper.stand(taken.standing)
+            # Not `stand`: the stepper would go back to the faces of then, and begin anew now.
+            taken.standing.restore(taken.links)
             reason = self._record(desk, taken)
             if reason:
                 self.state, self._rejected = taken.state, taken.rejected
+                self._stepper.stand(taken.standing)
                 return reason
         return ""
 
@@ -261,7 +266,7 @@ class MeshedRun:
         self._steps += 1
         self._iterations += taken.exchange.iterations
         self._damped += taken.is_damped
-        self._row = self._observer.row(taken.state, taken.exchange, taken.dt)
+        self._row = self._observer.row(taken.state, taken.exchange, taken.dt, taken.links)
         found = desk.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(desk)

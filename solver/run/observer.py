@@ -23,6 +23,7 @@ from solver.parallel import global_sum
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver, write_base_shear
 from solver.stepping.state import Exchange, State
+from solver.stepping.system import Link
 from solver.types import Array
 
 STORED = ("kinetic", "strain", "gravity", "spring", "interface")
@@ -100,8 +101,22 @@ class Observer:
         if self._platform is not None:
             self._platform.velocity = saved["platform"]
 
-    def row(self, state: State, exchange: Exchange, step: float) -> Array:
-        """The values of a history row, in the order of the columns."""
+    def row(
+        self,
+        state: State,
+        exchange: Exchange,
+        step: float,
+        links: Sequence[Link] | None = None,
+    ) -> Array:
+        """The values of a history row, in the order of the columns.
+
+        Args:
+            state: Where a step led.
+            exchange: What it exchanged.
+            step: Its length, s.
+            links: The interfaces, as they stood in it; None: those of the last one.
+        """
+        links = self._stepper.links if links is None else links
         layout, row, run = self._layout, self._row, self._run
         row[run.time_s], row[run.step_s] = state.time, step
         row[run.newton_iterations] = exchange.iterations
@@ -116,7 +131,7 @@ class Observer:
         if len(ground) == 3:
             row[run.base_second_acceleration_m_s2] = ground[1]
         for block, part in zip(self._blocks, self._parts, strict=True):
-            block.write(state, part)
+            block.write(state, links, part)
         if self._platform is not None:
             self._platform.write(state, step, row[layout.platform : layout.energy])
         if self._structure is not None:

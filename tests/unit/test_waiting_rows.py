@@ -33,6 +33,10 @@ SCENES: dict[str, dict[str, Any]] = {
         "time": {"end": 0.1005, "step": 1e-3},
         "output": {"history_every": 7},
     },
+    "that lands on its side": {
+        "block": [FALLING],
+        "time": {"end": 1.3, "step": 2e-3},
+    },
     "that ends early": {
         "block": [FALLING],
         "time": {"end": 2.0, "step": 4e-3, "stop": "overturned"},
