@@ -112,8 +112,8 @@ def test_so_is_a_meshed_engine_that_does() -> None:
     forgetful: Any = observer._blocks[1]
     write, at = forgetful.write, positions("block", 2)
 
-    def forgets(state: Any, row: Any) -> None:
-        write(state, row)
+    def forgets(state: Any, links: Any, row: Any) -> None:
+        write(state, links, row)
         row[[at.angle_rad, at.angular_velocity_rad_s, at.centre_x_m, at.centre_y_m]] = np.nan
 
     forgetful.write = forgets
