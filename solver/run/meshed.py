@@ -29,8 +29,9 @@ ROWS_AT_ONCE = 50
 """Steps whose rows are made together, on one rank: one after another they take a third of the time
 that each takes between two steps, when other code has been through the processor's caches."""
 
-MOST_WAITING = 200_000
-"""Unknowns of all steps that wait for that, at most: rows of large bodies are made at once."""
+MOST_WAITING = 10_000
+"""Unknowns of all steps that wait for that, at most: with their contact points these take a megabyte
+or two. Rows of large bodies are made at once."""
 
 
 class _Taken(NamedTuple):
