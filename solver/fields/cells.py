@@ -21,14 +21,14 @@ class Cells:
     """VTK's number of the cells."""
 
 
-ONE = {4: 9, 8: 12}
+BOXES = {4: 9, 8: 12}
 """VTK's numbers of a quadrilateral and a hexahedron, by the number of their corners."""
 
 
 def one_cell(corners: Array) -> Cells:
     """A body of one cell, by its corners, m, (4, 2) or (8, 3), in VTK's order."""
     count = len(corners)
-    return Cells(points=in_space(corners), nodes=np.arange(count)[None], kind=ONE[count])
+    return Cells(points=in_space(corners), nodes=np.arange(count)[None], kind=BOXES[count])
 
 
 def in_space(vectors: Array) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from dolfinx import fem
 
 from solver.fields.body_functions import BodyFunctions
+from solver.fields.cells import Cells
 from solver.fields.function_arrays import cells_of, owned_cells, owned_nodes
 from solver.fields.piece import COPIES, PieceWriter, Values, write_parts
 from solver.fields.pvd import PvdIndex, entry_of, write_index
@@ -47,9 +48,10 @@ class MeshedFieldWriter:
         self._index = PvdIndex(file, writes=self._comm.rank == 0) if index is None else index
         self._part, self._name, self._way = part, name, self._index.way_to(file.parent)
         self._alone: list[bytes] | None = None if index is None else []
-        """What the file is to list."""
-        self._piece = PieceWriter(cells_of(functions.space))
-        self._copies = None if self._comm.size == 1 else copies_of(functions.space)
+        """What the file is to list; None where the index is the file."""
+        cells = cells_of(functions.space)
+        self._piece = PieceWriter(cells)
+        self._copies = None if self._comm.size == 1 else copies_of(functions.space, cells)
 
     def write(self, time: float) -> None:
         """Write the fields at a time (s).
@@ -99,9 +101,8 @@ class MeshedFieldWriter:
                 write_index(self._file, self._alone)
 
 
-def copies_of(space: fem.FunctionSpace) -> tuple[Values, Values]:
+def copies_of(space: fem.FunctionSpace, known: Cells) -> tuple[Values, Values]:
     """Which of the nodes and cells that a rank knows are copies of another's: 1, else 0."""
-    known = cells_of(space)
     nodes = np.zeros(len(known.points), dtype=np.uint8)
     cells = np.zeros(len(known.nodes), dtype=np.uint8)
     nodes[owned_nodes(space) :] = cells[owned_cells(space) :] = 1

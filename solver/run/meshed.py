@@ -29,12 +29,16 @@ ROWS_AT_ONCE = 50
 """Steps whose rows are made together, on one rank: one after another they take a third of the time
 that each takes between two steps, when other code has been through the processor's caches."""
 
-MOST_WAITING = 10_000
-"""Unknowns of all steps that wait for that, at most: with their contact points these take a megabyte
-or two. Rows of large bodies are made at once."""
+MOST_UNKNOWNS = 10_000
+"""Unknowns of all steps that wait, at most: with their contact points they take a megabyte or two.
+Rows of large bodies are made at once."""
+
+ROWS_WATCHED = 25
+"""Steps whose rows are made together where a row may end the run: what is solved after it is in
+vain."""
 
 
-class _Taken(NamedTuple):
+class _Step(NamedTuple):
     """A step that was taken, and waits for its row to be made.
 
     Attributes:
@@ -96,7 +100,7 @@ class MeshedRun:
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
         self._ahead: _Ahead | None = None
-        self._waiting: list[_Taken] = []
+        self._waiting: list[_Step] = []
         self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
@@ -149,16 +153,24 @@ class MeshedRun:
         self._row = saved["row"]
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
-        """Step to the end; returns status and reason."""
-        try:
-            return self._loop(desk)
-        except BaseException:
-            if self._stepper.system.comm.size == 1:  # else none waits
-                self._make_rows(desk)
-            raise
+        """Step to the end; returns status and reason.
 
-    def _loop(self, desk: RunContext) -> tuple[str, str]:
-        """Step to the end; returns status and reason."""
+        Whatever ends it, the rows of all steps are made that were taken.
+        """
+        try:
+            status, reason = self._advance_to_end(desk)
+        except BaseException as trouble:
+            # On several ranks none waits.
+            ended = self._make_rows(desk) if self._stepper.system.comm.size == 1 else ""
+            if not ended or not isinstance(trouble, Exception):
+                raise
+            status, reason = "completed", ended  # before the step that came to grief
+        self._last_row(desk)
+        desk.files.snapshot(self.state.time)
+        return status, reason
+
+    def _advance_to_end(self, desk: RunContext) -> tuple[str, str]:
+        """Take steps until the run ends; returns status and reason."""
         ladder = self._ladder
         status, reason = "completed", ""
         due, stop = desk.files.next_snapshot(self.state.time), self._next_stop(desk)
@@ -204,10 +216,7 @@ class MeshedRun:
             if not waits:
                 desk.keep(self, self._steps, self.state.time)
                 stop = self._next_stop(desk)
-        reason = reason or self._make_rows(desk)
-        self._last_row(desk)
-        desk.files.snapshot(self.state.time)
-        return status, reason
+        return status, reason or self._make_rows(desk)
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
@@ -237,23 +246,24 @@ class MeshedRun:
         stepper, damped = self._stepper, self.state.is_damped(dt)
         how = stepper.links, stepper.standing(), damped, self._ladder.rejected
         self.state = new
-        self._waiting.append(_Taken(new, exchange, dt, *how))
+        self._waiting.append(_Step(new, exchange, dt, *how))
 
     def _next_stop(self, desk: RunContext) -> float:
-        """Number of the step up to which steps may wait for their rows: a checkpoint, or many."""
+        """Number of the step up to which steps may wait: the next checkpoint, if not sooner."""
         system = self._stepper.system
-        most = 1 if system.comm.size > 1 else min(ROWS_AT_ONCE, MOST_WAITING // system.unknowns)
-        return min(self._steps + max(1, most), desk.files.schedule.next_step(self._steps))
+        most = ROWS_WATCHED if desk.watch.ends_runs else ROWS_AT_ONCE
+        few = max(1, MOST_UNKNOWNS // system.unknowns) if system.comm.size == 1 else 1
+        return min(self._steps + min(most, few), desk.files.schedule.next_step(self._steps))
 
     def _make_rows(self, desk: RunContext) -> str:
         """Write down the steps that wait; returns why the run ends with one of them, if it does.
 
-        The run then stands where that step led, and the steps after it were none.
+        The run then stands where that step led, and steps refused after it are not counted.
         """
         self._rejected = self._ladder.rejected
         waiting, self._waiting = self._waiting, []  # an error leaves no gap between rows
         for taken in waiting:
-            # Not `stand`: the stepper would go back to the faces of then, and begin anew now.
+            # `stand` would set the solver up for the faces of that step, and then again for these.
             taken.standing.restore(taken.links)
             reason = self._record(desk, taken)
             if reason:
@@ -262,7 +272,7 @@ class MeshedRun:
                 return reason
         return ""
 
-    def _record(self, desk: RunContext, taken: _Taken) -> str:
+    def _record(self, desk: RunContext, taken: _Step) -> str:
         """Write down a step; returns why the run ends with it, if it does."""
         self._steps += 1
         self._iterations += taken.exchange.iterations

@@ -185,6 +185,7 @@ def test_fields_come_back_from_several_ranks(tmp_path: Path, ranks: int) -> None
     grid = read_fields(file, 0.25)
     assert_fields(grid, "strain")
     assert np.count_nonzero(grid.cell_data["vtkGhostType"] == 0) == 21
+    assert np.count_nonzero(grid.point_data["vtkGhostType"] == 0) == 4 * 8
 
 
 @pytest.mark.serial

@@ -70,6 +70,8 @@ def test_they_are_the_same_as_written_at_once(
         assert written == [1] * 6
         assert listed(tmp_path / "waiting") == listed(tmp_path / name) == pytest.approx(TIMES)
         assert pieces(tmp_path / "waiting") == pieces(tmp_path / name)
+        alone = ENTRY.finditer((tmp_path / name / "fields" / "fields_above.pvd").read_bytes())
+        assert [float(entry[1]) for entry in alone] == listed(tmp_path / name)
         monkeypatch.setattr(files, "PAUSE", math.inf)
 
 
