@@ -24,6 +24,11 @@ def in_one_line(text: str) -> str:
     return line if len(line) <= LONGEST + files else f"{line[: LONGEST + files - 4]} ..."
 
 
+def of_file(error: OSError, file: Path) -> OSError:
+    """The system's error with the file that it is about, which errors of writing do not name."""
+    return OSError(error.errno, error.strerror, str(file))
+
+
 class RockslipError(Exception):
     """Anything that ends a run with a message instead of a traceback."""
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
-from solver.fields.cells import in_space, one_cell
+from solver.fields.cells import one_cell
 from solver.fields.hdf_file import NAME, HdfBody, HdfFile
 from solver.fields.pvd import FieldsBefore, PvdIndex
-from solver.fields.rigid_writer import RigidFieldWriter
+from solver.fields.rigid_writer import RigidFieldWriter, nodal_fields
 from solver.scene import Scene
 from solver.types import Array
 
@@ -140,7 +138,6 @@ class _RigidBody:
         self._body = body
 
     def write(self, time: float, displacement: Array, velocity: Array) -> None:
-        """Write the motion of the corners; contact forces have no place on a rigid body."""
+        """Write the motion of the corners."""
         if self._body is not None:
-            fields = {"displacement": in_space(displacement), "velocity": in_space(velocity)}
-            self._body.write(fields | {"contact_pressure": np.zeros(len(displacement))}, {})
+            self._body.write(nodal_fields(displacement, velocity), {})

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.errors import Statement
+from solver.errors import Statement, of_file
 from solver.fields.cells import Cells
 from solver.scene import Scene
 from solver.types import Array, Indices
@@ -104,7 +104,7 @@ class HdfFile:
             with TemporaryFile(dir=self.path.parent) as tried:
                 os.posix_fallocate(tried.fileno(), 0, size)
         except OSError as error:
-            raise OSError(error.errno, error.strerror, str(self.path)) from error
+            raise of_file(error, self.path) from error
 
     def body(self, name: str, cells: Cells) -> HdfBody:
         """The next body; it is written with its first fields."""

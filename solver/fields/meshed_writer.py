@@ -58,41 +58,42 @@ class MeshedFieldWriter:
 
         An OSError is raised where it happens, after all that ranks do together.
         """
-        functions, comm = self._functions, self._comm
+        functions = self._functions
         functions.fill()
         for function in functions.all:
             function.x.scatter_forward()
         number, self._count = self._count, self._count + 1  # whatever follows
-        trouble = None
+        trouble, piece = None, ""
         try:
-            self._write_piece(number)
+            piece = self._write_piece(number)
         except OSError as error:
             trouble = error
         # Ranks may be killed at any time: what is listed has been written by all of them.
-        complete = not any_rank(comm, trouble is not None)
+        complete = not any_rank(self._comm, trouble is not None)
         if trouble is not None:
             raise trouble
-        if complete and comm.rank == 0:
-            self._list(time, number)
+        if complete:
+            self._index.add(time, self._way + piece, self._part, self._name)
+            if self._alone is not None:
+                self._alone.append(entry_of(time, piece))
 
-    def _write_piece(self, number: int) -> None:
-        """Write the piece of this rank, and on the first of several what opens all pieces."""
+    def _write_piece(self, number: int) -> str:
+        """Write the piece of this rank, and on the first of several what opens all pieces.
+
+        Returns the name of what is to be opened.
+        """
         nodal, means = self._functions.arrays()
         if self._copies is None:
-            self._piece.write(self._folder / f"{self._stem}{number:06d}.vtu", nodal, means)
-            return
+            piece = f"{self._stem}{number:06d}.vtu"
+            self._piece.write(self._folder / piece, nodal, means)
+            return piece
         nodal[COPIES], means[COPIES] = self._copies
+        whole = f"{self._stem}{number:06d}.pvtu"
         parts = [f"{self._stem}_p{rank}_{number:06d}.vtu" for rank in range(self._comm.size)]
         self._piece.write(self._folder / parts[self._comm.rank], nodal, means)
         if self._comm.rank == 0:
-            write_parts(self._folder / f"{self._stem}{number:06d}.pvtu", parts, nodal, means)
-
-    def _list(self, time: float, number: int) -> None:
-        """List a snapshot."""
-        piece = f"{self._stem}{number:06d}.{'vtu' if self._copies is None else 'pvtu'}"
-        self._index.add(time, self._way + piece, self._part, self._name)
-        if self._alone is not None:
-            self._alone.append(entry_of(time, piece))
+            write_parts(self._folder / whole, parts, nodal, means)
+        return whole
 
     def close(self) -> None:
         """List the pieces of the body alone, if there is room for it."""

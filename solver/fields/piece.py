@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.errors import of_file
 from solver.fields.cells import Cells
 
 Values = NDArray[Any]
@@ -45,7 +46,7 @@ class PieceWriter:
         count, per_cell = cells.nodes.shape
         sizes = f'NumberOfPoints="{len(cells.points)}" NumberOfCells="{count}"'
         topology: dict[str, Values] = {
-            "connectivity": cells.nodes.astype(np.int64).ravel(),
+            "connectivity": cells.nodes.ravel(),
             "offsets": np.arange(1, count + 1, dtype=np.int64) * per_cell,
             "types": np.full(count, cells.kind, dtype=np.uint8),
         }
@@ -91,7 +92,7 @@ def _write(file: Path, content: bytes) -> None:
     try:
         file.write_bytes(content)
     except OSError as error:
-        raise OSError(error.errno, error.strerror, str(file)) from error
+        raise of_file(error, file) from error
 
 
 def _section(place: str, arrays: Mapping[str, Values]) -> list[bytes]:

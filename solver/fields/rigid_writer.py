@@ -12,11 +12,20 @@ from solver.fields.pvd import PvdIndex
 from solver.types import Array
 
 
-class RigidFieldWriter:
-    """Writes a rigid body beside `fields.pvd`, with the fields of an elastic one.
+def nodal_fields(displacement: Array, velocity: Array) -> dict[str, Array]:
+    """The fields of a rigid body at its corners, by the motion of these, (n, d), m and m/s.
 
     Contact pressure is zero: a rigid body has contact forces, but they have no place on it.
     """
+    return {
+        "displacement": in_space(displacement),
+        "velocity": in_space(velocity),
+        "contact_pressure": np.zeros(len(displacement)),
+    }
+
+
+class RigidFieldWriter:
+    """Writes a rigid body beside `fields.pvd`, with the fields of an elastic one."""
 
     def __init__(
         self,
@@ -39,7 +48,7 @@ class RigidFieldWriter:
         self._index = PvdIndex(file, writes=writes) if index is None else index
         self._way = self._index.way_to(file.parent)
         self._writes, self._count = writes, 0
-        self._piece, self._pressure = PieceWriter(one_cell(corners)), np.zeros(len(corners))
+        self._piece = PieceWriter(one_cell(corners))
 
     def write(self, time: float, displacement: Array, velocity: Array) -> None:
         """Write the body at a time, s, by the motion of its corners relative to the ground, (n, d).
@@ -49,11 +58,6 @@ class RigidFieldWriter:
         if not self._writes:
             return
         name = f"{self._stem}{self._count:06d}.vtu"
-        nodal = {
-            "displacement": in_space(displacement),
-            "velocity": in_space(velocity),
-            "contact_pressure": self._pressure,
-        }
-        self._piece.write(self._folder / name, nodal, {})
+        self._piece.write(self._folder / name, nodal_fields(displacement, velocity), {})
         self._index.add(time, self._way + name, self._part, self._name)
         self._count += 1

@@ -14,7 +14,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.errors import SceneError
+from solver.errors import SceneError, of_file
 from solver.history.columns import Structure, columns
 from solver.scene import Scene
 
@@ -73,7 +73,7 @@ class History:
             try:
                 file.write_text(",".join(self.columns) + "\n", encoding="utf-8")
             except OSError as error:
-                raise OSError(error.errno, error.strerror, str(file)) from error
+                raise of_file(error, file) from error
 
     def __len__(self) -> int:
         """Number of rows."""
@@ -137,7 +137,7 @@ class History:
                     kept = text[: stream.tell() - before].rfind(b"\n") + 1
                     os.truncate(self.file, before + kept)
                     self._written += text.count(b"\n", 0, kept)
-                    raise OSError(error.errno, error.strerror, str(self.file)) from error
+                    raise of_file(error, self.file) from error
                 self._written += len(part)
 
         self._shelve()

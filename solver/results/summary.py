@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from solver.errors import of_file
 from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
@@ -179,7 +180,7 @@ def write_whole(file: Path, text: str) -> None:
         os.replace(draft, file)
     except OSError as error:
         draft.unlink(missing_ok=True)
-        raise OSError(error.errno, error.strerror, str(file)) from error
+        raise of_file(error, file) from error
 
 
 def _plain(value: Any) -> Any:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from solver import VERSION
-from solver.errors import SceneError
+from solver.errors import SceneError, of_file
 from solver.excitation.motion import GroundMotion
 from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene, scene_to_toml
@@ -139,7 +139,7 @@ def write_checkpoint(
         os.replace(draft, file)
     except OSError as error:
         draft.unlink(missing_ok=True)
-        raise OSError(error.errno, error.strerror, str(file)) from error
+        raise of_file(error, file) from error
 
 
 def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm) -> Checkpoint:

@@ -177,10 +177,7 @@ class MeshedRun:
         while not ladder.done:
             stopped = desk.stopped(self.state.time)
             if stopped:
-                reason = self._make_rows(desk)
-                if not reason:
-                    status, reason = "interrupted", stopped
-                    desk.keep(self, self._steps, self.state.time, ends=True)
+                status, reason = "interrupted", stopped
                 break
             step = ladder.step
             try:
@@ -190,9 +187,7 @@ class MeshedRun:
                 self._log(f"step rejected {where}: {trouble}")
                 if ladder.reject():
                     continue
-                reason = self._make_rows(desk)
-                if not reason:
-                    status, reason = "not converged", f"{where}: {trouble}"
+                status, reason = "not converged", f"{where}: {trouble}"
                 break
             judge = self._judge
             if (
@@ -207,16 +202,21 @@ class MeshedRun:
             shows = ladder.time >= due * (1 - 1e-12)
             waits = self._steps + len(self._waiting) < stop and not desk.files.late
             if not waits or (shows and desk.watch.ends_runs):
-                reason = self._make_rows(desk)
-                if reason:
-                    break
+                ended = self._make_rows(desk)
+                if ended:
+                    return "completed", ended
             if shows:
                 desk.files.snapshot(self.state.time)
                 due = desk.files.next_snapshot(self.state.time)
             if not waits:
                 desk.keep(self, self._steps, self.state.time)
                 stop = self._next_stop(desk)
-        return status, reason or self._make_rows(desk)
+        ended = self._make_rows(desk)
+        if ended:  # before whatever it was
+            return "completed", ended
+        if status == "interrupted":
+            desk.keep(self, self._steps, self.state.time, ends=True)
+        return status, reason
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
