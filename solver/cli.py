@@ -7,9 +7,10 @@ converged, 4 environment or no space left, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -30,6 +31,7 @@ from solver.launcher import launched_rank
 from solver.pictures.command import add_pictures
 from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
+from solver.scene.checking import nearest
 from solver.study.command import add_studies
 from solver.study.report import add_report
 
@@ -42,13 +44,29 @@ INTERRUPTED = 130
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line."""
+    """A parser whose complaints are one line, with the word that was meant."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """Read the words; an option that nobody knows is bad input where it stands."""
+        found, rest = super().parse_known_args(args, namespace)
+        for word in rest:
+            if word.startswith("-"):
+                self.error(f"no option {word}{_hint(word, self._option_string_actions)}")
+        return found, rest
 
     def error(self, message: str) -> NoReturn:
         """Bad input, as everywhere: one line, exit code 2."""
+        choice = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)$", message)
+        hint = _hint(choice[1], re.findall(r"[\w-]+", choice[2])) if choice else ""
         if launched_rank() == 0:
-            tell(f"rockslip: {message} (see {self.prog} --help)\n")
+            tell(f"rockslip: {message}{hint} (see {self.prog} --help)\n")
         sys.exit(SceneError.exit_code)
+
+
+def _hint(word: str, words: Iterable[str]) -> str:
+    """The word that was meant, if one looks like it."""
+    meant = nearest(word, words)
+    return f", did you mean '{meant}'?" if meant else ""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

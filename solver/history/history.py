@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from solver.errors import SceneError, of_file
 from solver.history.columns import Structure, columns
 from solver.scene import Scene
+from solver.scene.checking import nearest
 
 #: Rows that become text in one go.
 CHUNK = 256
@@ -84,7 +85,14 @@ class History:
         return column in self._index
 
     def __getitem__(self, column: str) -> NDArray[np.float64]:
-        """One column, over all rows."""
+        """One column, over all rows.
+
+        Raises:
+            KeyError: There is no such column; names the nearest one.
+        """
+        if column not in self._index:
+            meant = nearest(column, self.columns)
+            raise KeyError(f"{column}, no column{f', but {meant} is one' if meant else ''}")
         values, place = np.empty(self._length), self._index[column]
         for first, block in zip(range(0, self._length, BLOCK), self._blocks, strict=False):
             part = values[first : first + BLOCK]

@@ -25,16 +25,9 @@ from solver.pictures.style import (
 )
 from solver.results.endings import fell_at, overturned_at
 from solver.results.moving import moving_span
+from solver.results.report import CAUSES
 from solver.results.runs import Run
 from solver.results.upright import gravity_above_upright
-
-LOSS_LABELS = {
-    "friction": "friction",
-    "damping": "damping",
-    "contact_damping": "contact dashpots",
-    "contact": "impact",
-    "numerical": "time integration",
-}
 
 #: A fall is cut off where the picture would be so many times as high.
 DWARFED = 1.5
@@ -51,12 +44,12 @@ def draw_energy(run: Run) -> Figure:
     below.set(xlabel="time (s)", xlim=span)
     cut = "\n(fall cut off)" if _cut_fall((above, below), run) else ""
     above.set_ylabel(f"energy (J){cut}")
-    below.set_ylabel(f"dissipated (J){cut}")
+    below.set_ylabel(f"work (J){cut}")
     if fraction is not None:
         figure.supxlabel(f"ledger closes to {fraction:.1e} of the energy scale", fontsize="small")
     for axes in (above, below):
         zero_line(axes)
-        legend_over(axes, columns=4)
+        legend_over(axes, columns=3)
     figure.align_ylabels()
     return figure
 
@@ -113,7 +106,7 @@ def _add_lost(axes: Axes, run: Run) -> None:
     axes.plot(time, work - total + total[0], color="#c0c0c0", linewidth=3.5, label="energy lost")
     for (name, values), hue in zip(lost.items(), (RED, SKY, GREEN, BLUE, ORANGE), strict=True):
         if np.any(values != 0):
-            axes.plot(time, values, color=hue, linewidth=0.9, label=LOSS_LABELS[name])
+            axes.plot(time, values, color=hue, linewidth=0.9, label=CAUSES[name])
     together = np.sum(list(lost.values()), axis=0)
     axes.plot(time, together, "k", linewidth=0.9, label="sum of the causes")
     if np.any(work != 0):

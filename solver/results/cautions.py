@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
 from solver.scene import BlockSpec, MotionSpec, Scene
+from solver.scene.footing import beyond_edge
+from solver.scene.foundation import FrameSpec, PlateSpec
 from solver.scene.time import STEPS_A_PERIOD
 from solver.scene.units import G_UNIT
 
@@ -24,8 +27,18 @@ STEPS_A_LANDING = 20.0
 """Steps in a landing on a bed with dashpots, fewest that resolve it."""
 
 STRONGEST_G = 3.0
-"""Peak acceleration of a recorded motion that is worth a second look, g: hardly any on the ground
+"""Peak acceleration of a motion that is worth a second look, g: hardly any on the ground
 was as large (3.9 g along the vertical at IWTH25, Iwate-Miyagi 2008)."""
+
+FASTER = 1.02
+"""Restitution beyond which an impact gave a block energy that something else had."""
+
+DENSITIES = 10.0, 25_000.0
+"""Densities of blocks that are worth no second look, kg/m3: from foam to metals."""
+
+COARSEST_RECORD = 0.1
+"""Time between samples of a recorded motion that is worth a second look, s: accelerographs take
+fifty or more a second."""
 
 FEWEST_STEPS_A_PERIOD = 10.0
 """Steps in a period of the ground's motion, or in a quarter period of a rocking block, fewest that
@@ -67,17 +80,42 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
     ]
 
 
+def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Cautions about impacts from which a block came faster, by the entries of a summary.
+
+    On a foundation that deforms, but does not move as a whole.
+    """
+    if not scene.foundation.is_meshed or scene.carrier_moves:
+        return []
+    found = []
+    for block in scene.blocks:
+        impacts = blocks[block.name]["impacts"] if block.on == "foundation" else []
+        faster = [i for i in impacts if (i["restitution"] or 0.0) > FASTER]
+        if faster:
+            first = faster[0]
+            found.append(
+                f"{block.name} comes from its impact at {first['time_s']:.4g} s "
+                f"{first['restitution']:.3g} times as fast as it met it: the foundation vibrates, "
+                "and step, mesh and its damping decide what follows"
+            )
+    return found
+
+
 def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Cautions about motions and steps that look like mistakes, which runs repeat."""
-    return [*_strong_motions(scene, ground), *_blind_steps(scene)]
+    """Cautions about input that looks like a mistake, which runs repeat."""
+    return [
+        *_strange_densities(scene),
+        *_lost_from_the_start(scene),
+        *_strong_motions(scene, ground),
+        *_coarse_records(scene, ground),
+        *_motions_beyond_the_end(scene, ground),
+        *_blind_steps(scene),
+    ]
 
 
 def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
     """Cautions that no run is needed for."""
-    found = cautions_of_input(scene, ground)
-    stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
-    if math.isfinite(stop) and stop > scene.time.end * (1 + 1e-9):
-        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
+    found = [*cautions_of_input(scene, ground), *_undamped_foundation(scene)]
     if not _elastic(scene):
         return found
     if _overruled(scene):
@@ -98,15 +136,75 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
 
 
 def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Sampled motions with accelerations that no ground has had."""
+    """Motions with accelerations that no ground has had."""
     found = []
     for where, part in zip(scene.directions, ground.parts, strict=True):
-        if isinstance(part, SampledMotion) and part.peak > STRONGEST_G * G_UNIT:
+        if part is None or part.peak <= STRONGEST_G * G_UNIT:
+            continue
+        at, suspects = "", "amplitude_g, which is in g"
+        if isinstance(part, SampledMotion):
             at = f", in {part.largest}" if part.largest else ""
+            suspects = "its units, its scale and its decimal points"
+        found.append(
+            f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
+            f"hardly been recorded; look at {suspects}"
+        )
+    return found
+
+
+def _strange_densities(scene: Scene) -> list[str]:
+    """Blocks lighter than foam or heavier than metals."""
+    low, high = DENSITIES
+    return [
+        f"{block.name} weighs {block.shape.density:.3g} kg/m3: look at its lengths, in m, and at "
+        "its mass, in kg"
+        for block in scene.blocks
+        if not low <= block.shape.density <= high
+    ]
+
+
+def _lost_from_the_start(scene: Scene) -> list[str]:
+    """Blocks that nothing can keep where they start: over an edge, or leaning too far."""
+    found = []
+    for block in scene.blocks:
+        if beyond_edge(scene, block):
+            found.append(f"{block.name} starts with its centre beyond the edge of {block.on}")
+        most = block.shape.slenderness
+        if scene.dimension == 2 and not scene.gravity_tilt_deg and abs(block.tilt) >= most:
             found.append(
-                f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
-                "hardly been recorded; look at its units, its scale and its decimal points"
+                f"{block.name} starts at {block.tilt_deg:g} degrees, and falls over from "
+                f"{math.degrees(most):.4g} on"
             )
+    return found
+
+
+def _coarse_records(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Records whose samples are so far apart that their times are hardly in seconds."""
+    sampled = dict(zip(scene.directions, ground.parts, strict=True))
+    found = []
+    for where, spec in scene.motions:
+        part = sampled[where]
+        if spec.kind == "record" and isinstance(part, SampledMotion):
+            if part.step is not None and part.step > COARSEST_RECORD:
+                found.append(
+                    f"the samples of {where} are {part.step:g} s apart, as in no record: look at "
+                    "the unit of its times"
+                )
+    return found
+
+
+def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Motions of which a run sees nothing, or not all."""
+    end = scene.time.end * (1 + 1e-9)
+    late = [(where, getattr(spec, "start", 0.0)) for where, spec in scene.motions]
+    found = [
+        f"{where} begins at {start:g} s, after the run ends at {scene.time.end:g} s"
+        for where, start in late
+        if start > end
+    ]
+    stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
+    if not found and math.isfinite(stop) and stop > end:
+        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
     return found
 
 
@@ -169,6 +267,21 @@ def _overruled(scene: Scene) -> bool:
     """Whether nothing has the damping of `[damping]`, as in the copy of a scene without one."""
     own = all(block.damping is not None for block in _elastic(scene))
     return scene.damping is not None and own and not scene.foundation.is_meshed
+
+
+def _undamped_foundation(scene: Scene) -> list[str]:
+    """A meshed foundation whose vibration lasts from one impact on it to the next."""
+    foundation = scene.foundation
+    if not isinstance(foundation, PlateSpec | FrameSpec) or not foundation.is_meshed:
+        return []
+    own = scene.damping_of(foundation)
+    damped = foundation.sway_damping_ratio or scene.contact.damping or (own and own.stiffness)
+    if damped:
+        return []
+    return [
+        "nothing damps the foundation, so that what one impact shakes in it meets the next one and "
+        "decides what that loses: give foundation.damping.stiffness"
+    ]
 
 
 def _undamped(scene: Scene) -> list[BlockSpec]:

@@ -8,6 +8,15 @@ from typing import Any
 
 from solver.results.cautions import loss_shares
 
+UNKNOWN = "unknown"
+"""What stands in the place of a number that nobody knows."""
+
+ROUND_OFF = 1e-6
+"""Angles (degrees) and ways (mm) below this are round-off."""
+
+LEAST_SHARE = 5e-4
+"""Part of the whole loss below which a cause is not listed: it would be shown as 0.0 %."""
+
 #: As many impacts are listed at most.
 LISTED = 8
 
@@ -50,24 +59,28 @@ def _horizon(found: Mapping[str, Any]) -> str:
 
 def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
     """Lines on one block."""
+    angle = _plain(math.degrees(block["peak_angle_rad"]))
+    peak, residual = _plain(1e3 * block["peak_slip_m"]), _plain(1e3 * block["residual_slip_m"])
     lines = [
-        f"{name}: {block['mode']}, peak angle {math.degrees(block['peak_angle_rad']):.4g} degrees, "
-        f"peak slip {1e3 * block['peak_slip_m']:.3g} mm, "
-        f"residual slip {1e3 * block['residual_slip_m']:.3g} mm"
+        f"{name}: {block['mode']}, peak angle {angle:.4g} degrees, "
+        f"peak slip {peak:.3g} mm, residual slip {residual:.3g} mm"
     ]
     impacts = block["impacts"]
     if impacts:
         more = " ..." if len(impacts) > LISTED else ""
         times = " ".join(f"{impact['time_s']:.4f}" for impact in impacts[:LISTED])
-        ratios = " ".join(_number(impact["restitution"], ".3f") for impact in impacts[:LISTED])
+        known = [impact["restitution"] for impact in impacts]
+        ratios = " ".join(_number(ratio, ".3f") for ratio in known[:LISTED]) + more
+        if all(_number(ratio) == UNKNOWN for ratio in known):
+            ratios = UNKNOWN
         impact_word = "impact" if len(impacts) == 1 else "impacts"
         lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
-        lines.append(f"  restitution   {ratios}{more}")
+        lines.append(f"  restitution   {ratios}")
     return lines
 
 
 CAUSES = {
-    "damping": "material",
+    "damping": "damping",
     "contact_damping": "contact dashpots",
     "friction": "friction",
     "contact": "contact",
@@ -84,7 +97,9 @@ def _losses(loss: Mapping[str, float]) -> str:
     if not shares:
         return "lost: nothing"
     parts = [
-        f"{100 * shares[key]:.1f} % {words}" for key, words in CAUSES.items() if shares.get(key)
+        f"{100 * shares[key]:.1f} % {words}"
+        for key, words in CAUSES.items()
+        if abs(shares.get(key, 0.0)) >= LEAST_SHARE
     ]
     return f"lost {_number(sum(loss.values()))} J: {', '.join(parts)}"
 
@@ -131,4 +146,9 @@ def _cost(cost: Mapping[str, Any]) -> str:
 
 def _number(value: float | None, form: str = ".4g") -> str:
     """A number, or that it is not known."""
-    return "unknown" if value is None or math.isnan(value) else format(value, form)
+    return UNKNOWN if value is None or math.isnan(value) else format(value, form)
+
+
+def _plain(value: float) -> float:
+    """An angle in degrees or a way in mm, 0 where it is round-off."""
+    return 0.0 if abs(value) < ROUND_OFF else value

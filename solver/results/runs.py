@@ -46,11 +46,15 @@ class Run:
         return str(self.summary["model"])
 
 
-def read_run(folder: Path) -> Run:
+def read_run(folder: str | Path) -> Run:
     """Read a run back; a folder that holds none is bad input.
 
     A run that was killed, or still goes on, has no summary: it is made from the history.
+
+    Raises:
+        RockslipError: There is no run in the folder, or it cannot be read.
     """
+    folder = Path(folder)
     for name in ("scene.toml", "history.csv"):
         if not (folder / name).is_file():
             hidden = hidden_by_in_env(folder)

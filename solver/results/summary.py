@@ -15,7 +15,7 @@ from solver.errors import of_file
 from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
-from solver.results.cautions import cautions_of_run, loss_shares
+from solver.results.cautions import cautions_of_impacts, cautions_of_run, loss_shares
 from solver.results.endings import fell_at, overturned_at
 from solver.results.motion import BlockMotion, block_motion
 from solver.results.overlaps import overlaps
@@ -48,6 +48,7 @@ def summarise(
     platform = _platform(history) if len(history) else {}
     balance = _energy(scene, history) if len(history) else {}
     found = cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
+    found += cautions_of_impacts(scene, blocks) if blocks else []
     return {
         "schema": SCHEMA,
         "title": scene.title,

@@ -10,6 +10,7 @@ from solver.excitation.description import describe_motion
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
+from solver.reference.platform_rocking import restitution_on_platform
 from solver.results.cautions import cautions_of_scene
 from solver.run.rank_gain import ranks_in_words
 from solver.scene import BlockSpec, Scene
@@ -80,12 +81,29 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
             ("  frequency p", f"{shape.frequency(down):.4f} 1/s"),
             ("  uplift at", f"{_uplift(block, scene):.4f} g"),
         ]
-    ratio = housner_restitution(shape)
+    lines.append(("  restitution", _restitution(block, scene)))
+    return lines + _damping(block, scene) + _start(block)
+
+
+def _restitution(block: BlockSpec, scene: Scene) -> str:
+    """What a rigid block keeps of its angular velocity at an impact, and by which formula."""
+    ratio, source = housner_restitution(block.shape), "Housner 1963"
+    if scene.has_platform and len(scene.blocks) == 1:
+        ratio = restitution_on_platform(block.shape, scene.platform().mass)
+        source = "on a platform of this mass, (R8) of docs/reference.md"
+    elif not _on_firm_ground(block, scene):
+        source += ", on firm ground"
     text = f"{ratio:.4f}" if ratio > 0 else "none, too squat to rock on"
     if block.restitution is not None:
         text = f"{block.restitution:g}, instead of {text}"
-    lines.append(("  restitution", f"{text} (Housner 1963)"))
-    return lines + _damping(block, scene) + _start(block)
+    return f"{text} ({source})"
+
+
+def _on_firm_ground(block: BlockSpec, scene: Scene) -> bool:
+    """Whether what carries a block neither moves nor deforms by its impacts."""
+    foundation = scene.foundation
+    moves = foundation.is_meshed or foundation.moves_as_a_whole
+    return block.on == "foundation" and not moves
 
 
 def _damping(block: BlockSpec, scene: Scene) -> Lines:

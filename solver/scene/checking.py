@@ -189,7 +189,18 @@ def _nested(hint: Any, value: Any, where: str) -> Any:
     if not isinstance(value, list):
         raise SceneError(where, shown(value), f"an array of tables, [[{where}]]")
     # A member of an array of tables is addressed by its name, here as in overrides.
-    return tuple(from_table(item, entry, _name(entry, where)) for entry in value)
+    return tuple(_member(item, entry, where) for entry in value)
+
+
+def _member(cls: Any, entry: Any, where: str) -> Any:
+    """A member of the array of tables `where`; a name that cannot be names nobody."""
+    name = _name(entry, where)
+    try:
+        return from_table(cls, entry, name)
+    except SceneError as error:
+        if type(error) is SceneError and error.where == f"{name}.name":
+            raise SceneError(f"{where}.name", error.got, error.allowed, error.nearest) from None
+        raise
 
 
 def _name(entry: Any, where: str) -> str:
@@ -258,7 +269,17 @@ def _checked(hint: Any, value: Any, name: str) -> Any:
             return converted
     words = [word for choice in choices for word in get_args(choice) if isinstance(word, str)]
     meant = nearest(value, words) if isinstance(value, str) else None
-    raise SceneError(name, shown(value), _words(hint, name), meant)
+    raise SceneError(
+        name, shown(value), f"{_type_missed(choices, value)}{_words(hint, name)}", meant
+    )
+
+
+def _type_missed(choices: Iterable[Any], value: Any) -> str:
+    """What to say first where a number is asked for and something else stands there."""
+    real = isinstance(value, Real) and not isinstance(value, bool)
+    if real or any(get_origin(choice) is not Annotated for choice in choices):
+        return ""
+    return "a number, "
 
 
 def _brought(hint: Any, value: Any) -> tuple[bool, Any]:

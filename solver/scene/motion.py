@@ -198,8 +198,9 @@ class TableSpec(Motion):
     kind: Literal["table"] = "table"
     file: Path
     """Time (s), increasing, and acceleration; relative to the folder of the scene."""
-    units: Units = "g"
-    """Unit of the accelerations."""
+    units: Units | None = None
+    """Unit of the accelerations; no other than that of the header. Default: from the header, `"g"`
+    if it names none."""
     scale: Finite = 1.0
     """Factor on the accelerations."""
 

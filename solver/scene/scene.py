@@ -20,6 +20,7 @@ from solver.scene.checking import (
 )
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
+from solver.scene.footing import refuse_beside
 from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
 from solver.scene.limits import longest_step, refuse_beyond
 from solver.scene.material import Plane
@@ -88,6 +89,7 @@ class Scene(Checked):
                 raise not_applicable(f"{block.name}.restitution", "scenes without a mesh only")
         self._check_bed()
         object.__setattr__(self, "time", self._filled_time())
+        refuse_beside(self)
         if next(self.strangers(), None) is not None:
             from solver.scene.overlaps import refuse_overlaps  # needs numpy, other scenes do not
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from scenes import BLOCK
+from scenes import BLOCK, OSCILLATOR, UPPER
 
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
 from solver.results.cautions import (
+    cautions_of_impacts,
     cautions_of_input,
     cautions_of_run,
     cautions_of_scene,
@@ -110,6 +111,98 @@ def test_of_steps(overrides: tuple[str, ...], words: tuple[str, ...]) -> None:
     found = [text for text in cautions_of_input(asked, read_ground(asked)) if "see" in text]
     assert len(found) == bool(words)
     assert all(word in found[0] for word in words)
+
+
+def told_of_input(*overrides: str) -> list[str]:
+    """Cautions that runs repeat."""
+    asked = scene(*overrides)
+    return cautions_of_input(asked, read_ground(asked))
+
+
+PULSE = ("motion.kind='half_sine'", "motion.duration=0.3")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (("block.mass=0.5",), "block weighs 2.67 kg/m3: look at its lengths"),
+        (("block.mass=1e4",), "block weighs 5.33e+04 kg/m3: look at its lengths"),
+        (("block.tilt_deg=-20",), "block starts at -20 degrees, and falls over from 14.04 on"),
+        ((*PULSE, "motion.amplitude_g=4.9"), "motion reaches 4.9 g: more than 3 g has hardly been"),
+        (
+            (*PULSE, "motion.amplitude_g=0.3", "motion.start=1.9"),
+            "the run ends at 2 s, before its motion does at 2.2 s",
+        ),
+        (
+            (*PULSE, "motion.amplitude_g=0.3", "motion.start=9"),
+            "motion begins at 9 s, after the run ends at 2 s",
+        ),
+    ],
+)
+def test_of_input_that_looks_like_a_mistake(overrides: tuple[str, ...], words: str) -> None:
+    (text,) = told_of_input(*overrides)
+    assert text.startswith(words)
+
+
+def test_of_input_that_does_not() -> None:
+    assert told_of_input() == told_of_input(*PULSE, "motion.amplitude_g=-2.9") == []
+    # Gravity that leans decides what a block leans to.
+    assert told_of_input("block.tilt_deg=20", "gravity_tilt_deg=-10") == []
+
+
+def test_of_a_block_that_stands_over_an_edge() -> None:
+    asked = parse_scene(f"{BLOCK}\n{UPPER}offset = 0.13\n[time]\nend = 2.0\n")
+    (text,) = cautions_of_input(asked, read_ground(asked))
+    assert text == "upper starts with its centre beyond the edge of block"
+
+
+def test_of_times_that_are_not_in_seconds(tmp_path: Path) -> None:
+    (tmp_path / "m.txt").write_text("0 0\n10 1\n20 -1\n30 0\n")
+    file = f"motion.file={str(tmp_path / 'm.txt')!r}"
+    found = told_of_input("time.end=30", "motion.kind='record'", 'motion.units="m/s2"', file)
+    assert "the samples of motion are 10 s apart" in found[0]
+    # A table may say as little.
+    assert told_of_input("time.end=30", "motion.kind='table'", 'motion.units="m/s2"', file) == []
+
+
+PLATE = """[foundation]
+kind = "elastic"
+width = 2.0
+height = 0.2
+mass = 900.0
+young = 5.0e10
+poisson = 0.2
+support = "bottom"
+"""
+
+
+@pytest.mark.parametrize(
+    ("overrides", "warned"),
+    [
+        ((), True),
+        (("foundation.damping.stiffness=1e-4",), False),
+        (("damping.stiffness=1e-4",), False),
+        (("foundation.damping_ratio=0.02",), False),
+        (("foundation.support='fixed'",), False),
+        (("foundation.support='rollers'", "foundation.period=0.4"), True),
+    ],
+)
+def test_of_foundations_that_nothing_damps(overrides: tuple[str, ...], warned: bool) -> None:
+    asked = parse_scene(f"{BLOCK}\n{PLATE}[time]\nend = 2.0\n", overrides=overrides)
+    found = cautions_of_scene(asked, read_ground(asked))
+    assert any("nothing damps the foundation" in text for text in found) == warned
+
+
+@pytest.mark.parametrize(("ratio", "warned"), [(1.994, True), (0.99, False), (None, False)])
+def test_of_impacts_that_a_block_comes_faster_from(ratio: float | None, warned: bool) -> None:
+    asked = parse_scene(f"{BLOCK}\n{PLATE}[time]\nend = 2.0\n")
+    impacts = [{"time_s": 0.2, "restitution": 0.9}, {"time_s": 0.5, "restitution": ratio}]
+    found = cautions_of_impacts(asked, {"block": {"impacts": impacts}})
+    assert len(found) == warned
+    assert not warned or "impact at 0.5 s 1.99 times as fast" in found[0]
+    # Platforms that move as a whole give and take energy.
+    moving = parse_scene(f"{BLOCK}\n{OSCILLATOR}[time]\nend = 2.0\n")
+    assert cautions_of_impacts(moving, {"block": {"impacts": impacts}}) == []
 
 
 def test_of_motions_that_no_ground_has_made(tmp_path: Path) -> None:

@@ -267,3 +267,27 @@ def test_check_of_a_bad_record(granite: Path, capsys: Captured) -> None:
     assert main(["check", "granite.toml", "--set", "motion={kind='record', file='.'}"]) == 2
     message = capsys.readouterr().err
     assert "motion.file: got " in message and "(a folder), allowed a file that exists" in message
+
+
+@pytest.mark.parametrize(
+    ("carrier", "words"),
+    [
+        ("", "restitution 0.9118 (Housner 1963)"),
+        # (R8): kappa = 2/3, h^2 (4/3 - kappa) = 1/6, b^2 = 1/64
+        (
+            "foundation={kind='oscillator', mass_ratio=2.0, period=0.4}",
+            "restitution 0.8333 (on a platform of this mass, (R8) of docs/reference.md)",
+        ),
+        (
+            "foundation={kind='elastic', width=2.0, height=0.2, density=2400, young=3e10, "
+            "poisson=0.2, support='bottom'}",
+            "restitution 0.9118 (Housner 1963, on firm ground)",
+        ),
+    ],
+)
+def test_check_tells_the_restitution_on_what_carries_the_block(
+    granite: Path, capsys: Captured, carrier: str, words: str
+) -> None:
+    arguments = ["check", "granite.toml", *(["--set", carrier] if carrier else [])]
+    assert main(arguments) == 0
+    assert words in " ".join(capsys.readouterr().out.split())

@@ -18,6 +18,7 @@ from solver.scene.checking import Number, shown
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "scene.md", ROOT / "README.md"
 OUTPUT = ROOT / "docs" / "output.md"
+PAGES = [README, *sorted((ROOT / "docs").glob("*.md"))]
 
 ONCE = ({"RigidSpec", "StillSpec"}, {"OneSineSpec", "RectangularSpec"})
 """Specifications without keys of their own, and those whose keys are those of a half sine."""
@@ -137,7 +138,7 @@ def examples(page: Path) -> list[str]:
     return [text for text in texts if "[[block]]" in text and "..." not in text]
 
 
-@pytest.mark.parametrize("text", [*examples(PAGE), *examples(README)])
+@pytest.mark.parametrize("text", [text for page in PAGES for text in examples(page)])
 def test_examples_are_scenes(text: str) -> None:
     scene = parse_scene(text)
     assert describe(scene)

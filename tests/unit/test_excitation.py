@@ -16,6 +16,20 @@ def table(folder, text, **options):
     return base_motion(TableSpec(file=file, **options), 3.0)
 
 
+def test_units_of_a_table_are_those_of_its_header(tmp_path):
+    """Without a word in either place they are g."""
+    text = "0,0\n0.1,2.0\n0.2,0\n"
+    header = "time (s),acc (m/s2)\n"
+    assert table(tmp_path, text).peak == pytest.approx(2 * 9.81)
+    assert table(tmp_path, header + text).peak == pytest.approx(2.0)
+    assert table(tmp_path, header + text, units="m/s2").peak == pytest.approx(2.0)
+    assert table(tmp_path, text, units="cm/s2").peak == pytest.approx(0.02)
+    with pytest.raises(SceneError, match=r'^motion.units: got "g", allowed "m/s2", as line 1 of'):
+        table(tmp_path, header + text, units="g")
+    with pytest.raises(SceneError, match=r"line 1: got units of cm/s, allowed accelerations in g"):
+        table(tmp_path, "# units: cm/s\n" + text)
+
+
 def test_none():
     assert base_motion(None, 3.0) is None
 

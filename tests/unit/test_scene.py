@@ -234,8 +234,11 @@ def test_resolved_scene_names_every_default():
         ("block.height=-1", "block.height: got -1, allowed height > 0"),
         ("block.height=nan", "block.height: got nan, allowed height > 0"),
         ("block.height=inf", "block.height: got inf, allowed height > 0"),
-        ("block.height=true", "block.height: got true, allowed height > 0"),
-        ("block.height=tall", 'block.height: got "tall", allowed height > 0'),
+        ("block.height=true", "block.height: got true, allowed a number, height > 0"),
+        (
+            "block.height=tall",
+            'block.height: got "tall", allowed a number, height > 0',
+        ),
         ("block.height=[1]", "block.height: got [1], allowed height > 0"),
         ("block.offset=nan", "block.offset: got nan, allowed a finite number"),
         ("block.tilt_deg=90", "block.tilt_deg: got 90, allowed -90 < tilt_deg < 90"),

@@ -354,7 +354,7 @@ class TestBed:
     ],
 )
 def test_round_trip(tables: dict[str, Any]) -> None:
-    blocks = [ELASTIC | {"friction": 0.2}, RIGID | {"name": "top", "on": "block", "offset": 9.0}]
+    blocks = [ELASTIC | {"friction": 0.2}, RIGID | {"name": "top", "on": "block", "offset": 0.4}]
     asked = scene(*blocks, **tables)
     assert parse_scene(scene_to_toml(asked)) == asked
     assert parse_scene(asked.to_dict()) == asked

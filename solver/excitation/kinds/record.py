@@ -10,11 +10,12 @@ import numpy as np
 
 from solver.errors import SceneError, missing_key, not_applicable
 from solver.excitation.baseline import corrected
+from solver.excitation.header import unit_said
 from solver.excitation.numbers import Row, number_in, read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
 from solver.scene.checking import shown
 from solver.scene.motion import RecordSpec
-from solver.scene.units import MOVED, UNITS, units_named
+from solver.scene.units import UNITS
 from solver.types import Array
 
 EXPECTED = "an accelerogram: PEER's .AT2, two columns (time, acceleration), or one with dt"
@@ -28,6 +29,10 @@ SPIKE = 20.0
 
 HEADER_LINES = 20
 """Number of lines among which a header of PEER names the number of values."""
+
+FEWEST_TIMES = 5
+"""Rows of several columns whose first one rises by about the same from row to row are those of a
+table with times, where there are so many."""
 
 _NUMBER = r"(\d*\.?\d+(?:[eEdD][-+]?\d+)?|\d+\.)"
 _NPTS = re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
@@ -53,7 +58,7 @@ def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
         header, step, rows = _peer(spec, where, lines, counted)
     else:
         header, step, rows = _columns(spec, where, lines)
-    unit = UNITS[_units(spec, where, header)]
+    unit = UNITS[_unit(spec, where, header)]
     used = _cut(spec, where, sum(len(row.values) for row in rows), step)
     numbers = [row.line for row in rows for _ in row.values][used]
     values: Array = np.array([value for row in rows for value in row.values][used])
@@ -128,10 +133,21 @@ def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str],
             raise not_applicable(f"{where}.dt", reason)
         samples = [Row(row.line, row.words[1:], row.values[1:]) for row in rows]
         return header, _even(spec.file, rows), samples
+    if _first_is_time(rows):
+        got = f"{width} columns, the first of which is time"
+        raise SceneError(f"{spec.file}: line {rows[0].line}", got, "time and one acceleration")
     if spec.dt is None:
         reason = f"(dt > 0, s): {spec.file} does not say the time between its values"
         raise missing_key(f"{where}.dt", reason)
     return header, spec.dt, rows
+
+
+def _first_is_time(rows: list[Row]) -> bool:
+    """Whether the first of several columns holds times, not every so-many-th acceleration."""
+    if len(rows) < FEWEST_TIMES or len(rows[0].values) < 2:
+        return False
+    apart = np.diff([row.values[0] for row in rows])
+    return bool(apart.min() > 0 and apart.max() < 2 * apart.min())
 
 
 def _even(file: Path, rows: list[Row]) -> float:
@@ -181,19 +197,13 @@ def _last_digits(words: list[str]) -> Array:
     return np.maximum(10.0**-decimals, 10.0 ** (np.array(leading, dtype=float) + 1 - digits))
 
 
-def _units(spec: RecordSpec, where: str, header: list[str]) -> str:
-    """Units of the values: those of the scene and of the header, which have to agree."""
-    line, named = units_named(header)
-    if named is not None and (named in MOVED or (named not in UNITS and spec.units is None)):
-        allowed = f"accelerations in {', '.join(UNITS)}"
-        raise SceneError(f"{spec.file}: line {line}", f"units of {named}", allowed)
-    if spec.units is None and named is None:
+def _unit(spec: RecordSpec, where: str, header: list[str]) -> str:
+    """Unit of the values, which the scene or the header has to say."""
+    unit = unit_said(spec.file, header, spec.units, where)
+    if unit is None:
         reason = f'("g", "m/s2" or "cm/s2"): {spec.file} does not say it'
         raise missing_key(f"{where}.units", reason)
-    if spec.units is not None and named in UNITS and spec.units != named:
-        allowed = f"{shown(named)}, as line {line} of {spec.file} says"
-        raise SceneError(f"{where}.units", shown(spec.units), allowed)
-    return spec.units or str(named)
+    return unit
 
 
 def _cut(spec: RecordSpec, where: str, count: int, step: float) -> slice:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.errors import SceneError
+from solver.excitation.header import unit_said
 from solver.excitation.numbers import read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
 from solver.scene.checking import shown
@@ -23,9 +24,10 @@ def signal(spec: TableSpec, end: float, where: str) -> SampledMotion:
     Raises:
         SceneError: The file cannot be read, or is no such table; names file and line.
     """
-    file, unit = spec.file, UNITS[spec.units] * spec.scale
+    file = spec.file
     lines = read_lines(file, f"{where}.file", ROW)
     header, rest = split_header(lines)
+    unit = UNITS[unit_said(file, header, spec.units, where) or "g"] * spec.scale
     rows = rows_of(file, rest, ROW, first=len(header) + 1)
     before = None
     for row in rows:
