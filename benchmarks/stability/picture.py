@@ -33,9 +33,10 @@ def draw(verdicts: Sequence[Verdict]) -> Figure:
     families: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         families.setdefault(verdict.family, []).append(verdict)
-    down = math.ceil(len(families) / PANELS_ACROSS)
-    figure = new_figure(1.75 * down + 0.5, width=13.0)
-    panels = figure.subplots(down, PANELS_ACROSS, squeeze=False).ravel()
+    across = min(PANELS_ACROSS, len(families))
+    down = math.ceil(len(families) / max(1, across))
+    figure = new_figure(1.75 * down + 0.5, width=4.0 * across + 1.0)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
     scale = Normalize(math.log10(LEAST_GAIN), math.log10(LARGEST_GAIN))
     image = None
     for axes, (family, inside) in zip(panels, families.items(), strict=False):
@@ -43,8 +44,10 @@ def draw(verdicts: Sequence[Verdict]) -> Figure:
     for axes in panels[len(families) :]:
         axes.set_axis_off()
     if image is not None:
-        bar = figure.colorbar(image, ax=list(panels), shrink=0.4, aspect=40)
-        bar.set_label("log10 of the energy gain; grey: refused, red: failed")
+        tall = down > 2
+        bar = figure.colorbar(image, ax=list(panels), shrink=0.4 if tall else 1.0, aspect=40)
+        where = " " if tall else "\n"
+        bar.set_label(f"log10 of the energy gain;{where}grey: refused, red: failed")
     return figure
 
 

@@ -33,6 +33,9 @@ from solver.scene import BlockSpec
 #: A drawn angle is no smaller than this, degrees.
 LEAST_ANGLE = 1e-3
 
+#: Nor are coordinates of the phase plane.
+LEAST_PHASE = 0.01
+
 #: More impacts than this are not marked.
 MARKED = 30
 
@@ -54,7 +57,9 @@ def draw_angle(run: Run, rigid: Run | None) -> Figure:
     if rigid is not None:
         angle = np.degrees(rigid.history[f"{blocks[0].name}.angle_rad"])
         rigid_time = rigid.history["time_s"]
-        axes.plot(rigid_time, angle, color=ORANGE, linestyle=DASHES, label=rigid.model)
+        # Above the run's own, which may hide it.
+        look: dict[str, Any] = {"color": ORANGE, "linestyle": DASHES, "zorder": 3}
+        axes.plot(rigid_time, angle, label=rigid.model, **look)
     for i, block in enumerate(blocks):
         angle = np.degrees(run.history[f"{block.name}.angle_rad"])
         label = run.model if len(blocks) == 1 else block.name
@@ -85,13 +90,13 @@ def _add_to_one_block(axes: Any, run: Run, block: BlockSpec) -> None:
 
 
 def _add_other_angles(axes: Axes, history: History, name: str) -> None:
-    """Lean to any side, and turn about the vertical, where they are not too small to see."""
+    """Lean in any direction, and turn about the vertical, where they are not too small to see."""
     time, lean = history["time_s"], np.degrees(total_lean(history, name))
     turn = np.degrees(history[f"{name}.angle_z_rad"])
     beside = lean - np.abs(np.degrees(history[f"{name}.angle_rad"]))
     visible = 1e-2 * largest(np.concatenate([lean, turn]))
     if largest(beside) > visible:
-        axes.plot(time, lean, color=GREEN, linewidth=0.8, label="lean to any side")
+        axes.plot(time, lean, color=GREEN, linewidth=0.8, label="lean in any direction")
     if largest(turn) > visible:
         axes.plot(time, turn, color=PURPLE, linewidth=0.8, label="about the vertical")
 
@@ -108,6 +113,9 @@ def draw_phase(run: Run, rigid: Run | None) -> Figure:
         _add_phase(axes, run, block, color=colour(i), label=label)
     axes.set(xlabel="angle θ/α", ylabel=r"angular velocity $\dot\theta/(p\,\alpha)$")
     axes.locator_params(axis="x", nbins=6)
+    least_span(axes, LEAST_PHASE)
+    low, high = axes.get_xlim()
+    axes.set_xlim(min(low, -LEAST_PHASE), max(high, LEAST_PHASE))
     zero_line(axes)
     axes.axvline(0, color=GREY, linewidth=0.5, zorder=0)
     legend_above(figure, columns=2)

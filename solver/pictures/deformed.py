@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
 
 from solver.fields.ground import floor_level
 from solver.pictures.drawing_order import drawing_order
@@ -161,6 +162,7 @@ def draw_snapshots(
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(_title(snapshot, chosen))
         axes.locator_params(axis="x", nbins=3)
+        axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))  # no 0.00 beside -0.25
         axes.grid(False)
     for axes in grid.ravel()[len(snapshots) :]:
         axes.set_visible(False)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from solver.pictures.style import colour, legend_above, new_figure
+from solver.pictures.style import colour, legend_above, new_figure, plain_periods
 from solver.results.floor_spectra import DAMPING, PERIODS
 from solver.scene.units import G_UNIT
 from solver.types import Array
@@ -21,7 +21,8 @@ def draw_floors(spectra: dict[str, Array]) -> Figure:
         hue = "black" if name == "ground" else colour(number - 1)
         axes.semilogx(PERIODS, spectrum / G_UNIT, color=hue, label=name)
     label = f"PSA (g), {DAMPING:.0%} of critical"
-    axes.set(xlabel="period (s)", ylabel=label, ylim=(0, None))
+    plain_periods(axes)
+    axes.set(ylabel=label, ylim=(0, None))
     legend_above(figure)
     return figure
 

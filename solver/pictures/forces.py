@@ -64,8 +64,10 @@ def _add_forces(axes: Axes, run: Run, block: BlockSpec) -> None:
     normal = history[f"{block.name}.normal_force_N"] / unit
     friction = history[f"{block.name}.friction_force_N"] / unit
     axes.plot(time, normal, color=BLUE, linewidth=0.8, label="normal force")
-    axes.plot(time, friction, color=RED, linewidth=0.8, label="friction force")
-    if is_spatial(history, block.name):
+    spatial = is_spatial(history, block.name)
+    along_x = " along x" if spatial else ""
+    axes.plot(time, friction, color=RED, linewidth=0.8, label=f"friction force{along_x}")
+    if spatial:
         second = history[f"{block.name}.friction_force_second_N"] / unit
         axes.plot(time, second, color=ORANGE, linewidth=0.8, label="friction force along y")
         friction = np.concatenate([friction, second])
@@ -93,9 +95,12 @@ def _add_slips(axes: Axes, run: Run) -> None:
     for i, block in enumerate(blocks):
         one = len(blocks) == 1
         hue, label = (GREEN, "slip") if one else (colour(i), f"slip of {block.name}")
-        slip = 1e3 * run.history[f"{block.name}.slip_m"]
-        axes.plot(time, slip, color=hue, label=label)
-        if is_spatial(run.history, block.name):
+        slip, spatial = (
+            1e3 * run.history[f"{block.name}.slip_m"],
+            is_spatial(run.history, block.name),
+        )
+        axes.plot(time, slip, color=hue, label=f"{label} along x" if spatial else label)
+        if spatial:
             second = 1e3 * run.history[f"{block.name}.slip_second_m"]
             axes.plot(time, second, color=hue, linestyle=DASHES, label=f"{label} along y")
     axes.set_ylabel("slip (mm)")

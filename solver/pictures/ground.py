@@ -17,7 +17,15 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
-from solver.pictures.style import BLUE, GREY, RED, legend_above, new_figure, zero_line
+from solver.pictures.style import (
+    BLUE,
+    GREY,
+    RED,
+    legend_above,
+    new_figure,
+    plain_periods,
+    zero_line,
+)
 from solver.results.runs import Run
 from solver.scene.units import G_UNIT
 from solver.types import Array
@@ -96,7 +104,8 @@ def draw_motion(motions: list[tuple[str, str, Array, float]]) -> Figure:
     panels["h"].set(xlabel="time (s)", ylabel="Arias intensity (%)", ylim=(0, 100))
     panels["h"].margins(x=0)
     label = f"PSA (g), {DAMPING:.0%} of critical"
-    panels["s"].set(xlabel="period (s)", ylabel=label, ylim=(0, None))
+    plain_periods(panels["s"])
+    panels["s"].set(ylabel=label, ylim=(0, None))
     legend_above(figure, columns=1)
     return figure
 

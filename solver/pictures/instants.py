@@ -26,7 +26,7 @@ class Instant(NamedTuple):
 def instants(run: Run) -> list[Instant]:
     """Lift-off, largest angle, landing and end of the block that leans most over its slenderness.
 
-    Of a block that is released: the release, its landing, the largest angle after that, the end.
+    Of a block that is released: the release, its landing, the peak after that, the end.
     Where nothing rocks, four instants evenly spread over the time in which something moves.
     """
     first, last = moving_span(run.scene, run.history)
@@ -47,7 +47,7 @@ def instants(run: Run) -> list[Instant]:
     fall = min((t for t in lost if t is not None), default=math.inf)
     if fall < math.inf:
         middle = 0.5 * (lift.time_s + fall)
-        return [lift, Instant(middle), Instant(fall, "overturned"), Instant(last, "end")]
+        return [lift, Instant(middle, "falling"), Instant(fall, "overturned"), Instant(last, "end")]
     top = Instant(largest.peak_s, "largest angle")
     if largest.last + 1 >= len(motion.time):
         return [lift, top, end]
@@ -62,4 +62,4 @@ def _after_release(run: Run, name: str, last: float, end: Instant) -> list[Insta
     after = [p["time_s"] for p in block["peaks"] if impacts and p["time_s"] > impacts[0]][:1]
     if not impacts or not after:
         return [start, *(Instant(float(t)) for t in np.linspace(start.time_s, last, 4)[1:3]), end]
-    return [start, Instant(impacts[0], "landing"), Instant(after[0], "largest angle"), end]
+    return [start, Instant(impacts[0], "landing"), Instant(after[0], "next peak"), end]

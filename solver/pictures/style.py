@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
 from numpy.typing import NDArray
 
 #: Colours that are told apart by everyone (Okabe and Ito 2008).
@@ -77,6 +78,12 @@ def least_span(axes: Axes, least: float) -> None:
     """Show at least -least to least: what stands still shall look like it."""
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, -least), max(high, least))
+
+
+def plain_periods(axes: Axes) -> None:
+    """Periods on a logarithmic axis as 0.1, 1 and 10 s."""
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.set_xlabel("period (s)")
 
 
 def legend_above(figure: Any, columns: int = 4) -> None:

@@ -10,7 +10,6 @@ from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
 from solver.scene import BlockSpec, MotionSpec, Scene
 from solver.scene.footing import beyond_edge
-from solver.scene.foundation import FrameSpec, PlateSpec
 from solver.scene.time import STEPS_A_PERIOD
 from solver.scene.units import G_UNIT
 
@@ -271,12 +270,7 @@ def _overruled(scene: Scene) -> bool:
 
 def _undamped_foundation(scene: Scene) -> list[str]:
     """A meshed foundation whose vibration lasts from one impact on it to the next."""
-    foundation = scene.foundation
-    if not isinstance(foundation, PlateSpec | FrameSpec) or not foundation.is_meshed:
-        return []
-    own = scene.damping_of(foundation)
-    damped = foundation.sway_damping_ratio or scene.contact.damping or (own and own.stiffness)
-    if damped:
+    if not scene.foundation_vibrates or scene.contact.damping:
         return []
     return [
         "nothing damps the foundation, so that what one impact shakes in it meets the next one and "

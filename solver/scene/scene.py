@@ -260,6 +260,15 @@ class Scene(Checked):
         return self.damping if body.damping is None else body.damping
 
     @property
+    def foundation_vibrates(self) -> bool:
+        """Whether a meshed foundation has no damping of its strain, so that its vibration lasts."""
+        foundation = self.foundation
+        if not isinstance(foundation, PlateSpec | FrameSpec) or not foundation.is_meshed:
+            return False
+        own = self.damping_of(foundation)
+        return not (foundation.sway_damping_ratio or (own and own.stiffness))
+
+    @property
     def vibration_left(self) -> float:
         """The largest share of a block's bending vibration that is left after 1/p, p of rocking.
 

@@ -141,7 +141,7 @@ def test_instants(run: Path) -> None:
     from solver.pictures.instants import instants
 
     chosen = instants(read_run(run))
-    assert [instant.name for instant in chosen] == ["release", "landing", "largest angle", "end"]
+    assert [instant.name for instant in chosen] == ["release", "landing", "next peak", "end"]
     first, impact, peak, last = (instant.time_s for instant in chosen)
     assert (first, last) == (0.0, pytest.approx(0.6))
     assert impact == pytest.approx(0.1916, abs=1e-4)

@@ -35,6 +35,6 @@ def _drawn(rows: Sequence[Mapping[str, Any]]) -> Figure:
         scale = "" if row["scale"] == 1 else f", motion times {row['scale']:g}"
         name = f"{row['engine']} block" if row["engine"] else "the scene"
         axes.set_title(f"{name}{scale}", loc="left")
-    panels[-1].set_xlabel("time, s")
+    panels[-1].set_xlabel("time (s)")
     legend_above(figure, columns=4)
     return figure

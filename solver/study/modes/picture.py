@@ -54,7 +54,7 @@ def _panel(axes: Axes, points: Sequence[Row], ratio: float) -> None:
             if not judged:
                 style |= {"markerfacecolor": "white", "markeredgewidth": 0.8}
             x, y = [p["acceleration_g"] for p in found], [p["friction"] for p in found]
-            axes.plot(x, y, marker=mark, label=mode if judged else None, **style)
+            axes.plot(x, y, marker=mark, label=mode if judged else None, clip_on=False, **style)
     wrong = [p for p in points if p["judged"] and not p["agrees"]]
     at = [p["acceleration_g"] for p in wrong], [p["friction"] for p in wrong]
     axes.plot(*at, "o", color=RED, label="disagrees" if wrong else None, **ROUND)
