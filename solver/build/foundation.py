@@ -70,9 +70,9 @@ def _oscillator(
 
 @_built.register
 def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
-    """A meshed plate on its bottom, on rollers and a spring, or held altogether.
+    """A meshed plate on its bottom, on rollers and a spring, or fully restrained.
 
-    That which is held altogether is a rigid face unless it is to be meshed.
+    That which is fully restrained is a rigid face unless it is to be meshed.
     """
     if spec.support == "fixed":
         if spec.meshed:
@@ -83,7 +83,7 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
 
 
 def _held_plate(spec: PlateSpec, scene: Scene, comm: MPI.Intracomm) -> FoundationBody:
-    """A meshed plate that is held altogether."""
+    """A meshed plate that is fully restrained."""
     made = _plate_mesh(spec, scene, comm)
     space = fem.functionspace(made.mesh, ("Lagrange", 1, (scene.dimension,)))
     surface = carrier_surface(space, made.facet_tags, int(FacetTag.TOP))

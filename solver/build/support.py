@@ -59,10 +59,10 @@ class FoundationBody:
         dimension: Of space.
         number: Of its body in the system; None for what does not move.
         body: The body; None for what does not move.
-        width: Of a plate that is held altogether and not meshed, m; None for all others.
+        width: Of a plate that is fully restrained and not meshed, m; None for all others.
         thickness: The same of its thickness.
         surface: Facets of the top of a meshed one.
-        held: Linear displacements on the mesh of a plate that is held altogether, all of them zero.
+        held: Linear displacements on the mesh of a fully restrained plate, all of them zero.
         storeys: Parts of a meshed one that moves as a whole.
         reduction: What a reduced one keeps of its mesh; None for others.
     """
@@ -95,7 +95,7 @@ class FoundationBody:
         return Plane.level(self.dimension)
 
     def _fixed(self, width: float) -> tuple[Array, Indices, str]:
-        """Corners and the one facet of the top of a plate that is held altogether."""
+        """Corners and the one facet of the top of a plate that is fully restrained."""
         if self.dimension == 2:
             return np.array([[-0.5, 0.0], [0.5, 0.0]]) * width, np.array([[0, 1]]), "interval"
         signs = np.array([[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])

@@ -68,7 +68,7 @@ class PointForces(NamedTuple):
 
 
 class FixedPoints:
-    """Points that stand still: of what is held altogether."""
+    """Points that stand still: of what is fully restrained."""
 
     def __init__(self, positions: Array):
         """Take the positions, (n, d)."""

@@ -1,4 +1,4 @@
-"""A level face of what is held altogether as what carries others: a plane with ends."""
+"""A level face of what is fully restrained as what carries others: a plane with ends."""
 
 from __future__ import annotations
 

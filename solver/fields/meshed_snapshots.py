@@ -195,7 +195,7 @@ class ReducedFields(MeshedFields):
 
 
 class HeldFields:
-    """A plate that is meshed and held altogether: it stands where it stood, without stress."""
+    """A plate that is meshed and fully restrained: it stands where it stood, without stress."""
 
     def __init__(self, space: fem.FunctionSpace, files: Destination):
         """Take the space of the plate's displacements, all zero."""

@@ -16,7 +16,7 @@ from rockslip import History, parse_scene, simulate
 from solver.history.table import TABLE, Column
 
 PLATE = {"kind": "elastic", "width": 4.0, "height": 0.2, "density": 2400.0}
-"""The ground of the meshed engine, held altogether: its mesh has no use."""
+"""The ground of the meshed engine, fully restrained: its mesh has no use."""
 
 MESH = {"young": 1e11, "poisson": 0.2, "cells": [2, 1]}
 

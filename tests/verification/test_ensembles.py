@@ -102,7 +102,7 @@ def test_statistics_of_rows() -> None:
 
 @pytest.mark.slow
 def test_rigid_blocks_and_the_equation_have_one_distribution(tmp_path: Path) -> None:
-    """100 motions scaled to 2 g tan alpha: Kolmogorov's distance below 0.15."""
+    """100 motions scaled to 2 g tan alpha: Kolmogorov-Smirnov distance below 0.15."""
     words = ["--count", "100", "--levels", "0.5", "--engines", "rigid,ode"]
     assert study(tmp_path / "out", *words) == 0
     (apart,) = json.loads((tmp_path / "out" / "summary.json").read_text())["distances"]

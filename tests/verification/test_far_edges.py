@@ -1,4 +1,4 @@
-"""Edges far from contact, which steps do not look at, and plates that are held altogether."""
+"""Edges far from contact, which steps do not look at, and plates that are fully restrained."""
 
 from __future__ import annotations
 

@@ -20,6 +20,7 @@ from benchmarks.steady_rocking import (
 from rockslip import parse_scene, simulate
 from solver.cli import main
 from solver.run.twin import difference, horizon, twin_of
+from solver.study.horizon.table import as_text
 
 pytestmark = pytest.mark.serial
 
@@ -112,6 +113,13 @@ def test_the_study(tmp_path: Path) -> None:
     assert main([*words, "--resume"]) == 0
     assert main(["report", str(tmp_path / "out")]) == 0
     assert "<h1>Horizon: " in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("peak", "said"), [(0.0, True), (0.3, False)])
+def test_a_study_in_which_nothing_rocks_says_so(peak: float, said: bool) -> None:
+    twin = {"perturbation": 1e-6, "horizon_s": None, "largest": 0.0}
+    run = {"engine": "rigid", "scale": 1.0, "end_s": 5.0, "peak": peak, "overturned": False}
+    assert ("no block leaves the ground" in as_text([run | {"twins": [twin]}])) == said
 
 
 @pytest.mark.parametrize(

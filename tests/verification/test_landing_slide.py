@@ -23,7 +23,7 @@ UP = 0.3
 END = 0.1
 
 PLATE = {"kind": "elastic", "width": 4.0, "height": 0.2, "density": 2400.0}
-"""The ground of the meshed engine, held altogether: as rigid as that of the others."""
+"""The ground of the meshed engine, fully restrained: as rigid as that of the others."""
 
 MESH = {"young": 1e11, "poisson": 0.2, "cells": [2, 1]}
 

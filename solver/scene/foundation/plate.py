@@ -141,7 +141,7 @@ class PlateSpec(Foundation):
 
     @property
     def mesh_label(self) -> str:
-        """Numbers of its cells; a plate that is held altogether is not meshed."""
+        """Numbers of its cells; a plate that is fully restrained is not meshed."""
         return "" if self.support == "fixed" else cells_in_words(self.cells)
 
     def structure(self, dimension: Dimension) -> tuple[int, int] | None:

@@ -12,6 +12,9 @@ from solver.study.tables import in_columns
 
 Row = Mapping[str, Any]
 
+MOVED = 1e-3
+"""Part of alpha that the angle of a block which rocks exceeds."""
+
 NAMES = (
     *("engine", "scale", "end_s", "peak_angle_over_alpha", "overturned"),
     *("perturbation", "horizon_s", "largest_difference"),
@@ -63,6 +66,8 @@ def as_text(rows: Sequence[Row]) -> str:
         size = f"{row['perturbation']:g}"
         table.append([row["engine"], f"{row['scale']:g}", size, until, largest, peak])
     lines = in_columns(table)
+    if not any(row["overturned"] or row["peak"] > MOVED for row in rows):
+        lines.append("no block leaves the ground: a stronger motion may have a horizon")
     for run in rows:
         rate = growth(run)
         if rate is not None:

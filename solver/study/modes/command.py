@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add_scene(parser, text="a TOML file with one block at rest; its motion and end are replaced")
     add_overrides(parser, example="block.width=0.5")
-    add("--ratios", metavar="H/B,...", help="slendernesses H/B; default that of the scene")
+    add("--ratios", metavar="H/B,...", help="aspect ratios H/B; default that of the scene")
     add("--points", type=int, default=POINTS, metavar="N", help=f"a side, default {POINTS}")
     add("--engines", default=ENGINES, metavar="NAMES", help=f"default {ENGINES}")
     add_study_options(parser, "study", ".modes")

@@ -105,7 +105,7 @@ def fits(found: Sequence[Sample]) -> Iterator[tuple[list[Sample], Lognormal | No
 
 
 def distances(found: Sequence[Sample]) -> list[dict[str, Any]]:
-    """How far apart the engines are, pair by pair: Kolmogorov's distances, and overturned parts."""
+    """Pair by pair of engines: Kolmogorov-Smirnov distances, and parts that overturned."""
     rows = []
     for one, other in combinations(found, 2):
         if (one.group, one.level) == (other.group, other.level):

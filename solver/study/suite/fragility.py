@@ -100,9 +100,9 @@ def fitted(
 
 
 def distance(one: Sequence[float], other: Sequence[float]) -> float:
-    """Kolmogorov's distance of two samples: the largest difference of their distributions.
+    """The Kolmogorov-Smirnov distance of two samples.
 
-    Blocks that overturned are infinite in them.
+    The largest difference of their distributions. Blocks that overturned are infinite in them.
     """
     ends = np.sort(np.concatenate([one, other]))
     parts = [np.searchsorted(np.sort(sample), ends, side="right") / len(sample)
