@@ -75,8 +75,10 @@ def rows_of(file: Path, lines: list[str], expected: str, first: int = 1) -> list
         for word in words:
             number = number_in(word)
             if number is None or not math.isfinite(number):
-                got = text.strip() if len(words) <= 2 else word
-                raise SceneError(f"{file}: line {line}", shown(got), expected)
+                both = "," in text and ";" in text
+                got = text.strip() if both or len(words) <= 2 else word
+                point = ", decimals with a point" if both else ""
+                raise SceneError(f"{file}: line {line}", shown(got), f"{expected}{point}")
             values.append(number)
         rows.append(Row(line, words, values))
     return rows

@@ -45,7 +45,7 @@ def read_text(path: Path) -> str:
         if hidden:
             raise Statement(str(path), hidden) from None
         reason = getattr(error, "strerror", None) or "not UTF-8"
-        raise SceneError(str(path), f"no text ({reason.lower()})", "a scene in TOML") from None
+        raise Statement(str(path), f"cannot be read as a scene: {reason.lower()}") from None
 
 
 def parse_scene(

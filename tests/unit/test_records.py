@@ -199,6 +199,7 @@ def test_bad_files_of_peer(tmp_path: Path, text: str | bytes, message: str) -> N
         ("1 1\n0 2\n", {}, "motion.txt: line 2: got time 0, -1 s after the last one"),
         ("0.00 1\n0.00 2\n0.01 3\n0.01 4\n", {}, "motion.txt: line 2: got time 0.00, 0 s after"),
         ("0 1\n.1 2\n.2\n", {}, "motion.txt: line 3: got a line of 1, allowed 2 as in line 1"),
+        ("0,01;0,2\n0,02;0,3\n", {}, f'motion.txt: line 1: got "0,01;0,2", {EXPECTED}, decimals'),
         ("0 1\n.1 nan\n", {}, f'motion.txt: line 2: got ".1 nan", {EXPECTED}'),
         ("0 1\n.1 1_0\n", {}, f'motion.txt: line 2: got ".1 1_0", {EXPECTED}'),
         ("time, a\n", {}, f"motion.txt: line 1: got too few numbers, {EXPECTED}"),

@@ -447,7 +447,7 @@ def test_files(tmp_path):
         assert "\n" not in str(caught.value)
         return str(caught.value)
 
-    assert line() == f"{file}: got no text (no such file or directory), allowed a scene in TOML"
+    assert line() == f"{file} cannot be read as a scene: no such file or directory"
     file.write_text("")
     assert line().startswith("scene.toml: got an empty scene")
     file.write_text("# nothing\n")
