@@ -14,7 +14,7 @@ import numpy as np
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
-from solver.bodies.elastic_forms import ElasticForms, Region, StrainWeights, differs
+from solver.bodies.elastic_forms import ElasticForms, Moduli, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kernels.momenta import move_on, resultant, turn_all
 from solver.bodies.kinematics import RigidMotion, rigid_modes
@@ -119,6 +119,11 @@ class ElasticBody:
             held += [nodes * self.dimension + k for k in support.directions]
         unknowns = np.unique(np.concatenate(held))
         return unknowns[unknowns < self.size].astype(np.int32)
+
+    @property
+    def moduli(self) -> Moduli:
+        """Of its material and of its regions, times the thickness."""
+        return self._forms.moduli
 
     def inertia(self, vector: Array) -> Array:
         """M x, with the consistent mass."""

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from solver.bodies.cell_values import CellValues
 from solver.compat import PackedForm
-from solver.scene.material import Material
+from solver.scene.material import Material, Plane
 from solver.types import Array
 
 STRAINED_STIFFNESS_CHANGE = 0.1
@@ -48,6 +48,40 @@ class StrainWeights(NamedTuple):
     """w_old, of E_n."""
 
 
+class Moduli(NamedTuple):
+    """Lame's constants of a body as UFL takes them: constants, or functions where regions differ.
+
+    Attributes:
+        lame: lambda; of a body in the plane that of its material times the thickness.
+        shear: mu, likewise.
+        plane: The state of stress.
+    """
+
+    lame: Any
+    shear: Any
+    plane: Plane
+
+    @classmethod
+    def of(cls, domain: mesh.Mesh, material: Material, regions: Sequence[Region] = ()) -> Moduli:
+        """Those of a material, and of others in some regions of a mesh."""
+        lame, shear = (property_of(domain, each, material, regions) for each in ("lame", "shear"))
+        return cls(lame, shear, material.plane)
+
+
+def property_of(
+    domain: mesh.Mesh, name: str, material: Material, regions: Sequence[Region] = ()
+) -> fem.Constant | fem.Function:
+    """A property of a material: a constant, or a function where regions have others."""
+    value = float(getattr(material, name))
+    if not regions:
+        return fem.Constant(domain, value)
+    found = fem.Function(fem.functionspace(domain, ("DG", 0)))
+    found.x.array[:] = value
+    for region in regions:
+        found.x.array[region.cells] = float(getattr(region.material, name))
+    return found
+
+
 def green_strain(gradient: Any) -> Any:
     """E = (F^T F - I)/2 of a UFL displacement gradient, without the cancellation of F^T F - I."""
     return (gradient + gradient.T + gradient.T * gradient) / 2
@@ -61,6 +95,7 @@ class ElasticForms:
         viscous: The same of the strain increment, for Rayleigh's beta_R; None without damping.
         strain_energy: Integral of E:C:E/2 at the end of the step.
         increment_energy: Integral of dE:C:dE, dE = E_{n+1} - E_n.
+        moduli: Of the material and of its regions, times the thickness.
     """
 
     def __init__(
@@ -81,7 +116,7 @@ class ElasticForms:
         self._shared = domain.comm.size > 1
         self._weights = StrainWeights(new=1.0, old=0.0)
         self._new, self._old = (fem.Constant(domain, value) for value in (1.0, 0.0))
-        self._lame, self._shear = self._of_material("lame"), self._of_material("shear")
+        self.moduli = Moduli.of(domain, material, regions)
         degree = self._space.ufl_element().degree
         self._dx = _cell_measure(domain, degree)
         test = ufl.TestFunction(self._space)
@@ -104,7 +139,8 @@ class ElasticForms:
         """Let all forms of both displacements read the same values, cell by cell."""
         # Views that are kept: asking dolfinx for one costs as much as copying the values.
         self._new_values, self._old_values = ((each, each.x.array) for each in functions)
-        kept = [each for each in (self._lame, self._shear) if isinstance(each, fem.Function)]
+        moduli = self.moduli.lame, self.moduli.shear
+        kept = [each for each in moduli if isinstance(each, fem.Function)]
         self._both = CellValues(self.force.form, [*functions, *kept])
         form = self.strain_energy.form
         self._last = CellValues(form, [functions[0], *kept])
@@ -112,17 +148,6 @@ class ElasticForms:
         for form in (self.force, self.viscous, self.increment_energy):
             if form is not None:
                 form.cells = self._both.packed
-
-    def _of_material(self, name: str) -> Any:
-        """A property of the material: a constant, or a function where regions have others."""
-        domain, value = self._space.mesh, float(getattr(self._material, name))
-        if not self._regions:
-            return fem.Constant(domain, value)
-        found = fem.Function(fem.functionspace(domain, ("DG", 0)))
-        found.x.array[:] = value
-        for region in self._regions:
-            found.x.array[region.cells] = float(getattr(region.material, name))
-        return found
 
     def _assign(self, target: tuple[fem.Function, Array], values: Array) -> None:
         """Owned values into a function and its array, ghosts from their owners."""
@@ -156,7 +181,8 @@ class ElasticForms:
 
     def _stress(self, strain: Any) -> Any:
         """S = lambda tr(E) I + 2 mu E."""
-        return self._lame * ufl.tr(strain) * self._identity + 2 * self._shear * strain
+        lame, shear, _ = self.moduli
+        return lame * ufl.tr(strain) * self._identity + 2 * shear * strain
 
     def weigh(self, weights: StrainWeights) -> None:
         """Set the weights of the strains in the internal force."""
@@ -175,7 +201,7 @@ class ElasticForms:
     def mass(self) -> PETSc.Mat:
         """M, consistent: a row-sum mass has the wrong rotary inertia."""
         trial, test = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
-        density = self._of_material("density")
+        density = property_of(self._space.mesh, "density", self._material, self._regions)
         degree = 2 * self._space.ufl_element().degree
         dx = ufl.dx(self._space.mesh, metadata={"quadrature_degree": degree})
         return without_zeros(PackedForm(density * ufl.inner(trial, test) * dx).matrix())

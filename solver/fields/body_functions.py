@@ -9,21 +9,18 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from solver.bodies.elastic_forms import green_strain
+from solver.bodies.elastic_forms import Moduli, green_strain
 from solver.fields.function_arrays import at_nodes, in_cells
 from solver.fields.piece import Values
-from solver.scene.material import Material
 
 
-def cauchy_stress(displacement: fem.Function, material: Material) -> Any:
+def cauchy_stress(displacement: fem.Function, moduli: Moduli) -> Any:
     """The Cauchy stress F S F^T / det F, with S of St. Venant-Kirchhoff, in UFL, (3, 3), Pa.
 
     In plane strain it has the out-of-plane part lambda tr(E) / det F; in plane stress none.
     """
-    mesh, gradient = displacement.function_space.mesh, ufl.grad(displacement)
-    # Constants: what is compiled serves all materials.
-    lame, shear = (fem.Constant(mesh, value) for value in (material.lame, material.shear))
-    dimension = mesh.geometry.dim
+    gradient, (lame, shear, plane) = ufl.grad(displacement), moduli
+    dimension = displacement.function_space.mesh.geometry.dim
     identity = ufl.Identity(dimension)
     strain = green_strain(gradient)
     second = lame * ufl.tr(strain) * identity + 2 * shear * strain
@@ -32,7 +29,7 @@ def cauchy_stress(displacement: fem.Function, material: Material) -> Any:
     cauchy = deformation * second * deformation.T / volume
     if dimension == 3:
         return cauchy
-    across = lame * ufl.tr(strain) / volume if material.plane == "strain" else 0
+    across = lame * ufl.tr(strain) / volume if plane == "strain" else 0
     rows = [[cauchy[0, 0], cauchy[0, 1], 0], [cauchy[1, 0], cauchy[1, 1], 0], [0, 0, across]]
     return ufl.as_tensor(rows)
 
@@ -70,12 +67,12 @@ class BodyFunctions:
     """The fields of a meshed body as functions: those at the nodes as given, and its stress."""
 
     def __init__(
-        self, nodal: Mapping[str, fem.Function], material: Material | None, thickness: float = 1.0
+        self, nodal: Mapping[str, fem.Function], moduli: Moduli | None, thickness: float = 1.0
     ):
         """Take the functions at the nodes, all of one degree, by the names of their fields.
 
         Their `displacement` (m) is place in the ground frame minus mesh position. The thickness (m)
-        is what stresses of the material are times; no material: no stress.
+        is what the moduli are times; without moduli there is no stress.
         """
         displacement = nodal["displacement"]
         self.space = displacement.function_space
@@ -84,9 +81,9 @@ class BodyFunctions:
         for field, function in nodal.items():
             function.name = field
         self.means: list[CellMean] = []
-        if material is not None:
+        if moduli is not None:
             degree = self.space.element.basix_element.degree
-            stress, rule = cauchy_stress(displacement, material), {"quadrature_degree": 2 * degree}
+            stress, rule = cauchy_stress(displacement, moduli), {"quadrature_degree": 2 * degree}
             named = {"von_mises": von_mises_stress(stress), "stress": stress}
             self.means = [
                 CellMean(name, each, self.mesh, times=thickness, rule=rule)

@@ -143,7 +143,7 @@ class MeshedFields:
             "friction": self._friction,
             "contact_state": self._state,
         }
-        functions = BodyFunctions(nodal, body.material, body.thickness)
+        functions = BodyFunctions(nodal, body.moduli, body.thickness)
         self._writer = files.meshed(body.name, functions)
 
     def write(self, taken: Taken) -> None:

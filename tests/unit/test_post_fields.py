@@ -29,6 +29,7 @@ from pathlib import Path
 from mpi4py import MPI
 import numpy as np
 from dolfinx import fem, mesh
+from solver.bodies.elastic_forms import Moduli
 from solver.scene.material import Material
 from solver.fields.body_functions import BodyFunctions
 from solver.fields.meshed_writer import MeshedFieldWriter
@@ -45,7 +46,7 @@ lame, shear = 2.0e9, 3.0e9
 material = Material(young=shear * (3 * lame + 2 * shear) / (lame + shear),
                     poisson=lame / (2 * (lame + shear)), density=1.0, plane=plane)
 nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
-fields = MeshedFieldWriter(file, BodyFunctions(nodal, material))
+fields = MeshedFieldWriter(file, BodyFunctions(nodal, Moduli.of(block, material)))
 with closing(fields) as writer:
     writer.write(0.0)
     u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
@@ -125,6 +126,7 @@ from mpi4py import MPI
 import numpy as np
 from dolfinx import fem, mesh
 from geometry.block import Block
+from solver.bodies.elastic_forms import Moduli
 from solver.scene.material import Material
 from solver.fields.body_functions import BodyFunctions
 from solver.fields.meshed_writer import MeshedFieldWriter
@@ -146,8 +148,8 @@ material = Material(young=8e9, poisson=0.2, density=1.0, plane=plane)
 index = PvdIndex(folder / "fields.pvd", writes=comm.rank == 0)
 corners = np.array(Block(width=0.4, height=0.1, thickness=0.4, density=1.0).corners(dimension))
 nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
-elastic = MeshedFieldWriter(folder / "fields_stone.pvd", BodyFunctions(nodal, material),
-                            index=index, part=first)
+functions = BodyFunctions(nodal, Moduli.of(domain, material))
+elastic = MeshedFieldWriter(folder / "fields_stone.pvd", functions, index=index, part=first)
 rigid = RigidFieldWriter(folder / "fields_lid.pvd", corners, index=index, part=1 - first,
                          writes=comm.rank == 0)
 for time in (0.0, 0.1):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -66,6 +67,30 @@ def run(scene: Scene) -> Result:
     assert result.status == "completed"
     assert energy["ledger_error_fraction"] < 1e-8
     return result
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("modes", [{}, {"modes": 10}])
+@pytest.mark.parametrize("young", [3e9, 3e10])
+def test_stress_of_columns_is_that_of_their_own_material(
+    tmp_path: Path, young: float, modes: dict[str, Any]
+) -> None:
+    """In the files: half of what they carry over the section, whatever the deck is made of."""
+    pyvista = pytest.importorskip("pyvista")
+    column = FRAME["column"] | {"young": young, "density": 1.0}
+    time = {"end": 0.01, "step": 2e-3, "initial": "static"}
+    block = {"width": 0.6, "mass": 200.0}
+    standing = scene(FRAME | modes | {"column": column}, 0.01, 2e-3, time=time, block=block)
+    simulate(standing, folder=tmp_path / "run")
+    reader = pyvista.get_reader(str(tmp_path / "run" / "fields.pvd"))
+    reader.set_active_time_value(0.0)
+    (grid,) = [grid for grid in reader.read() if "stress" in grid.cell_data]
+    level = grid.cell_centers().points[:, 1]
+    middle = (level > -2.6) & (level < -1.6)  # the feet stand at -3.6 m
+    stress = np.asarray(grid.cell_data["stress"]).reshape(-1, 9)[middle, 4]
+    assert len(stress) == 4
+    carried = 2500.0 * 4.0 * 0.6 + 200.0
+    np.testing.assert_allclose(stress, -0.5 * carried * G / 0.1, rtol=0.01)
 
 
 @pytest.mark.parametrize(("ratio", "modes"), [(0.02, {}), (0.05, {}), (0.05, {"modes": "auto"})])
