@@ -43,6 +43,7 @@ def leave_run(folder: Path, scene: Scene, values: dict[str, Any]) -> Path:
     )
     write_json(folder / "summary.json", summary)
     index = PvdIndex(folder / "fields.pvd")
+    index.begin()
     for part, block in enumerate(scene.blocks):
         write_fields(folder, scene, history, block.name, index, part)
     if scene.has_platform:

@@ -65,7 +65,7 @@ class Pieces:
     """A file for each body and time, which `fields.pvd` lists."""
 
     def __init__(self, folder: Path, before: FieldsBefore, *, writes: bool):
-        """Begin `fields.pvd`."""
+        """Know `fields.pvd`, which `begin` writes."""
         self._folder, self._before, self._writes, self._count = folder, before, writes, 0
         self._index = PvdIndex(folder / "fields.pvd", writes=writes, until=before.until)
 
@@ -89,7 +89,8 @@ class Pieces:
         return MeshedFieldWriter(file, functions, index=self._index, part=part, name=name)
 
     def begin(self) -> None:
-        """The index is there already."""
+        """Begin the index, or go on in it."""
+        self._index.begin()
 
     def end_time(self, time: float) -> None:
         """The index lists each piece as it is written."""

@@ -32,7 +32,7 @@ class MeshedFieldWriter:
         file: Path,
         functions: BodyFunctions,
         *,
-        index: PvdIndex | None = None,
+        index: PvdIndex,
         part: int = 0,
         name: str = "",
     ):
@@ -41,14 +41,14 @@ class MeshedFieldWriter:
         The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`. On
         several ranks each has a piece of its own, and `fields_NAME000000.pvtu` opens all of them.
         When the writer is closed the file lists them, too: the body alone. The index lists the
-        pieces of all bodies as they are written, by number and name of the body; None: `file` does.
+        pieces of all bodies as they are written, by number and name of the body.
         """
         self._functions, self._comm = functions, functions.mesh.comm
         self._file, self._folder, self._stem, self._count = file, file.parent, file.stem, 0
-        self._index = PvdIndex(file, writes=self._comm.rank == 0) if index is None else index
-        self._part, self._name, self._way = part, name, self._index.way_to(file.parent)
-        self._alone: list[bytes] | None = None if index is None else []
-        """What the file is to list; None where the index is the file."""
+        self._index, self._part, self._name = index, part, name
+        self._way = index.way_to(file.parent)
+        self._alone: list[bytes] = []
+        """What the file is to list."""
         cells = cells_of(functions.space)
         self._piece = PieceWriter(cells)
         self._copies = None if self._comm.size == 1 else copies_of(functions.space, cells)
@@ -74,8 +74,7 @@ class MeshedFieldWriter:
             raise trouble
         if complete:
             self._index.add(time, self._way + piece, self._part, self._name)
-            if self._alone is not None:
-                self._alone.append(entry_of(time, piece))
+            self._alone.append(entry_of(time, piece))
 
     def _write_piece(self, number: int) -> str:
         """Write the piece of this rank, and on the first of several what opens all pieces.
@@ -97,7 +96,7 @@ class MeshedFieldWriter:
 
     def close(self) -> None:
         """List the pieces of the body alone, if there is room for it."""
-        if self._alone is not None and self._comm.rank == 0:
+        if self._comm.rank == 0:
             with suppress(OSError):
                 write_index(self._file, self._alone)
 

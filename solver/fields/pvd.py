@@ -58,16 +58,20 @@ class PvdIndex:
     """
 
     def __init__(self, file: Path, *, writes: bool = True, until: float | None = None):
-        """Start an empty index over an old file; `writes` is False on all ranks but one.
+        """Know the file, which `begin` writes; `writes` is False on all ranks but one.
 
-        The pieces of the old file up to a time, s, stay in it; None: no piece does.
+        The pieces of an old file up to a time, s, stay in it; None: no piece does.
         """
-        self._file, self._writes = file, writes
+        self._file, self._writes, self._until = file, writes, until
         self._end = len(HEAD)
-        if writes:
-            kept = b"" if until is None or not file.is_file() else _pieces(file, until)
-            write_index(file, [kept])
-            self._end += len(kept)
+
+    def begin(self) -> None:
+        """Write an empty index, or what is kept of the old one."""
+        if self._writes:
+            until, there = self._until, self._file.is_file()
+            kept = b"" if until is None or not there else _pieces(self._file, until)
+            write_index(self._file, [kept])
+            self._end = len(HEAD) + len(kept)
 
     def way_to(self, folder: Path) -> str:
         """What stands before the names of pieces in a folder: empty in that of the index."""

@@ -32,7 +32,7 @@ class RigidFieldWriter:
         file: Path,
         corners: Array,
         *,
-        index: PvdIndex | None = None,
+        index: PvdIndex,
         part: int = 0,
         name: str = "",
         writes: bool = True,
@@ -42,11 +42,10 @@ class RigidFieldWriter:
         The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`.
         Corners are those of the body in its own frame, m, (4, 2) or (8, 3), in VTK's order, which
         is that of `Block.corners`. The index lists the pieces, by the number and the name of the
-        body; None: one of its own.
+        body.
         """
         self._folder, self._stem, self._part, self._name = file.parent, file.stem, part, name
-        self._index = PvdIndex(file, writes=writes) if index is None else index
-        self._way = self._index.way_to(file.parent)
+        self._index, self._way = index, index.way_to(file.parent)
         self._writes, self._count = writes, 0
         self._piece = PieceWriter(one_cell(corners))
 

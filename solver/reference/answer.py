@@ -86,7 +86,7 @@ def reference_run(
     every, last = scene.output.history_every, ending.row if ending else len(table) - 1
     for number in range(0, last + 1, every):
         history.append(table[number])
-    if ending and last % every:
+    if last % every:
         history.append(table[last])
     history.flush()
     return history, ending.reason if ending else ""

@@ -24,35 +24,50 @@ def rescaled(scene: Scene, scale: Scale, file: Path | None) -> str:
 
     Raises:
         SceneError: There are samples and no file beside which they could go, or the model is
-            beyond the limits of scenes; the file exists.
+            beyond the limits of scenes, and nothing is written then; a file exists.
     """
     if file is not None:
         open_folder(file.parent)
-        if file.exists():
-            raise SceneError("-o", f"{file}, which exists", "a new file")
-    motions = dict[str, dict[str, Any]]()
-    if scene.motions:
-        ground = read_ground(scene)
-        for path, part in zip(scene.directions, ground.parts, strict=True):
-            if isinstance(part, SampledMotion):
-                motions[path] = _table(part, path, scale, file)
-    tables = scaled_tables(scene, scale, motions)
-    times = 1 / scale.lengths if scale.lengths < 1 else scale.lengths
-    ratio = f"1:{times:.6g}" if scale.lengths < 1 else f"{times:.6g}:1"
-    tables["title"] = f"{scene.title}, {ratio}" if scene.title else ratio
-    text = scene_to_toml(parse_scene(tables, folder=file.parent if file else "."))
-    if file is not None:
-        write_whole(file, text)
+    sampled = _sampled(scene)
+    if sampled and file is None:
+        allowed = "-o FILE, beside which its samples go at the new scale"
+        raise SceneError(next(iter(sampled)), "a motion from samples", allowed)
+    files = {} if file is None else {path: _beside(file, path) for path in sampled}
+    for there in (file, *files.values()):
+        if there is not None and there.exists():
+            raise SceneError("-o", f"{there}, which exists", "a new file")
+    try:
+        motions = {path: _table(sampled[path], scale, beside) for path, beside in files.items()}
+        tables = scaled_tables(scene, scale, motions)
+        times = 1 / scale.lengths if scale.lengths < 1 else scale.lengths
+        ratio = f"1:{times:.6g}" if scale.lengths < 1 else f"{times:.6g}:1"
+        tables["title"] = f"{scene.title}, {ratio}" if scene.title else ratio
+        text = scene_to_toml(parse_scene(tables, folder=file.parent if file else "."))
+        if file is not None:
+            write_whole(file, text)
+    except BaseException:
+        for beside in files.values():
+            beside.unlink(missing_ok=True)
+        raise
     return text
 
 
-def _table(motion: SampledMotion, path: str, scale: Scale, file: Path | None) -> dict[str, Any]:
-    """The table of a motion whose samples have been written at the new scale."""
-    if file is None:
-        allowed = "-o FILE, beside which its samples go at the new scale"
-        raise SceneError(path, "a motion from samples", allowed)
+def _sampled(scene: Scene) -> dict[str, SampledMotion]:
+    """The motions of the ground that are given by samples, by the paths of their tables."""
+    if not scene.motions:
+        return {}
+    parts = zip(scene.directions, read_ground(scene).parts, strict=True)
+    return {path: part for path, part in parts if isinstance(part, SampledMotion)}
+
+
+def _beside(file: Path, path: str) -> Path:
+    """Where the samples of a motion go, by the file of the scene and the path of its table."""
     direction = path.rpartition("motion.")[2] if path != "motion" else ""
-    beside = file.with_name(f"{file.stem}_{f'{direction}_' if direction else ''}motion.csv")
+    return file.with_name(f"{file.stem}_{f'{direction}_' if direction else ''}motion.csv")
+
+
+def _table(motion: SampledMotion, scale: Scale, beside: Path) -> dict[str, Any]:
+    """The table of a motion whose samples have been written at the new scale."""
     lines = ["time_s,acceleration_m_s2"]
     lines += [
         f"{float(time) * scale.times!r},{float(value)!r}"

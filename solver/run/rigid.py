@@ -61,6 +61,9 @@ class RigidRun:
         self._run_columns = positions("run", scene.dimension)
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
         self._steps = self._rejected = self._iterations = 0
+        self._now = 0.0
+        self._row: Array | None = None
+        """The last row, unless the history holds it."""
         how = "compiled" if machine_code else "interpreted"
         if NUMBA is None:
             how += ": numba is not installed, or not wanted"
@@ -90,6 +93,7 @@ class RigidRun:
         return {
             "system": self._system.saved(),
             "counts": (self._steps, self._rejected, self._iterations),
+            "row": self._row,
         }
 
     def redistributed(self, saved: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -100,6 +104,7 @@ class RigidRun:
         """Go on from where another engine of the same scene was saved."""
         self._system.restore(saved["system"])
         self._steps, self._rejected, self._iterations = saved["counts"]
+        self._now, self._row = self._steps * self._scene.time.step, saved["row"]
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
@@ -117,7 +122,10 @@ class RigidRun:
                 desk.keep(self, self._steps, self._steps * span.step)
         if not reason:
             status, reason = self._rest(desk)
-        desk.files.snapshot(float(desk.history["time_s"][-1]))
+        if self._row is not None:
+            desk.history.append(self._row)
+            self._row = None
+        desk.files.snapshot(self._now)
         return status, reason
 
     def _next_stop(self, desk: RunContext, total: int) -> int:
@@ -140,13 +148,7 @@ class RigidRun:
             outcome, reason = self._steps_to(first + 1 + found.row), found.reason
         elif outcome.failure:
             status, reason = "not converged", outcome.failure
-        rows = outcome.rows
-        self._steps += len(rows)
-        every = self._scene.output.history_every
-        ends = self._steps == math.floor(self._scene.time.end / step + 1e-9) or reason
-        kept = np.arange(first + 1, self._steps + 1) % every == 0
-        kept[-1:] |= bool(ends)
-        desk.history.extend(rows[kept][:, self._columns])
+        self._keep(desk, outcome)
         self._report(desk, outcome)
         due = desk.files.next_snapshot(first * step)
         if self._steps * step >= due * (1 - 1e-12):
@@ -175,13 +177,23 @@ class RigidRun:
             ground = self._motion.accelerations(ends), self._motion.means(ends)
         outcome = self._advance(1, rest, ground)
         outcome.rows[:, self._run_columns.time_s] = span.end
-        self._steps += len(outcome.rows)
-        desk.history.extend(outcome.rows[:, self._columns])
+        self._keep(desk, outcome)
         self._report(desk, outcome)
         if outcome.failure:
             return "not converged", outcome.failure
         found = desk.watch.look(outcome.rows[:, self._columns])
         return "completed", "" if found is None else found.reason
+
+    def _keep(self, desk: RunContext, outcome: Advance) -> None:
+        """Append the rows that the history holds; another one waits, since it may be the last."""
+        rows = outcome.rows[:, self._columns]
+        number = np.arange(self._steps + 1, self._steps + 1 + len(rows))
+        kept = number % self._scene.output.history_every == 0
+        desk.history.extend(rows[kept])
+        self._steps += len(rows)
+        if len(rows):
+            self._now = float(outcome.rows[-1, self._run_columns.time_s])
+            self._row = None if kept[-1] else rows[-1]
 
     def _advance(self, count: int, step: float, ground: tuple[Array, Array] | None) -> Advance:
         """Run so many steps of length `step`; `ground`: accelerations at their ends, mean ones."""

@@ -248,16 +248,21 @@ def simulate(
         history = files.open_history(scene_columns(scene))
         desk = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
         cautions = cautions_of_input(scene, ground)
-        twin = partial(_twin, comm=comm, many=many, seconds=seconds)
+        until = None if seconds is None else began + seconds
+        twin = partial(_twin, comm=comm, many=many, until=until, petsc_options=petsc_options)
         status, summary = _run(engine, desk, began, cautions, resumed, compiling, twin)
     return Result(status, history, summary)
 
 
-def _twin(scene: Scene, *, comm: Comm, many: bool, seconds: float | None) -> Result:
-    """The twin of a scene, run without any files."""
+def _twin(
+    scene: Scene, *, comm: Comm, many: bool, until: float | None, petsc_options: Sequence[str]
+) -> Result:
+    """The twin of a scene, run without any files, up to a time of the performance counter, s."""
     from solver.run.twin import twin_of
 
-    return simulate(twin_of(scene), comm=comm, many=many, seconds=seconds)
+    left = None if until is None else until - time.perf_counter()
+    alike: dict[str, Any] = {"comm": comm, "many": many, "petsc_options": petsc_options}
+    return simulate(twin_of(scene), seconds=left, **alike)
 
 
 def _horizon(scene: Scene, history: History, twin: Callable[[Scene], Result]) -> dict[str, Any]:

@@ -78,11 +78,14 @@ class StudyFolder:
 
 
 def finished(folder: Path) -> dict[str, dict[str, Any]]:
-    """The rows of the completed cases by name; failed ones are tried again."""
+    """The rows of the completed cases by name; failed and damaged ones are tried again."""
     rows = {}
     for file in sorted((folder / CASES).glob("*.json")):
-        row = json.loads(file.read_text(encoding="utf-8"))
-        if row["status"] == "completed":
+        try:
+            row = json.loads(file.read_text(encoding="utf-8"))
+        except ValueError:
+            continue
+        if isinstance(row, dict) and row.get("status") == "completed":
             rows[file.stem] = row
     return rows
 

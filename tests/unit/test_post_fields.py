@@ -33,6 +33,7 @@ from solver.bodies.elastic_forms import Moduli
 from solver.scene.material import Material
 from solver.fields.body_functions import BodyFunctions
 from solver.fields.meshed_writer import MeshedFieldWriter
+from solver.fields.pvd import PvdIndex
 
 file, degree, cell, plane = Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3], sys.argv[4]
 F = np.array([float(f) for f in sys.argv[5].split(",")]).reshape(2, 2)
@@ -46,7 +47,9 @@ lame, shear = 2.0e9, 3.0e9
 material = Material(young=shear * (3 * lame + 2 * shear) / (lame + shear),
                     poisson=lame / (2 * (lame + shear)), density=1.0, plane=plane)
 nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
-fields = MeshedFieldWriter(file, BodyFunctions(nodal, Moduli.of(block, material)))
+index = PvdIndex(file.with_name("all.pvd"), writes=MPI.COMM_WORLD.rank == 0)
+index.begin()
+fields = MeshedFieldWriter(file, BodyFunctions(nodal, Moduli.of(block, material)), index=index)
 with closing(fields) as writer:
     writer.write(0.0)
     u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
@@ -146,6 +149,7 @@ p = fem.Function(fem.functionspace(domain, ("Lagrange", degree)))
 plane = ["strain", "solid"][dimension - 2]
 material = Material(young=8e9, poisson=0.2, density=1.0, plane=plane)
 index = PvdIndex(folder / "fields.pvd", writes=comm.rank == 0)
+index.begin()
 corners = np.array(Block(width=0.4, height=0.1, thickness=0.4, density=1.0).corners(dimension))
 nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
 functions = BodyFunctions(nodal, Moduli.of(domain, material))
@@ -312,7 +316,8 @@ LATE = WRITE.replace("\nfile, degree", LATE + "\nfile, degree").replace(
     "    writer.write(0.0)\n",
     """    writer.write(0.0)
     if MPI.COMM_WORLD.rank == 0:
-        print(len(list(file.parent.glob("*_000000.vtu"))), file.read_text().count("<DataSet"))
+        listed = file.with_name("all.pvd").read_text().count("<DataSet")
+        print(len(list(file.parent.glob("*_000000.vtu"))), listed)
 """,
 )
 
@@ -322,6 +327,30 @@ def test_a_piece_is_listed_when_all_ranks_have_written_it(tmp_path: Path) -> Non
     """Ranks that are killed leave a list in which every piece can be opened."""
     said = python(LATE, tmp_path / "fields.pvd", 1, "triangle", "strain", "1,0,0,1", ranks=2)
     assert said.split() == ["2", "1"]
+
+
+# The index cannot be written, which rank 0 finds out before meshed bodies are begun together.
+TAKEN = """
+import sys
+from pathlib import Path
+from mpi4py import MPI
+from rockslip import parse_scene, simulate
+from solver.errors import OutputTrouble
+
+folder = Path(sys.argv[1])
+block = {"width": 0.5, "height": 0.4, "mass": 100.0, "young": 1e9, "poisson": 0.2, "cells": [2, 2]}
+try:
+    simulate(parse_scene({"block": [block], "time": {"end": 0.01, "step": 1e-3}}), folder=folder)
+except OutputTrouble as trouble:
+    print(trouble)
+"""
+
+
+@pytest.mark.mpi
+def test_no_rank_waits_where_the_index_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "run" / "fields.pvd").mkdir(parents=True)
+    said = python(TAKEN, tmp_path / "run", ranks=2)
+    assert said.splitlines() == ["fields.pvd: is a directory"] * 2
 
 
 # Rank 1 has no room for its first piece.

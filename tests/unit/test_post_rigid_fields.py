@@ -18,6 +18,8 @@ def test_an_index_is_complete_after_every_piece(tmp_path: Path) -> None:
     """Parts of one time stand at the same time; on other ranks nothing is written."""
     file = tmp_path / "fields.pvd"
     index = PvdIndex(file)
+    assert not file.exists()
+    index.begin()
     assert list(ET.parse(file).getroot()[0]) == []
     for k in range(3):
         index.add(0.1 * k, f"a{k}.vtu")
@@ -27,15 +29,19 @@ def test_an_index_is_complete_after_every_piece(tmp_path: Path) -> None:
         assert [float(entry.attrib["timestep"]) for entry in entries[-2:]] == [0.1 * k] * 2
         assert [entry.attrib["part"] for entry in entries[-2:]] == ["0", "1"]
         assert entries[-1].attrib["file"] == f"b{k}.vtu"
-    PvdIndex(tmp_path / "other.pvd", writes=False).add(0.0, "a.vtu")
+    other = PvdIndex(tmp_path / "other.pvd", writes=False)
+    other.begin()
+    other.add(0.0, "a.vtu")
     assert not (tmp_path / "other.pvd").exists()
 
 
 @pytest.mark.parametrize("writes", [True, False])
 def test_a_rigid_block_alone(tmp_path: Path, writes: bool) -> None:
-    """Its own index lists its pieces; on other ranks nothing is written."""
+    """The index lists its pieces; on other ranks nothing is written."""
     corners = np.array([(-1.0, 0.0), (1.0, 0.0), (1.0, 3.0), (-1.0, 3.0)])
-    writer = RigidFieldWriter(tmp_path / "fields.pvd", corners, writes=writes)
+    index = PvdIndex(tmp_path / "fields.pvd", writes=writes)
+    index.begin()
+    writer = RigidFieldWriter(tmp_path / "fields_lid.pvd", corners, index=index, writes=writes)
     third = np.full((4, 2), 1 / 3)
     writer.write(0.5, third, -third)
     if not writes:

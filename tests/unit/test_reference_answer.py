@@ -190,6 +190,12 @@ def test_the_file_has_every_so_many_steps(tmp_path: Path) -> None:
     np.testing.assert_allclose(again["time_s"], np.arange(101) * 0.01)
 
 
+def test_the_last_row_is_there_whatever_its_number() -> None:
+    """As in a run."""
+    asked = scene(block={"tilt_deg": 3.0}, output={"history_every": 700})
+    assert answer.reference_history(asked)["time_s"] == pytest.approx([0.0, 0.7, 1.0])
+
+
 PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
 SQUAT = {"width": 1.0, "height": 0.3}
 SHAKING = {"kind": "sine", "amplitude_g": 0.4, "period": 0.6, "cycles": 6}

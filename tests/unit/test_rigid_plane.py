@@ -18,6 +18,8 @@ from solver.rigid.plane import rows as plane_rows
 from solver.rigid.plane.model import PlaneGround
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.rows import ENERGY
+from solver.run.rigid import RigidRun
+from solver.run.simulate import RunContext
 
 G = 9.81
 
@@ -173,6 +175,34 @@ def test_a_run_writes_what_a_run_writes(tmp_path: Path) -> None:
         # at 0, 0.04, 0.08 and the end
         assert index.count(f'name="{name}" file="fields/fields_{name}') == 4
     assert (tmp_path / "open_in_paraview.py").is_file()
+
+
+@pytest.mark.parametrize("fields", ["vtk", "vtkhdf"])
+def test_a_run_that_is_stopped_has_its_last_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fields: str
+) -> None:
+    """Also where that is no k-th one; the last snapshot is of that time, and it goes on from it."""
+    output = "output.history_every=7", "output.every=0.04", "output.checkpoint.steps=1000"
+    given = scene(*output, f'output.fields="{fields}"')
+    whole = simulate(given).history
+    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, desk, total: run._steps + 5)
+
+    def stopped(desk: RunContext, now: float) -> str:
+        return "asked to" if now > 0.054 else ""
+
+    monkeypatch.setattr(RunContext, "stopped", stopped)
+    result = simulate(given, folder=tmp_path)
+    assert result.status == "interrupted"
+    assert result.history["time_s"][-2:] == pytest.approx([0.049, 0.055])
+    assert result.summary["end_s"] == pytest.approx(0.055)
+    pyvista = pytest.importorskip("pyvista")
+    file = tmp_path / {"vtk": "fields.pvd", "vtkhdf": "fields.vtkhdf"}[fields]
+    if fields == "vtk":
+        assert pyvista.get_reader(str(file)).time_values == pytest.approx([0.0, 0.04, 0.055])
+    monkeypatch.undo()
+    again = simulate(given, folder=tmp_path, resume=True).history
+    for name in whole.columns:
+        np.testing.assert_array_equal(again[name], whole[name])
 
 
 def test_snapshots_show_where_the_corners_are_and_how_they_move(tmp_path: Path) -> None:

@@ -116,6 +116,20 @@ def test_samples_go_beside_the_scene(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
+def test_a_refused_scale_leaves_nothing_and_takes_nothing(
+    granite: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["scale", str(granite), "--set", "motion.kind=synthetic", "-o", "model.toml"]
+    assert main([*words, "--lengths", "1e7"]) == 2
+    assert "at least 1e-06" in capsys.readouterr().err
+    assert list(granite.parent.iterdir()) == [granite]
+    samples = granite.parent / "model_motion.csv"
+    samples.write_text("mine")
+    assert main([*words, "--lengths", "15"]) == 2
+    assert "-o: got model_motion.csv, which exists" in capsys.readouterr().err
+    assert samples.read_text() == "mine"
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -222,6 +222,9 @@ def test_force_begins_anew_and_spares_what_is_not_its_own(done: Path, tmp_path: 
     assert finished(folder) == {"case": {"status": "completed", "value": 1.0}}
     FOLDER.claim(folder, {"one": 1}, force=False, resume=True)
     assert list(finished(folder)) == ["case"]
+    for damaged in ('{"status": "comp', "[]"):
+        (folder / "cases" / "damaged.json").write_text(damaged)
+        assert list(finished(folder)) == ["case"]
     FOLDER.claim(folder, {"one": 2}, force=True, resume=False)
     assert finished(folder) == {}
     assert sorted(file.name for file in folder.iterdir()) == [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,8 +18,9 @@ from benchmarks.steady_rocking import (
     steady,
     under_a_sine,
 )
-from rockslip import parse_scene, simulate
+from rockslip import Scene, parse_scene, simulate
 from solver.cli import main
+from solver.run import simulate as simulate_module
 from solver.run.twin import difference, horizon, twin_of
 from solver.study.horizon.table import as_text
 
@@ -113,6 +115,38 @@ def test_the_study(tmp_path: Path) -> None:
     assert main([*words, "--resume"]) == 0
     assert main(["report", str(tmp_path / "out")]) == 0
     assert "<h1>Horizon: " in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+
+def test_scales_of_a_scene_without_motion_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All of them would be the same run."""
+    file = tmp_path / "scene.toml"
+    file.write_text(
+        "[[block]]\nwidth = 0.25\nheight = 1.0\nmass = 500.0\nmodel = 'rigid'\ntilt_deg = 3\n"
+        "[time]\nend = 1.0\n"
+    )
+    words = ["study", "horizon", str(file), "-o", str(tmp_path / "out"), "--scales", "1,2"]
+    assert main(words) == 2
+    assert "--scales: got 1,2, allowed 1 for a scene without [motion]" in capsys.readouterr().err
+
+
+def test_a_twin_is_solved_as_the_run_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the same options for PETSc; it has the time that the run leaves it."""
+    calls: list[dict[str, Any]] = []
+    usual = simulate_module.simulate
+
+    def simulated(scene: Scene, **options: Any) -> Any:
+        calls.append(options)
+        return usual(scene, **options)
+
+    monkeypatch.setattr(simulate_module, "simulate", simulated)
+    block = SIZE | {"young": 5e10, "poisson": 0.2, "cells": [1, 2], "tilt_deg": 3.0}
+    tables = {"block": [block], "time": {"end": 0.01, "step": 1e-3}, "output": {"twin": True}}
+    options = ("-rockslip_snes_rtol", "1e-4")
+    usual(parse_scene(tables), petsc_options=options, seconds=1000.0)
+    (twin,) = calls
+    assert twin["petsc_options"] == options and 0 < twin["seconds"] < 1000
 
 
 @pytest.mark.parametrize(("peak", "said"), [(0.0, True), (0.3, False)])

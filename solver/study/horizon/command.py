@@ -81,6 +81,9 @@ def prepare(options: argparse.Namespace) -> Plan:
     path: Path = options.scene
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)
+    scales = numbers("--scales", options.scales)
+    if "motion" not in tables and set(scales) != {1.0}:
+        raise SceneError("--scales", options.scales, "1 for a scene without [motion]")
     cases = tuple(
         HorizonCase(
             engine=engine,
@@ -90,7 +93,7 @@ def prepare(options: argparse.Namespace) -> Plan:
             folder=path.parent,
         )
         for engine in engines
-        for scale in numbers("--scales", options.scales)
+        for scale in scales
     )
     scenes = {case.name: case.scene().to_dict() for case in cases}
     folder = options.output or Path(path.stem + ".horizon")
