@@ -231,6 +231,17 @@ class TestRefused:
         assert f"{NAME}, which is damaged" in self.refusal(done, capsys)
         assert (done / "history.csv").read_bytes() == before
 
+    def test_of_another_record(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        """The scene names the same file; what is in it has changed."""
+        record = tmp_path / "motion.csv"
+        record.write_text("0,0\n0.1,0.2\n0.2,0\n")
+        tables = scene_of("rigid, plane", 100).to_dict()
+        tables["motion"] = {"kind": "table", "file": str(record), "units": "g"}
+        simulate(parse_scene(tables), folder=tmp_path / "out")
+        assert main(["run", "--resume", str(tmp_path / "out"), "-q"]) == 0
+        record.write_text("0,0\n0.1,0.21\n0.2,0\n")
+        assert "of another scene or motion" in self.refusal(tmp_path / "out", capsys)
+
     def test_of_something_else(
         self, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:

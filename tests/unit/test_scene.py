@@ -11,7 +11,7 @@ from hypothesis import strategies as some
 from rockslip import BlockSpec, Scene, load_scene, parse_scene
 from solver.errors import EnvironmentTrouble, NotConverged, SceneError, Statement, in_one_line
 from solver.scene import TimeSpec, scene_to_toml
-from solver.scene.motion import SineSpec, TableSpec
+from solver.scene.motion import HalfSineSpec, SineSpec, SyntheticSpec, TableSpec
 
 TEXT = """
 title = "Free rocking"
@@ -502,3 +502,21 @@ def test_light_parts_import_nothing_heavy():
     code = "import sys, solver.scene; print('numpy' in sys.modules)"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "False"
+
+
+def test_a_motion_times_a_factor_is_so_in_all_directions() -> None:
+    pulse = {"kind": "half_sine", "amplitude_g": 0.2, "duration": 0.3}
+    motion = pulse | {"vertical": pulse | {"amplitude_g": 0.1}, "second": {"kind": "synthetic"}}
+    scene = parse_scene(
+        {
+            "dimension": 3,
+            "block": [{"width": 0.3, "height": 1.0, "mass": 100.0, "model": "rigid"}],
+            "motion": motion,
+            "time": {"end": 1.0},
+        }
+    )
+    assert scene.motion is not None
+    twice = scene.motion.times(2.0)
+    assert isinstance(twice, HalfSineSpec) and isinstance(twice.vertical, HalfSineSpec)
+    assert (twice.amplitude_g, twice.vertical.amplitude_g) == (0.4, 0.2)
+    assert isinstance(twice.second, SyntheticSpec) and twice.second.scale == 2.0

@@ -63,6 +63,11 @@ def test_a_block_that_slides(tmp_path: Path, dimension: int) -> None:
     np.testing.assert_allclose(total, -FRICTION * normal * way, rtol=1e-2)
     assert set(state[(area > 0) & (pressure > 0)]) == {NodeState.SLIPS}
     assert set(state[area == 0]) == {NodeState.AWAY}
+    # All of it moves as friction leaves it.
+    left = np.zeros(3)
+    left[: dimension - 1] = (1 - FRICTION * G * result.history["time_s"][-1]) * way
+    moved = data["velocity"] - left
+    assert np.abs(moved).max() < 0.02
 
 
 @pytest.mark.serial

@@ -250,3 +250,21 @@ def test_rigid_blocks_that_stick_to_each_other_on_a_plate() -> None:
     cost, energy = result.summary["cost"], result.summary["energy"]
     assert cost["rejected_steps"] == 0 and cost["newton_iterations"] < 4 * cost["steps"]
     assert energy["largest_gain_fraction"] < 1e-8 and energy["ledger_error_fraction"] < 1e-11
+
+
+@pytest.mark.parametrize("model", ["elastic", "rigid"])
+def test_edges_of_what_carries_a_block_count_among_its_forces(model: str) -> None:
+    """A wide block on a narrow one, whose edges press on its bottom: its weight is carried."""
+    lower, upper = (
+        block("lower", "elastic", "foundation", 0.4, 0.4),
+        block("upper", model, "lower", 1.0, 0.3),
+    )
+    if model == "elastic":
+        upper["cells"] = [1, 2]  # no node of its bottom stands on the lower one
+    scene = parse_scene({
+        "block": [lower, upper],
+        "time": {"end": 0.01, "step": 1e-3, "initial": "static"},
+    })  # fmt: skip
+    history = simulate(scene).history
+    weight = DENSITY * 1.0 * 0.3 * G
+    np.testing.assert_allclose(history["upper.normal_force_N"], weight, rtol=1e-3)

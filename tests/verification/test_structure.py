@@ -280,6 +280,13 @@ def test_extra_mass_on_the_deck() -> None:
     assert frequencies(STIFF_DECK | {"deck": deck})[0] == pytest.approx(SWAY / DECK / 4, rel=5e-3)
 
 
+def test_extra_mass_of_a_storey_is_that_of_its_deck() -> None:
+    """Three decks' more on the upper one: k/m (9 -+ sqrt 65)/8, from 4 x^2 - 9 x + 1 = 0."""
+    storeys = STIFF_DECK | {"storey": [{"height": 3.0}, {"height": 3.0, "extra_mass": 3 * DECK}]}
+    exact = SWAY / DECK * (9 + np.array([-1, 1]) * math.sqrt(65)) / 8
+    np.testing.assert_allclose(frequencies(storeys, 2), exact, rtol=6e-3)
+
+
 def test_two_storeys_are_two_masses_on_two_springs() -> None:
     """k/m (3 -+ sqrt 5)/2."""
     storeys = STIFF_DECK | {"storey": [{"height": 3.0}, {"height": 3.0}]}
