@@ -21,9 +21,6 @@ class Single:
 
     rank, size = 0, 1
 
-    def Barrier(self) -> None:
-        """There is nobody to wait for."""
-
     def bcast(self, value: Any, root: int = 0) -> Any:
         """The value."""
         return value

@@ -24,7 +24,7 @@ from solver.contact.carrier_surface import Facets
 from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion
 from solver.parallel import on_first_rank
-from solver.scene import BlockSpec, Scene
+from solver.scene import Scene
 from solver.scene.places import poses
 from solver.types import Array, Indices
 
@@ -179,14 +179,9 @@ def _footprints(scene: Scene) -> list[Footprint]:
     for block in scene.blocks:
         if block.on == "foundation":
             corners = placed[block.name](np.array(block.shape.corners(scene.dimension)))[:, :-1]
-            found.append(Footprint(corners.min(axis=0), corners.max(axis=0), _stack(scene, block)))
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            found.append(Footprint(low, high, scene.stacked_mass(block)))
     return found
-
-
-def _stack(scene: Scene, block: BlockSpec) -> float:
-    """Mass of a block and of all that stand on it, kg."""
-    above = (other for other in scene.blocks if other.on == block.name)
-    return block.shape.mass + sum(_stack(scene, other) for other in above)
 
 
 def _below(surface: Facets, footprint: Footprint) -> Indices:

@@ -25,19 +25,13 @@ from solver.pictures.style import (
 from solver.results.motion import is_spatial
 from solver.results.moving import moving_span
 from solver.results.runs import Run
-from solver.scene import BlockSpec, Scene
+from solver.scene import BlockSpec
 from solver.scene.units import G_UNIT
 
 Floats = NDArray[np.floating[Any]]
 
 #: A drawn slip or drift is no smaller than this, mm.
 LEAST_LENGTH = 0.1
-
-
-def carried_weight(scene: Scene, block: BlockSpec) -> float:
-    """Weight of a block and of all that stands on it, N."""
-    above = [other for other in scene.blocks if other.on == block.name]
-    return block.shape.weight(scene.gravity) + sum(carried_weight(scene, b) for b in above)
 
 
 def draw_forces(run: Run) -> Figure:
@@ -59,7 +53,7 @@ def draw_forces(run: Run) -> Figure:
 def _add_forces(axes: Axes, run: Run, block: BlockSpec) -> None:
     """Normal force and friction on one block."""
     history, time = run.history, run.history["time_s"]
-    weight = carried_weight(run.scene, block)
+    weight = run.scene.stacked_mass(block) * run.scene.gravity
     unit = weight or 1.0
     normal = history[f"{block.name}.normal_force_N"] / unit
     friction = history[f"{block.name}.friction_force_N"] / unit

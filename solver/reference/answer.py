@@ -107,9 +107,6 @@ def _refuse(scene: Scene, ground: GroundMotion) -> None:
         raise SceneError("dimension", "3", f"2 {ONLY}")
     if len(scene.blocks) != 1:
         raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
-    if not scene.friction_of(block).has_reference:
-        got = scene.friction_of(block).words()
-        raise SceneError("contact.friction", got, f"static, dynamic, decay, cohesion {ONLY}")
     if scene.gravity == 0:
         raise SceneError("gravity", "0", f"gravity > 0 {ONLY}")
     if scene.carrier_moves and not scene.has_platform:

@@ -37,8 +37,7 @@ def has_expected_mode(scene: Scene) -> bool:
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
     firm_and_alone = len(scene.blocks) == 1 and scene.gravity > 0 and not scene.carrier_moves
-    known = scene.friction_of(block).has_reference
-    return firm_and_alone and in_plane and known and not any(moves)
+    return firm_and_alone and in_plane and not any(moves)
 
 
 def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:

@@ -14,6 +14,7 @@ from solver.reference.platform_rocking import restitution_on_platform
 from solver.results.cautions import cautions_of_scene
 from solver.run.rank_gain import ranks_in_words
 from solver.scene import BlockSpec, Scene
+from solver.scene.cells import box_nodes
 from solver.scene.time import TimeSpec
 
 Lines = list[tuple[str, str]]
@@ -47,8 +48,8 @@ def _linear_solver(block: BlockSpec, scene: Scene) -> Lines:
     """How the equations of a meshed block are solved; nothing where it has no mesh."""
     if block.model == "rigid":
         return []
-    counts = [block.degree * count + 1 for count in block.cells]
-    unknowns, points = scene.dimension * math.prod(counts), math.prod(counts[:-1])
+    unknowns = scene.dimension * box_nodes(block)
+    points = math.prod(block.degree * count + 1 for count in block.cells[:-1])
     return [("  linear solver", solver_in_words(unknowns, points, scene.dimension))]
 
 

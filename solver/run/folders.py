@@ -24,7 +24,7 @@ REPORT = "report.html"
 LEFT_BEHIND = (
     "history.csv",
     "summary.json",
-    "summary.json.part",
+    *("summary.json.part", "scene.toml.part", f"{REPORT}.part", "film.part.mp4", "film.part.gif"),
     "floor_spectra.csv",
     "checkpoint.npz",
     "checkpoint.npz.part",

@@ -53,14 +53,6 @@ class FrictionSpec(Checked):
         return self.static == self.dynamic and self.cohesion == 0.0
 
     @property
-    def has_reference(self) -> bool:
-        """Whether rigid-body references and the criteria of how a block begins know this law.
-
-        They know all laws so far; a law whose coefficient has a memory would say no.
-        """
-        return True
-
-    @property
     def decays(self) -> bool:
         """Whether the coefficient depends on the speed of sliding."""
         return self.decay > 0

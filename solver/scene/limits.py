@@ -90,16 +90,7 @@ def _pressure(scene: Scene, block: BlockSpec, acceleration: float) -> float:
 
     `acceleration`: gravity and the peaks of the ground's acceleration, added up, m/s2.
     """
-    carried = sum(other.shape.mass for other in scene.blocks if _stands_on(scene, other, block))
-    return carried * acceleration / _bottom(block)
-
-
-def _stands_on(scene: Scene, block: BlockSpec, below: BlockSpec) -> bool:
-    """Whether a block is another one, or stands on it, or on what stands on it."""
-    at: BlockSpec | None = block
-    while at is not None and at.name != below.name:
-        at = scene.carrier_of(at)
-    return at is not None
+    return scene.stacked_mass(block) * acceleration / _bottom(block)
 
 
 def _refuse_soft(where: str, material: Material, pressure: float) -> None:

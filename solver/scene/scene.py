@@ -245,6 +245,11 @@ class Scene(Checked):
             raise ValueError(f"a foundation of kind {self.foundation.kind} has no spring")
         return found
 
+    def stacked_mass(self, block: BlockSpec) -> float:
+        """Mass of a block and of all that stands on it, kg."""
+        above = (other for other in self.blocks if other.on == block.name)
+        return block.shape.mass + sum(self.stacked_mass(other) for other in above)
+
     def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
         """The block that carries a block; None: the foundation does."""
         return next((carrier for carrier in self.blocks if carrier.name == block.on), None)

@@ -118,7 +118,8 @@ def test_an_earlier_run_is_kept_unless_forced(granite: Path, capsys: Captured) -
     mine = folder / "notes.txt"
     mine.write_text("mine")
     (folder / "fields_p0_000001.vtu").write_text("stale")
-    (folder / "fields.vtkhdf").write_text("stale")
+    for draft in ("fields.vtkhdf", "film.part.mp4", "report.html.part"):
+        (folder / draft).write_text("stale")
     other = ["reference", "granite.toml", "-q", "--set", "block.tilt_deg=2"]
     assert "not empty" in refused(other, capsys)
     assert (folder / "history.csv").read_text() == stamp
@@ -126,7 +127,8 @@ def test_an_earlier_run_is_kept_unless_forced(granite: Path, capsys: Captured) -
     assert (folder / "history.csv").read_text() != stamp
     assert mine.read_text() == "mine"
     assert not (folder / "fields_p0_000001.vtu").exists()
-    assert not (folder / "fields.vtkhdf").exists()
+    names = {file.name for file in folder.iterdir()}
+    assert names == {"history.csv", "scene.toml", "summary.json", "notes.txt"}
 
 
 def test_a_scene_is_never_written_over(granite: Path, capsys: Captured) -> None:

@@ -13,9 +13,7 @@ from geometry.arrangement import initial_position
 from rockslip import History, Scene, parse_scene
 from solver.errors import SceneError
 from solver.reference import answer
-from solver.reference.expected import has_expected_mode
 from solver.reference.shenton import release_friction, rocking_friction
-from solver.scene import FrictionSpec
 
 BLOCK = {
     "width": 0.25,
@@ -128,15 +126,6 @@ def test_only_what_closed_forms_do_not_have_is_unknown() -> None:
             "energy.numerical_J",
             "energy.ledger_error_J",
         ]
-
-
-def test_a_law_that_no_closed_form_knows(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = scene(block={"tilt_deg": 3.0})
-    assert has_expected_mode(asked)
-    monkeypatch.setattr(FrictionSpec, "has_reference", False)
-    assert not has_expected_mode(asked)
-    with pytest.raises(SceneError, match=r"contact\.friction: got 0\.7, allowed static, dynamic"):
-        answer.reference_history(asked)
 
 
 def test_which_answer() -> None:

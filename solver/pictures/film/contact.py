@@ -8,7 +8,6 @@ from enum import Enum
 
 import numpy as np
 
-from solver.pictures.forces import carried_weight
 from solver.results.motion import boxes
 from solver.results.runs import Run
 from solver.scene import BlockSpec
@@ -104,7 +103,7 @@ def _force(run: Run, block: BlockSpec, times: Array) -> Array:
         along.append(history[f"{name}.friction_force_second_N"])
     own = np.stack([*along, history[f"{name}.normal_force_N"]], axis=1)
     force = np.nan_to_num(np.einsum("nij,nj->ni", axes, own))
-    weight = carried_weight(run.scene, block) or 1.0
+    weight = run.scene.stacked_mass(block) * run.scene.gravity or 1.0
     means = [_means(history["time_s"], part, times) / weight for part in force.T]
     return np.asarray(np.stack(means, axis=1), dtype=np.float64)
 
@@ -137,7 +136,7 @@ def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
     """Whether a block sticks, slips or is in the air, from the frame before to each frame."""
     history, name, time = run.history, block.name, run.history["time_s"]
     normal = _means(time, np.nan_to_num(history[f"{name}.normal_force_N"]), times)
-    weight = carried_weight(run.scene, block) or 1.0
+    weight = run.scene.stacked_mass(block) * run.scene.gravity or 1.0
     spacing = times[1] - times[0] if len(times) > 1 else 1.0
     moved: Array = np.zeros(len(times))
     for column in (f"{name}.slip_m", f"{name}.slip_second_m"):
@@ -145,7 +144,7 @@ def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
             slip = history[column]
             gained = np.interp(times, time, slip) - np.interp(times - spacing, time, slip)
             moved = np.hypot(moved, gained)
-    fast = AT_REST * math.sqrt(9.81 * block.height) * spacing
+    fast = AT_REST * math.sqrt(run.scene.gravity * block.height) * spacing
     return [
         State.OPEN if force < LEAST_FORCE * weight else State.SLIPS if way > fast else State.STICKS
         for force, way in zip(normal, moved, strict=True)

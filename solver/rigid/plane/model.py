@@ -125,7 +125,7 @@ class PlaneWork(NamedTuple):
     cohesion: Array
     """Cohesion times area of each, N, (p,)."""
     state: Indices
-    """PlaneState of each in the local problem, (p,)."""
+    """State of each in the local problem, (p,)."""
     slips: Indices
     """1 where it slips in this step, (p,)."""
     rows: Array
@@ -155,7 +155,7 @@ class PlaneWork(NamedTuple):
 
 
 def new_memory(points: int) -> PlaneMemory:
-    """PlaneMemory of points that have touched nothing yet."""
+    """The memory of points that have touched nothing yet."""
     none = [np.zeros(points, dtype=np.int64) for _ in range(3)]
     return PlaneMemory(
         closed=none[0],

@@ -4,7 +4,7 @@
 horizontal spring and dashpot, both infinitely long, or on each other. Corners touch the floor, and
 the faces of the block above or below; a block that falls off its carrier lands on the floor. Blocks
 side by side do not notice each other. `advance` runs many steps at once in compiled code and
-returns rows of a history. The equations: `plane_step`, `plane_contact`.
+returns rows of a history. The equations stand in `step` and `contact` beside this file.
 """
 
 from __future__ import annotations

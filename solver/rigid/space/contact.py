@@ -179,8 +179,8 @@ def rows_of(
         z = R_c^T (x - x_c),   z_{n+1} - z_n = R_c,mean^T (dx - dx_c - psi_c x (x - x_c)_mean),
 
     and the force e on the one body and -e on the other act at one point of space; those of a
-    crossing act at its places on both edges (`space_crossings`). With rotations and places of an
-    instant they give velocities.
+    crossing act at its places on both edges (`solver.rigid.space.edge_crossings`). With rotations
+    and places of an instant they give velocities.
 
     Args:
         contacts: m points, crossings half-way (`halfway`).

@@ -1,7 +1,7 @@
 """Linear parts of a step of rigid blocks in space, compiled: motion without contact, compliance.
 
 Centres move by the generalized-alpha method with contact impulses outside the average, rotations by
-the energy-momentum rule of `space_rotation`.
+the energy-momentum rule of `solver.rigid.space.rotation`.
 """
 
 from __future__ import annotations

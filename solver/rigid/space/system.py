@@ -2,8 +2,8 @@
 
 `SpaceSystem` holds any number of rectangular blocks on a rigid ground, or on a platform that moves
 along x and y on springs, in stacks as they like; `advance` runs many steps at once in compiled code
-and returns rows of a history. What touches what: `space_contact`; the equations: `space_rotation`
-and `space_solve`.
+and returns rows of a history. What touches what stands in `contact` beside this file, the equations
+in `rotation` and `solve`.
 """
 
 from __future__ import annotations
