@@ -89,10 +89,8 @@ def _add_slips(axes: Axes, run: Run) -> None:
     for i, block in enumerate(blocks):
         one = len(blocks) == 1
         hue, label = (GREEN, "slip") if one else (colour(i), f"slip of {block.name}")
-        slip, spatial = (
-            1e3 * run.history[f"{block.name}.slip_m"],
-            is_spatial(run.history, block.name),
-        )
+        slip = 1e3 * run.history[f"{block.name}.slip_m"]
+        spatial = is_spatial(run.history, block.name)
         axes.plot(time, slip, color=hue, label=f"{label} along x" if spatial else label)
         if spatial:
             second = 1e3 * run.history[f"{block.name}.slip_second_m"]

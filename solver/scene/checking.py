@@ -269,17 +269,16 @@ def _checked(hint: Any, value: Any, name: str) -> Any:
             return converted
     words = [word for choice in choices for word in get_args(choice) if isinstance(word, str)]
     meant = nearest(value, words) if isinstance(value, str) else None
-    raise SceneError(
-        name, shown(value), f"{_type_missed(choices, value)}{_words(hint, name)}", meant
-    )
+    allowed = _words(hint, name)
+    if _is_no_number(choices, value) and "number" not in allowed:
+        allowed = f"a number, {allowed}"
+    raise SceneError(name, shown(value), allowed, meant)
 
 
-def _type_missed(choices: Iterable[Any], value: Any) -> str:
-    """What to say first where a number is asked for and something else stands there."""
-    real = isinstance(value, Real) and not isinstance(value, bool)
-    if real or any(get_origin(choice) is not Annotated for choice in choices):
-        return ""
-    return "a number, "
+def _is_no_number(choices: Iterable[Any], value: Any) -> bool:
+    """Whether a number is asked for, and something else stands there."""
+    numeric = all(get_origin(choice) is Annotated for choice in choices)
+    return numeric and (not isinstance(value, Real) or isinstance(value, bool))
 
 
 def _brought(hint: Any, value: Any) -> tuple[bool, Any]:

@@ -201,16 +201,13 @@ class NonlinearSolver:
         size: int,
         failure: type[Exception],
         options: Sequence[str] = (),
-        *,
-        convergence: Convergence | None = None,
     ):
         """Set SNES up for the owned unknowns of this rank.
 
         A problem raises `failure` where it has no correction. PETSc's options are as on a command
-        line and override what is set here; without `convergence` the rules of this program end an
-        iteration.
+        line and override what is set here.
         """
-        self._convergence = convergence or Convergence()
+        self._convergence = Convergence()
         self._problem: NonlinearProblem | None = None
         self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)

@@ -181,18 +181,16 @@ class Stepper:
     def static_start(
         self,
         u: Array,
-        time: float = 0.0,
         *,
         load: Array | None = None,
         start: State | None = None,
         glued: bool = False,
         steady: float = 1e-7,
     ) -> State:
-        """Gravity and loads in equilibrium with contact, at rest; the ground begins to move after.
+        """Gravity and loads in equilibrium with contact, at rest at t = 0: then the ground moves.
 
         Args:
             u: Where the search begins.
-            time: s.
             load: Forces on the owned unknowns besides gravity, N; they belong to this start alone.
             start: A state whose contact memory is gone on from (loads that come one after another).
             glued: Whether friction holds whatever it takes: where a block is about to slide, this
@@ -204,7 +202,7 @@ class Stepper:
         Raises:
             StepFailed: Where there is no equilibrium.
         """
-        state = start or self.start(u, np.zeros_like(u), time)
+        state = start or self.start(u, np.zeros_like(u))
         self._join(state.faces)
         system = self.system
         for body, own in system.members:
@@ -227,7 +225,7 @@ class Stepper:
         return consistent(
             self.system,
             self.links,
-            State(time, u, rest, p=rest, contacts=contacts, motions={}, faces=state.faces),
+            State(0.0, u, rest, p=rest, contacts=contacts, motions={}, faces=state.faces),
         )
 
     def _load(self, time: float, dt: float) -> Array:

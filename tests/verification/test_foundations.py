@@ -321,3 +321,24 @@ def test_points_beyond_the_edge_touch_nothing_wherever_the_iteration_takes_them(
     operator, change = problem._settled(y)
     assert change is not None and problem.contact.force[:, 0].any()
     assert not off[operator.near.number].any() and not problem.contact.force[off].any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("stiffness", "scatter"), [(0.0, (0.1, 3.0)), (1e-4, (0.0, 0.02))])
+def test_what_impacts_on_a_plate_keep_scatters_unless_it_is_damped(
+    stiffness: float, scatter: tuple[float, float]
+) -> None:
+    """A block of H/B 3 on a plate as stiff as itself, on which it hops: `docs/validation.md`."""
+    stone = {"density": 2500.0, "young": 3e10, "poisson": 0.2}
+    tables = {
+        "block": [stone | {"width": 0.3, "height": 0.9, "thickness": 0.5, "cells": [4, 8],
+                           "tilt_deg": 2.0}],
+        "foundation": stone | {"kind": "elastic", "support": "bottom", "width": 1.5,
+                               "height": 0.3, "cells": [20, 3],
+                               "damping": {"stiffness": stiffness}},
+        "time": {"end": 0.75},
+    }  # fmt: skip
+    impacts = simulate(parse_scene(tables)).summary["blocks"]["block"]["impacts"]
+    kept = [impact["restitution"] for impact in impacts[:4]]
+    assert scatter[0] < max(kept) - min(kept) < scatter[1]
+    assert stiffness == 0.0 or kept == pytest.approx([0.825] * 4, abs=0.01)
