@@ -16,6 +16,9 @@ from solver.study.modes.table import Row
 
 COLOURS = {"rest": GREY, "slide": BLUE, "rock": GREEN, "slide-rock": ORANGE}
 MARKS = {"rest": "o", "slide": "s", "rock": "^", "slide-rock": "D"}
+MARGIN = 0.04
+"""Between marks and edges of a panel, over the largest value."""
+
 ROUND: dict[str, Any] = {"markersize": 9, "markerfacecolor": "none", "markeredgewidth": 1.4}
 
 
@@ -43,8 +46,9 @@ def _drawn(points: Sequence[Row]) -> Figure:
 
 def _panel(axes: Axes, points: Sequence[Row], ratio: float) -> None:
     """Areas of the modes, their boundaries, and the points."""
-    low = [0.9 * min(p[key] for p in points) for key in ("acceleration_g", "friction")]
-    high = [1.04 * max(p[key] for p in points) for key in ("acceleration_g", "friction")]
+    values = [[p[key] for p in points] for key in ("acceleration_g", "friction")]
+    low = [min(each) - MARGIN * max(each) for each in values]
+    high = [(1 + MARGIN) * max(each) for each in values]
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     _boundaries(axes, ratio, high)
     for mode, mark in MARKS.items():
@@ -54,7 +58,7 @@ def _panel(axes: Axes, points: Sequence[Row], ratio: float) -> None:
             if not judged:
                 style |= {"markerfacecolor": "white", "markeredgewidth": 0.8}
             x, y = [p["acceleration_g"] for p in found], [p["friction"] for p in found]
-            axes.plot(x, y, marker=mark, label=mode if judged else None, clip_on=False, **style)
+            axes.plot(x, y, marker=mark, label=mode if judged else None, **style)
     wrong = [p for p in points if p["judged"] and not p["agrees"]]
     at = [p["acceleration_g"] for p in wrong], [p["friction"] for p in wrong]
     axes.plot(*at, "o", color=RED, label="disagrees" if wrong else None, **ROUND)
