@@ -122,7 +122,7 @@ class ElasticBody:
 
     @property
     def moduli(self) -> Moduli:
-        """Of its material and of its regions, times the thickness."""
+        """Lame's constants of its material and of its regions, times the thickness."""
         return self._forms.moduli
 
     def inertia(self, vector: Array) -> Array:

@@ -63,7 +63,7 @@ class Moduli(NamedTuple):
 
     @classmethod
     def of(cls, domain: mesh.Mesh, material: Material, regions: Sequence[Region] = ()) -> Moduli:
-        """Those of a material, and of others in some regions of a mesh."""
+        """The moduli of a material on a mesh, and of others in some of its regions."""
         lame, shear = (property_of(domain, each, material, regions) for each in ("lame", "shear"))
         return cls(lame, shear, material.plane)
 
@@ -139,8 +139,7 @@ class ElasticForms:
         """Let all forms of both displacements read the same values, cell by cell."""
         # Views that are kept: asking dolfinx for one costs as much as copying the values.
         self._new_values, self._old_values = ((each, each.x.array) for each in functions)
-        moduli = self.moduli.lame, self.moduli.shear
-        kept = [each for each in moduli if isinstance(each, fem.Function)]
+        kept = [each for each in self.moduli if isinstance(each, fem.Function)]
         self._both = CellValues(self.force.form, [*functions, *kept])
         form = self.strain_energy.form
         self._last = CellValues(form, [functions[0], *kept])

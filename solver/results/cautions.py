@@ -183,12 +183,13 @@ def _coarse_records(scene: Scene, ground: GroundMotion) -> list[str]:
     found = []
     for where, spec in scene.motions:
         part = sampled[where]
-        if spec.kind == "record" and isinstance(part, SampledMotion):
-            if part.step is not None and part.step > COARSEST_RECORD:
-                found.append(
-                    f"the samples of {where} are {part.step:g} s apart, as in no record: look at "
-                    "the unit of its times"
-                )
+        if spec.kind != "record" or not isinstance(part, SampledMotion):
+            continue
+        if (part.step or 0.0) > COARSEST_RECORD:
+            found.append(
+                f"the samples of {where} are {part.step:g} s apart, as in no record: look at the "
+                "unit of its times"
+            )
     return found
 
 
