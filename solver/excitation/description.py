@@ -8,6 +8,7 @@ from solver.excitation.motion import BaseMotion
 from solver.excitation.pulses import Pulse
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
+    SAMPLES_A_PERIOD,
     arias_intensity,
     peak_ground,
     response_spectrum,
@@ -20,13 +21,6 @@ Lines = list[tuple[str, str]]
 
 PERIODS = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
 """Periods of the spectrum, s."""
-
-LARGEST_SPACING = 0.01
-"""Samples that are further apart than twice this, or not equally far, are resampled at this spacing
-or a finer one before they are measured, s."""
-
-LARGEST_COUNT = 10**6
-"""Largest number of samples after resampling."""
 
 
 def describe_motion(motion: BaseMotion | None, step: float | None) -> Lines:
@@ -65,7 +59,7 @@ def _samples(motion: SampledMotion) -> str:
 
 def _measures(motion: SampledMotion) -> Lines:
     """Peaks, duration, intensity and spectrum; g is 9.81 m/s^2."""
-    values, step = _even(motion)
+    values, step = motion.evenly_spaced(min(PERIODS) / SAMPLES_A_PERIOD)
     _, speed, moved = peak_ground(values, step)
     spectrum = response_spectrum(values, step, PERIODS) / G_UNIT
     pairs = [f"{period:g} s {value:.4f}" for period, value in zip(PERIODS, spectrum, strict=True)]
@@ -76,16 +70,6 @@ def _measures(motion: SampledMotion) -> Lines:
         ("Arias intensity", f"{arias_intensity(values, step):.4f} m/s"),
         ("PSA in g, 5 %", ", ".join(pairs)),
     ]
-
-
-def _even(motion: SampledMotion) -> tuple[Array, float]:
-    """Samples at equal distances, fine enough for the spectrum, and the distance, s."""
-    if motion.step is not None and motion.step <= 2 * LARGEST_SPACING:
-        return motion.value, motion.step
-    finest = min(float(np.diff(motion.time).min()), LARGEST_SPACING)
-    count = int(min(np.ceil(motion.duration / finest), LARGEST_COUNT)) + 1
-    times = np.linspace(motion.time[0], motion.time[-1], count)
-    return motion.accelerations(times), motion.duration / (count - 1)
 
 
 def _met(motion: SampledMotion, step: float | None) -> tuple[str, str]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from solver.types import Array
+
+MOST_SAMPLES = 10**6
+"""Largest number of samples after resampling."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +88,23 @@ class SampledMotion:
         since = np.clip(times - self.time[first], 0.0, length)
         slope = (self.value[first + 1] - self.value[first]) / length
         return self._speed[first] + since * (self.value[first] + since * slope / 2)
+
+    def evenly_spaced(self, longest: float) -> tuple[Array, float]:
+        """Samples at equal times, at most `longest` (s) apart, and the time between them, s.
+
+        The motion between its samples is theirs, too. Samples that are equally far apart, and near
+        enough, are left as they are, and are among them where others are needed between.
+        """
+        if self.step is not None and self.step <= longest * (1 + 1e-9):
+            return self.value, self.step
+        if self.step is not None:
+            count = (len(self.time) - 1) * math.ceil(self.step / longest * (1 - 1e-9))
+        else:
+            finest = min(float(np.diff(self.time).min()), longest)
+            count = math.ceil(self.duration / finest * (1 - 1e-9))
+        count = max(min(count, MOST_SAMPLES), len(self.time) - 1)
+        times = np.linspace(self.time[0], self.time[-1], count + 1)
+        return self.accelerations(times), self.duration / count
 
 
 def even_step(time: Array) -> float | None:

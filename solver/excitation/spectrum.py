@@ -14,9 +14,19 @@ from solver.scene.units import G_UNIT
 
 Samples = NDArray[np.float64]
 
+PERIODS: Samples = 0.02 * 250.0 ** np.linspace(0.0, 1.0, 160)
+"""Periods of the spectra that are drawn, s."""
+
+DAMPING = 0.05
+"""Damping of oscillators, over critical, where none is given."""
+
+SAMPLES_A_PERIOD = 10
+"""So many samples of the ground at least in the shortest period of a spectrum: the largest response
+at samples is then below that between them by less than 5 %."""
+
 
 def response_spectrum(
-    acceleration: Samples, step: float, periods: ArrayLike, damping: float = 0.05
+    acceleration: Samples, step: float, periods: ArrayLike, damping: float = DAMPING
 ) -> Samples:
     """Pseudo-spectral acceleration PSA = (2 pi/T)^2 max |u|, m/s^2, one for each period T > 0, s.
 

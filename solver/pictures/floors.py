@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from solver.excitation.spectrum import DAMPING, PERIODS
 from solver.pictures.style import colour, legend_above, new_figure, plain_periods
-from solver.results.floor_spectra import DAMPING, PERIODS
 from solver.scene.units import G_UNIT
 from solver.types import Array
 

@@ -12,6 +12,9 @@ from solver.errors import SceneError
 from solver.excitation.motion import read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
+    DAMPING,
+    PERIODS,
+    SAMPLES_A_PERIOD,
     accumulated_intensity,
     peak_ground,
     response_spectrum,
@@ -37,11 +40,6 @@ DIRECTIONS = (
     ("vertical_", "vertical", RED),
 )
 
-#: Periods of the spectrum, s.
-PERIODS = np.geomspace(0.02, 5.0, 160)
-
-DAMPING = 0.05
-
 #: Kinds of motion that have a picture of their own.
 SAMPLED = ("record", "synthetic", "table")
 
@@ -57,8 +55,8 @@ def add_ground(axes: Any, run: Run) -> None:
     zero_line(axes)
 
 
-def sampled_motions(run: Run) -> list[tuple[str, str, Array, float]]:
-    """Name, colour, samples, m/s^2, and time between them, s, of the ground's sampled motions.
+def sampled_motions(run: Run) -> list[tuple[str, str, SampledMotion]]:
+    """The ground's sampled motions, with their names and colours.
 
     None where the scene has no such motion, or where its file is no longer there.
     """
@@ -71,33 +69,25 @@ def sampled_motions(run: Run) -> list[tuple[str, str, Array, float]]:
         return []
     named = [DIRECTIONS[0], DIRECTIONS[2]] if len(parts) == 2 else list(DIRECTIONS)
     return [
-        (name, hue, *_even(part))
+        (name, hue, part)
         for (_, name, hue), part in zip(named, parts, strict=True)
         if isinstance(part, SampledMotion)
     ]
 
 
-def _even(motion: SampledMotion) -> tuple[Array, float]:
-    """Samples at equal times, and the time between them, s."""
-    if motion.step is not None:
-        return motion.value, motion.step
-    step = float(np.diff(motion.time).min())
-    times = np.arange(motion.time[0], motion.time[-1] + 0.5 * step, step)
-    return np.interp(times, motion.time, motion.value), step
-
-
-def draw_motion(motions: list[tuple[str, str, Array, float]]) -> Figure:
+def draw_motion(motions: list[tuple[str, str, SampledMotion]]) -> Figure:
     """Accelerograms, their Husid plots, and their response spectra."""
     figure = new_figure(4.2)
     panels = figure.subplot_mosaic([["a", "s"], ["h", "s"]], width_ratios=(3, 2))
     panels["h"].sharex(panels["a"])
     panels["a"].tick_params(labelbottom=False)
-    for name, hue, samples, step in motions:
-        time: Array = step * np.arange(len(samples), dtype=np.float64)
+    for name, hue, motion in motions:
+        samples, step = motion.evenly_spaced(float(PERIODS[0]) / SAMPLES_A_PERIOD)
         label = _label(name, samples, step)
-        panels["a"].plot(time, samples / G_UNIT, color=hue, linewidth=0.7, label=label)
+        panels["a"].plot(motion.time, motion.value / G_UNIT, color=hue, linewidth=0.7, label=label)
+        time = np.linspace(motion.time[0], motion.stop, len(samples))
         _add_husid(panels["h"], time, samples, step, hue)
-        spectrum = response_spectrum(samples, step, PERIODS, DAMPING) / G_UNIT
+        spectrum = response_spectrum(samples, step, PERIODS) / G_UNIT
         panels["s"].semilogx(PERIODS, spectrum, color=hue)
     panels["a"].set_ylabel("acceleration (g)")
     zero_line(panels["a"])

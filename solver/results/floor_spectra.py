@@ -10,18 +10,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from solver.excitation.spectrum import response_spectrum
+from solver.excitation.spectrum import PERIODS, SAMPLES_A_PERIOD, response_spectrum
 from solver.history.history import History
 from solver.types import Array
-
-PERIODS: Array = 0.02 * 250.0 ** np.linspace(0.0, 1.0, 160)
-"""Periods of the spectra, s."""
-
-DAMPING = 0.05
-"""Part of critical damping."""
-
-LONGEST_STEP = 0.002
-"""Samples are no farther apart than this, s: a tenth of the shortest period."""
 
 
 def floor_spectra(history: History) -> dict[str, Array]:
@@ -34,7 +25,7 @@ def floor_spectra(history: History) -> dict[str, Array]:
     time = history["time_s"]
     if not floors or len(time) < 2:
         return {}
-    step = min(float(np.median(np.diff(time))), LONGEST_STEP)
+    step = min(float(np.median(np.diff(time))), float(PERIODS[0]) / SAMPLES_A_PERIOD)
     found = {}
     for name, way, velocity in [("ground", "", None), *floors]:
         if f"base.{way}acceleration_m_s2" in history:
@@ -45,7 +36,7 @@ def floor_spectra(history: History) -> dict[str, Array]:
             absolute = absolute + history[velocity]
         grid = np.arange(time[0], time[-1] + step / 2, step)
         samples = np.diff(np.interp(grid, time, absolute)) / step
-        found[name] = response_spectrum(samples, step, PERIODS, DAMPING)
+        found[name] = response_spectrum(samples, step, PERIODS)
     return found
 
 

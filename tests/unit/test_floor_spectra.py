@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solver.excitation.spectrum import PERIODS
 from solver.history.columns import Structure, columns
 from solver.history.history import History
 from solver.pictures.floors import draw_floors, write_floors
-from solver.results.floor_spectra import PERIODS, floor_spectra
+from solver.results.floor_spectra import floor_spectra
 
 OMEGA = 2 * math.pi / 0.5
 

@@ -188,13 +188,14 @@ def test_a_record_has_its_husid_plot_and_spectrum(tmp_path: Path) -> None:
     time = np.arange(2001) * 0.005
     samples = 0.2 * np.sin(2 * np.pi * time / 0.5)
     record.write_text("".join(f"{t:.3f} {a:.6f}\n" for t, a in zip(time, samples, strict=True)))
-    scene = parse_scene(IN_SPACE + f"[motion]\nkind = 'record'\nfile = '{record}'\nunits = 'g'\n")
+    scene = parse_scene(IN_SPACE + f"[motion]\nkind = 'record'\nfile = '{record}'\nunits = 'g'\nstart = 2\n")
     run = read_run(leave_run(tmp_path / "a", scene, {}))
     figure = draw_motion(sampled_motions(run))
     accelerogram, husid, spectrum = (figure.axes[k] for k in (0, 2, 1))
     assert np.abs(accelerogram.lines[0].get_ydata()).max() == pytest.approx(0.2, rel=1e-3)
+    assert accelerogram.lines[0].get_xdata()[[0, -1]] == pytest.approx([2.0, 12.0])
     grown = husid.lines[0]
-    assert np.interp(5.0, grown.get_xdata(), grown.get_ydata()) == pytest.approx(50, abs=0.5)
+    assert np.interp(7.0, grown.get_xdata(), grown.get_ydata()) == pytest.approx(50, abs=0.5)
     periods, psa = spectrum.lines[0].get_xdata(), spectrum.lines[0].get_ydata()
     assert periods[np.argmax(psa)] == pytest.approx(0.5, rel=0.05)
     # steady state of the resonance, 1/(2 xi) times the ground; periods are 3.5 % apart

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     arias_intensity,
     peak_ground,
@@ -116,6 +117,23 @@ def test_arias_intensity_and_duration_in_closed_form() -> None:
     ramp = np.array([0.0, 6.0])
     assert arias_intensity(ramp, 2.0) == pytest.approx(math.pi / (2 * G) * 24.0)
     assert significant_duration(np.zeros(9), step) == 0.0
+
+
+def test_a_motion_keeps_its_samples_where_others_come_between() -> None:
+    """The broken line is that of the samples; what is near enough is left as it is."""
+    value = np.array([0.0, 1.0, -2.0, 0.5])
+    even = SampledMotion(time=1.0 + 0.02 * np.arange(4), value=value, step=0.02)
+    samples, step = even.evenly_spaced(0.02)
+    assert samples is value
+    assert step == 0.02
+    samples, step = even.evenly_spaced(0.007)
+    assert step == pytest.approx(0.02 / 3)
+    np.testing.assert_allclose(samples[::3], value, atol=1e-15)
+    np.testing.assert_allclose(samples[4:6], [0.0, -1.0], atol=1e-12)
+    uneven = SampledMotion(time=np.array([0.0, 0.1, 0.15, 0.4]), value=value)
+    samples, step = uneven.evenly_spaced(1.0)
+    assert step == pytest.approx(0.05)
+    np.testing.assert_allclose(samples, uneven.accelerations(step * np.arange(9)), atol=1e-12)
 
 
 @pytest.mark.skipif(not RECORDS.is_dir(), reason="the records are not part of the project")

@@ -52,17 +52,12 @@ class Intensity:
         return "m/s" if self.kind == "PGV" else "g"
 
     def of(self, motion: SampledMotion) -> float:
-        """The measure of a motion, in its unit.
-
-        Raises:
-            SceneError: PSA of samples that are not equally far apart.
-        """
+        """The measure of a motion, in its unit."""
         if self.kind == "PGA":
             return motion.peak / G_UNIT
         if self.kind == "PGV":
             return float(abs(motion.velocities(motion.time)).max())
-        if motion.step is None:
-            raise SceneError("--intensity", self.name, "PGA or PGV for samples at uneven times")
-        from solver.excitation.spectrum import response_spectrum
+        from solver.excitation.spectrum import SAMPLES_A_PERIOD, response_spectrum
 
-        return float(response_spectrum(motion.value, motion.step, self.period)[0]) / G_UNIT
+        samples, step = motion.evenly_spaced(self.period / SAMPLES_A_PERIOD)
+        return float(response_spectrum(samples, step, self.period)[0]) / G_UNIT
