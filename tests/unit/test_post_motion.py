@@ -162,6 +162,14 @@ def test_platform_and_the_mass_that_it_feels() -> None:
         )
         summary = summary_of(scene, history)
         assert summary["blocks"]["block"]["friction_mass_ratio"] == pytest.approx(ratio)
+        # on an incline friction holds the block against gravity as well
+        incline = parse_scene(scene.to_dict() | {"gravity_tilt_deg": 5.0})
+        columns = history["block.friction_force_N"] - 100 * incline.gravity_vector[0]
+        held = history_of(
+            incline, t, block__centre_y_m=0.5, block__friction_force_N=columns, **moving
+        )
+        on_incline = summary_of(incline, held)["blocks"]["block"]["friction_mass_ratio"]
+        assert on_incline == pytest.approx(ratio)
     assert summary["platform"]["peak_drift_m"] == pytest.approx(np.max(np.abs(drift)))
     assert summary["platform"]["residual_drift_m"] == pytest.approx(drift[-1])
     assert f"peak drift {1e3 * np.max(np.abs(drift)):.4g} mm" in report(summary)

@@ -188,7 +188,9 @@ def test_a_record_has_its_husid_plot_and_spectrum(tmp_path: Path) -> None:
     time = np.arange(2001) * 0.005
     samples = 0.2 * np.sin(2 * np.pi * time / 0.5)
     record.write_text("".join(f"{t:.3f} {a:.6f}\n" for t, a in zip(time, samples, strict=True)))
-    scene = parse_scene(IN_SPACE + f"[motion]\nkind = 'record'\nfile = '{record}'\nunits = 'g'\nstart = 2\n")
+    scene = parse_scene(
+        IN_SPACE + f"[motion]\nkind = 'record'\nfile = '{record}'\nunits = 'g'\nstart = 2\n"
+    )
     run = read_run(leave_run(tmp_path / "a", scene, {}))
     figure = draw_motion(sampled_motions(run))
     accelerogram, husid, spectrum = (figure.axes[k] for k in (0, 2, 1))

@@ -11,6 +11,7 @@ from solver.pictures.deformed import ABOVE, ASIDE, FLOOR
 from solver.pictures.film.contact import State
 from solver.pictures.film.encode import Pixels
 from solver.pictures.film.take import Take
+from solver.scene.time import rounded_down
 from solver.types import Array
 
 #: Colours of arrows and rigid bodies by state, and of platforms.
@@ -106,7 +107,7 @@ class Stage:
         import pyvista
 
         level, size = self._take.floor, float(np.max(high - low))
-        spacing = _round_down(size / 10)
+        spacing = rounded_down(size / 10)
         count = int(4 * size / spacing)
         if self._dimension == 3:
             middle = [spacing * round(value / spacing) for value in 0.5 * (low + high)[:2]]
@@ -215,9 +216,3 @@ def _hatch(level: float, spacing: float, count: int) -> Any:
         ends += [(k * spacing, level, 0.0), ((k - 0.4) * spacing, level - 0.4 * spacing, 0.0)]
     lines = np.array([(2, k, k + 1) for k in range(0, len(ends), 2)]).ravel()
     return pyvista.PolyData(np.array(ends), lines=lines)
-
-
-def _round_down(length: float) -> float:
-    """The largest of 1, 2 and 5 times a power of ten below a length."""
-    power = 10.0 ** math.floor(math.log10(length))
-    return power * max(step for step in (1, 2, 5) if step * power <= length)
