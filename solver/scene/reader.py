@@ -67,7 +67,7 @@ def parse_scene(
     if not tables:
         raise SceneError(source, "an empty scene", "at least [[block]] and [time]")
     set_values(tables, overrides)
-    _find_files(tables.get("motion"), "motion", folder)
+    find_files(tables.get("motion"), "motion", folder)
     scene: Scene = from_table(Scene, tables)
     return scene
 
@@ -88,8 +88,14 @@ def _kinds_with_files() -> tuple[Any, ...]:
     return tuple(keys["kind"] for keys in tables if "file" in keys)
 
 
-def _find_files(motion: Any, where: str, folder: str | Path) -> None:
-    """Make the names of the files of a motion absolute, and refuse those that are not there."""
+def find_files(motion: Any, where: str, folder: str | Path) -> None:
+    """Make the names of the files of a motion absolute, and refuse those that are not there.
+
+    Args:
+        motion: Its table, changed in place; what is no table is left for others to refuse.
+        where: The path of its key.
+        folder: Where relative names start from.
+    """
     if not isinstance(motion, dict):
         return
     if motion.get("kind") in _kinds_with_files() and isinstance(motion.get("file"), str):
@@ -102,7 +108,7 @@ def _find_files(motion: Any, where: str, folder: str | Path) -> None:
             got = motion["file"] + " (a folder)" * os.path.isdir(motion["file"])
             raise SceneError(f"{where}.file", got, "a file that exists")
     for direction in ("vertical", "second"):
-        _find_files(motion.get(direction), f"{where}.{direction}", folder)
+        find_files(motion.get(direction), f"{where}.{direction}", folder)
 
 
 def scene_to_toml(scene: Scene) -> str:

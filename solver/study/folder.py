@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,9 @@ from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_ref
 from solver.study.tables import write
 
 SETTINGS, CASES = "settings.json", "cases"
+
+FILES = "files"
+"""Key of the settings for digests of the files that they name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +44,7 @@ class StudyFolder:
 
         Args:
             folder: To be claimed.
-            settings: What the study is made from.
+            settings: What the study is made from; of files only what they hold counts.
             force: Remove an earlier study.
             resume: Go on with an earlier study, which must be made from the same.
         """
@@ -51,7 +56,7 @@ class StudyFolder:
                 self._compare(folder, settings)
             else:
                 self._clear(folder)
-            write(folder / SETTINGS, settings)
+            write(folder / SETTINGS, {**settings, FILES: contents(settings)})
             (folder / CASES).mkdir(exist_ok=True)
 
     def _clear(self, folder: Path) -> None:
@@ -65,16 +70,45 @@ class StudyFolder:
     def _compare(self, folder: Path, settings: Mapping[str, Any]) -> None:
         """Refuse a folder that was made from something else."""
         try:
-            earlier = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            earlier = dict(json.loads((folder / SETTINGS).read_text(encoding="utf-8")))
+            digests = dict(earlier.pop(FILES, {}))
+        except (OSError, TypeError, ValueError):
             got = f"{folder}, which holds no {self.kind}"
             raise SceneError("--resume", got, "its folder") from None
-        now = json.loads(json.dumps(settings))
-        keys = sorted(_differing(earlier, now))
+        before = with_contents(earlier, digests)
+        now = with_contents(json.loads(json.dumps(settings)), contents(settings))
+        keys = sorted(_differing(before, now))
         if keys:
             more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
             got = f"{folder}, made with another {keys[0]}{more}"
             raise SceneError("--resume", got, self.same)
+
+
+def contents(said: Any) -> dict[str, str]:
+    """Digests of what files hold that tables name, by their names; of those that can be read."""
+    found: dict[str, str] = {}
+    if isinstance(said, Mapping):
+        name = said.get("file")
+        if isinstance(name, str):
+            with suppress(OSError):
+                found[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
+        said = list(said.values())
+    if isinstance(said, (list, tuple)):
+        for value in said:
+            found |= contents(value)
+    return found
+
+
+def with_contents(said: Any, digests: Mapping[str, str]) -> Any:
+    """What tables say, with digests of files instead of their names where there are such."""
+    if isinstance(said, Mapping):
+        changed = {key: with_contents(value, digests) for key, value in said.items()}
+        if isinstance(said.get("file"), str):
+            changed["file"] = digests.get(said["file"], said["file"])
+        return changed
+    if isinstance(said, (list, tuple)):
+        return [with_contents(value, digests) for value in said]
+    return said
 
 
 def finished(folder: Path) -> dict[str, dict[str, Any]]:

@@ -19,7 +19,7 @@ from solver.pictures.page.html import (
     table,
     verbatim,
 )
-from solver.study.folder import SETTINGS
+from solver.study.folder import FILES, SETTINGS
 
 KINDS = (
     "suite",
@@ -69,6 +69,7 @@ def study_page(folder: Path) -> str:
         parts += [heading("Pictures"), *(figure(_caption(file), file) for file in pictures)]
     parts += [heading("Numbers"), *_numbers(rows, f"{kind}.csv")]
     scene = settings.pop("scene", None)
+    settings.pop(FILES, None)
     if isinstance(scene, dict):
         parts += [heading("Scene"), verbatim(_toml(scene))]
     parts += _repetition(folder, kind, settings)

@@ -296,21 +296,23 @@ def test_motions_are_found_in_all_ways(here: Path) -> None:
     """Folders, files, lists; each has a name of its own; the scene says the rest."""
     (here / "list.txt").write_text("# two\nmotions/weak.csv\n\nmotions/strong.csv  # last\n")
     words = ["motions", "motions/weak.csv", "@list.txt"]
-    found = find_motions(words, {"kind": "sine", "period": 1.0}, count=None, seed=None)
+    found = find_motions(words, {"kind": "sine", "period": 1.0}, count=None, seed=None, folder=here)
     assert [motion.name for motion in found] == [
         "bad", "strong", "weak", "weak_2", "weak_3", "strong_2"
     ]  # fmt: skip
     assert {motion.table["kind"] for motion in found} == {"record"}
     assert found[2].table["file"] == found[4].table["file"] == str(here / "motions" / "weak.csv")
-    assert found[2].digest == found[3].digest != found[1].digest != ""
     own = {"kind": "table", "units": "m/s2", "file": "x"}
-    (only,) = find_motions(["motions/bad.csv"], own, count=None, seed=None)
+    (only,) = find_motions(["motions/bad.csv"], own, count=None, seed=None, folder=here)
     assert only.table == own | {"file": str(here / "motions" / "bad.csv")}
-    (only,) = find_motions(["motions/bad.csv"], {"units": "g"}, count=None, seed=None)
+    (only,) = find_motions(["motions/bad.csv"], {"units": "g"}, count=None, seed=None, folder=here)
     assert (only.table["kind"], only.table["units"]) == ("record", "g")
+    own = {"kind": "record", "vertical": {"kind": "record", "file": "weak.csv"}}
+    (only,) = find_motions(["motions/bad.csv"], own, count=None, seed=None, folder=here / "motions")
+    assert only.table["vertical"]["file"] == str(here / "motions" / "weak.csv")
     (here / "list.txt").write_text("motions/weak.csv\nmotions/week.csv\n")
     with pytest.raises(SceneError, match=r"list\.txt: line 2: got motions/week"):
-        find_motions(["@list.txt"], None, count=None, seed=None)
+        find_motions(["@list.txt"], None, count=None, seed=None, folder=here)
 
 
 def test_means_of_ratios_by_hand() -> None:

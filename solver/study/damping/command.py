@@ -139,22 +139,9 @@ def claimed(options: argparse.Namespace, base: BaseScene) -> Path:
         "version": VERSION,
         "scene": base.scene.to_dict(),
         "block": base.block.name,
-        "files": _digests(base),
     }
     FOLDER.claim(folder, settings, force=options.force, resume=options.resume)
     return folder
-
-
-def _digests(base: BaseScene) -> dict[str, str]:
-    """Digests of the files of the ground's motion, by the path of their keys."""
-    import hashlib
-
-    files = {where: getattr(motion, "file", None) for where, motion in base.scene.motions}
-    return {
-        where: hashlib.sha256(Path(file).read_bytes()).hexdigest()
-        for where, file in files.items()
-        if file is not None
-    }
 
 
 def run_cases(

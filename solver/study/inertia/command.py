@@ -130,7 +130,11 @@ def prepare(options: argparse.Namespace) -> Plan:
     synthetic = not options.motions or "synthetic" in options.motions
     count = COUNT if options.count is None and synthetic else options.count
     motions = find_motions(
-        options.motions, tables.pop("motion", None), count=count, seed=options.seed
+        options.motions,
+        tables.pop("motion", None),
+        count=count,
+        seed=options.seed,
+        folder=path.parent,
     )
     scene = parse_scene(tables, folder=path.parent, source=path.name)
     by = tuple(sorted(set(options.by), reverse=True))

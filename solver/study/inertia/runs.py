@@ -16,6 +16,7 @@ import numpy as np
 from solver import VERSION
 from solver.errors import NotConverged, Statement
 from solver.scene import parse_scene
+from solver.study.folder import contents, with_contents
 from solver.study.inertia.cells import Cell, Structure, tables_of
 from solver.study.inertia.portion import grid
 from solver.study.suite.case import SuiteCase, scene_of
@@ -57,9 +58,8 @@ def _hash(said: Any) -> str:
 
 
 def content_of(motion: SuiteMotion) -> str:
-    """Hash of what a motion says and of its file, not of the name of the file."""
-    table = {key: value for key, value in motion.table.items() if key != "file"}
-    return _hash([table, motion.digest])
+    """Hash of what a motion says and of its files, not of their names."""
+    return _hash(with_contents(motion.table, contents(motion.table)))
 
 
 def closed_key(structure: Structure, what: str | float, motion: str) -> str:

@@ -121,7 +121,11 @@ def prepare(options: argparse.Namespace) -> Plan:
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)
     motions = find_motions(
-        options.motions, tables.pop("motion", None), count=options.count, seed=options.seed
+        options.motions,
+        tables.pop("motion", None),
+        count=options.count,
+        seed=options.seed,
+        folder=path.parent,
     )
     varied = list(variations(options.vary))
     base = parse_scene(tables, folder=path.parent, source=path.name)
@@ -175,11 +179,7 @@ def _settings(
         "tail": options.tail,
         "reference": options.reference,
         "keep": options.keep,
-        "motions": {
-            # Not the place of a file: only what it holds.
-            motion.name: {**motion.table, "file": motion.digest} if motion.digest else motion.table
-            for motion in motions
-        },
+        "motions": {motion.name: motion.table for motion in motions},
     }
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import Any
 
 from solver.errors import SceneError
 from solver.scene.checking import to_table
+from solver.scene.reader import find_files
 
 #: The word that stands for the synthetic motions.
 SYNTHETIC = "synthetic"
@@ -32,13 +32,16 @@ class SuiteMotion:
     name: str
     """What the suite calls it, and no other of its motions."""
     table: Mapping[str, Any]
-    """What stands in `[motion]`."""
-    digest: str = ""
-    """Digest of the file; empty where there is none or it cannot be read."""
+    """What stands in `[motion]`, with names of files that hold in every folder."""
 
 
 def find_motions(
-    words: Sequence[str], motion: Any, *, count: int | None, seed: int | None
+    words: Sequence[str],
+    motion: Any,
+    *,
+    count: int | None,
+    seed: int | None,
+    folder: str | Path = ".",
 ) -> list[SuiteMotion]:
     """The motions that a command line names.
 
@@ -48,6 +51,7 @@ def find_motions(
             then), its other keys hold for all files.
         count: Number of synthetic motions; None: 30.
         seed: Of the synthetic motions; None: the default one.
+        folder: Where relative names in that `[motion]` start from.
 
     Raises:
         SceneError: Something is not there.
@@ -61,6 +65,8 @@ def find_motions(
     kept = record | dict(motion) if isinstance(motion, Mapping) else record
     if kept["kind"] not in KINDS_WITH_FILE:
         kept = record
+    for direction in ("vertical", "second"):
+        find_files(kept.get(direction), f"motion.{direction}", folder)
     found: list[SuiteMotion] = []
     for word in words:
         if word == SYNTHETIC:
@@ -68,7 +74,7 @@ def find_motions(
             continue
         for file in _files(word):
             table = kept | {"file": os.path.abspath(file)}
-            found.append(SuiteMotion(name=file.stem, table=table, digest=_digest(file)))
+            found.append(SuiteMotion(name=file.stem, table=table))
     return list(_named_apart(found))
 
 
@@ -124,14 +130,6 @@ def _listed(file: Path) -> Iterator[Path]:
             yield file.parent / name
 
 
-def _digest(file: Path) -> str:
-    """Digest of the content of a file."""
-    try:
-        return hashlib.sha256(file.read_bytes()).hexdigest()
-    except OSError:
-        return ""
-
-
 def _named_apart(motions: Sequence[SuiteMotion]) -> Iterator[SuiteMotion]:
     """Motions with unique names: a name that has been used before is given a number."""
     seen: set[str] = set()
@@ -141,4 +139,4 @@ def _named_apart(motions: Sequence[SuiteMotion]) -> Iterator[SuiteMotion]:
             number += 1
             name = f"{motion.name}_{number}"
         seen.add(name)
-        yield SuiteMotion(name=name, table=motion.table, digest=motion.digest)
+        yield SuiteMotion(name=name, table=motion.table)
