@@ -20,7 +20,7 @@ from solver.scene.units import G_UNIT
 SHORTEST_PERIOD_OF_RECORDS = 0.1
 """Period below which the ground's motion in earthquakes hardly moves a block, s."""
 
-Units: TypeAlias = Literal["g", "m/s2", "cm/s2"]
+Units: TypeAlias = Literal["g", "m/s2", "cm/s2", "mm/s2", "mg", "ft/s2", "in/s2"]
 """Units of accelerations in files."""
 
 Shaped = TypeVar("Shaped", bound="Motion")

@@ -118,6 +118,16 @@ def test_times_are_as_even_as_their_digits_tell(tmp_path: Path, form: str) -> No
         ("acceleration (gal)\n", 0.01),
         ("Units = m/s^2\n", 1.0),
         ("acc [m/sec2]\n", 1.0),
+        ("Acc (m/s\N{SUPERSCRIPT TWO})\n", 1.0),
+        ("ACCELERATION TIME SERIES IN CM/SEC/SEC\n", 0.01),
+        ("Acceleration in cm/s2\n", 0.01),
+        ("acc_cm/s2 [cm s^-2]\n", 0.01),
+        ("Time units: s, Acceleration units: cm/s2\n", 0.01),
+        ("PGV (cm/s): 20, acc (g)\n", G),
+        ("UNITS OF MG\n", 1e-3 * G),
+        ("units: mm/s2\n", 1e-3),
+        ("acc (ft/s2)\n", 0.3048),
+        ("acc (in/sec^2)\n", 0.0254),
     ],
 )
 def test_units_of_the_header(tmp_path: Path, header: str, unit: float) -> None:
@@ -134,9 +144,28 @@ def test_units_are_those_of_scene_and_header(tmp_path: Path) -> None:
     assert refusal(tmp_path, clear, units="m/s2") == (
         'motion.units: got "m/s2", allowed "g", as line 3 of motion.AT2 says'
     )
-    odd = peer("NPTS=7, DT=.005", units="UNITS OF MG\n")
+    odd = peer("NPTS=7, DT=.005", units="UNITS OF COUNTS\n")
     assert record(tmp_path, odd, units="g", scale=1e-3).peak == pytest.approx(5e-4 * G)
-    assert refusal(tmp_path, odd).startswith("motion.AT2: line 3: got units of mg, allowed ")
+    assert refusal(tmp_path, odd).startswith("motion.AT2: line 3: got units of counts, allowed ")
+    parts = peer("NPTS=7, DT=.005", units="acc (%g)\n")
+    assert refusal(tmp_path, parts, units="g").startswith("motion.AT2: line 3: got units of %g, ")
+
+
+def test_several_units_in_a_header(tmp_path: Path) -> None:
+    """The scene says which; without a word of it none is chosen."""
+    text = "PGA (g): 0.25\ntime (s), acc (m/s2)\n" + "\n".join(COLUMNS)
+    assert refusal(tmp_path, text, "motion.txt") == (
+        "motion.txt: got g in line 1 and m/s2 in line 2, allowed one unit, or motion.units"
+    )
+    assert record(tmp_path, text, "motion.txt", units="m/s2").peak == pytest.approx(0.5)
+    assert "line 2 of motion.txt says" in refusal(tmp_path, text, "motion.txt", units="cm/s2")
+
+
+@pytest.mark.parametrize("heading", ["Time (ms),Acc (g)", "t [msec], a (g)"])
+def test_times_in_milliseconds(tmp_path: Path, heading: str) -> None:
+    text = "\n".join([heading, *COLUMNS])
+    message = refusal(tmp_path, text, "motion.txt")
+    assert message == "motion.txt: line 1: got times in ms, allowed times in s"
 
 
 @pytest.mark.parametrize("units", ["VELOCITY TIME SERIES IN UNITS OF CM/S", "UNITS OF CM"])
@@ -145,7 +174,9 @@ def test_velocities_and_displacements_are_no_accelerations(tmp_path: Path, units
     for options in ({}, {"units": "cm/s2"}):
         message = refusal(tmp_path, text, "motion.VT2", **options)
         assert message.startswith("motion.VT2: line 3: got units of cm")
-        assert message.endswith(", allowed accelerations in g, m/s2, cm/s2")
+        assert message.endswith(
+            ", allowed accelerations in g, m/s2, cm/s2, mm/s2, mg, ft/s2, in/s2"
+        )
 
 
 COUNT = "got {}, allowed NPTS= number of values, DT= time between them in s"

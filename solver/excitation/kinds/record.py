@@ -201,7 +201,7 @@ def _unit(spec: RecordSpec, where: str, header: list[str]) -> str:
     """Unit of the values, which the scene or the header has to say."""
     unit = unit_said(spec.file, header, spec.units, where)
     if unit is None:
-        reason = f'("g", "m/s2" or "cm/s2"): {spec.file} does not say it'
+        reason = f'("g", "m/s2", "cm/s2", ...): {spec.file} does not say it'
         raise missing_key(f"{where}.units", reason)
     return unit
 
