@@ -64,7 +64,7 @@ def _accept(
     take(model, state, s, start, end, tally[-1])
     rubbed += state.exchanged[1]
     if model.velocity_solve:
-        correct_velocity(model, state, s, rubbed)
+        correct_velocity(model, state, s, rubbed, tally)
 
 
 @compiled

@@ -11,6 +11,7 @@ from solver.rigid.space.contact import chosen, moved_on, rotations, rows_of
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import act, changes, compliance
 from solver.rigid.space.rotation import product, to_body, to_space
+from solver.rigid.space.watch import count_impulses
 from solver.types import Array
 
 
@@ -48,10 +49,12 @@ def push(
 
 
 @compiled
-def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution, taken: float) -> None:
+def correct_velocity(
+    model: SpaceModel, state: SpaceState, s: SpaceSolution, taken: float, tally: Array
+) -> None:
     """Contact at velocity level: closed points neither approach nor, inside the cone, slip.
 
-    Friction took `taken` (J) in the step `s`.
+    Friction took `taken` (J) in the step `s`. The impulses are added to those of the step, N s.
     """
     shut = chosen(s.contacts, s.force[:, 0].copy())
     m = len(shut.body)
@@ -69,4 +72,6 @@ def correct_velocity(model: SpaceModel, state: SpaceState, s: SpaceSolution, tak
     if found.found:
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
-        push(model, state, frames, act(shut, rows, found.q.reshape((m, 3)), len(frames)))
+        impulses = act(shut, rows, found.q.reshape((m, 3)), len(frames))
+        count_impulses(model, state, frames, shut, impulses[2], tally)
+        push(model, state, frames, impulses)
