@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from solver.excitation.motion import GroundMotion
-from solver.excitation.sampled import SampledMotion
-from solver.scene import BlockSpec, MotionSpec, Scene
-from solver.scene.footing import beyond_edge
-from solver.scene.time import STEPS_A_PERIOD
-from solver.scene.units import G_UNIT
+from solver.results.doubtful_input import cautions_of_input
+from solver.scene import BlockSpec, Scene
+from solver.scene.time import TOLERANCE
 
 UNRESOLVED = 0.2
 """Part of what impacts lose that may go to time integration and undamped contact."""
@@ -25,23 +22,11 @@ STEPS_A_CROSSING = 10.0
 STEPS_A_LANDING = 20.0
 """Steps in a landing on a bed with dashpots, fewest that resolve it."""
 
-STRONGEST_G = 3.0
-"""Peak acceleration of a motion that is worth a second look, g: hardly any on the ground
-was as large (3.9 g along the vertical at IWTH25, Iwate-Miyagi 2008)."""
+MOST_COARSE = 0.01
+"""Part of the steps that may miss the tolerance for want of shorter ones."""
 
 FASTER = 1.02
 """Restitution beyond which an impact gave a block energy that something else had."""
-
-DENSITIES = 10.0, 25_000.0
-"""Densities of blocks that are worth no second look, kg/m3: from foam to metals."""
-
-COARSEST_RECORD = 0.1
-"""Time between samples of a recorded motion that is worth a second look, s: accelerographs take
-fifty or more a second."""
-
-FEWEST_STEPS_A_PERIOD = 10.0
-"""Steps in a period of the ground's motion, or in a quarter period of a rocking block, fewest that
-see it."""
 
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
@@ -79,6 +64,17 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
     ]
 
 
+def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
+    """Cautions about steps that are longer than the tolerance asks for, by their counts."""
+    coarse, steps = cost.get("coarse_steps", 0), cost.get("steps", 0)
+    if coarse <= MOST_COARSE * steps:
+        return []
+    return [
+        f"{coarse} of {steps} steps miss time.tolerance, since time.smallest = "
+        f"{scene.time.smallest:g} s allows none that are shorter"
+    ]
+
+
 def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Cautions about impacts from which a block came faster, by the entries of a summary.
 
@@ -98,18 +94,6 @@ def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -
                 "and step, mesh and its damping decide what follows"
             )
     return found
-
-
-def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Cautions about input that looks like a mistake, which runs repeat."""
-    return [
-        *_strange_densities(scene),
-        *_lost_from_the_start(scene),
-        *_strong_motions(scene, ground),
-        *_coarse_records(scene, ground),
-        *_motions_beyond_the_end(scene, ground),
-        *_blind_steps(scene),
-    ]
 
 
 def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
@@ -132,118 +116,6 @@ def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
             f"step resolves what that loses{_remedy(scene)}"
         )
     return found
-
-
-def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Motions with accelerations that no ground has had."""
-    found = []
-    for where, part in zip(scene.directions, ground.parts, strict=True):
-        if part is None or part.peak <= STRONGEST_G * G_UNIT:
-            continue
-        at, suspects = "", "amplitude_g, which is in g"
-        if isinstance(part, SampledMotion):
-            at = f", in {part.largest}" if part.largest else ""
-            suspects = "its units, its scale and its decimal points"
-        found.append(
-            f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
-            f"hardly been recorded; look at {suspects}"
-        )
-    return found
-
-
-def _strange_densities(scene: Scene) -> list[str]:
-    """Blocks lighter than foam or heavier than metals."""
-    low, high = DENSITIES
-    return [
-        f"{block.name} weighs {block.shape.density:.3g} kg/m3: look at its lengths, in m, and at "
-        "its mass, in kg"
-        for block in scene.blocks
-        if not low <= block.shape.density <= high
-    ]
-
-
-def _lost_from_the_start(scene: Scene) -> list[str]:
-    """Blocks that nothing can keep where they start: over an edge, or leaning too far."""
-    found = []
-    for block in scene.blocks:
-        if beyond_edge(scene, block):
-            found.append(f"{block.name} starts with its centre beyond the edge of {block.on}")
-        most = block.shape.slenderness
-        if scene.dimension == 2 and not scene.gravity_tilt_deg and abs(block.tilt) >= most:
-            found.append(
-                f"{block.name} starts at {block.tilt_deg:g} degrees, and falls over from "
-                f"{math.degrees(most):.4g} on"
-            )
-    return found
-
-
-def _coarse_records(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Records whose samples are so far apart that their times are hardly in seconds."""
-    sampled = dict(zip(scene.directions, ground.parts, strict=True))
-    found = []
-    for where, spec in scene.motions:
-        part = sampled[where]
-        if spec.kind != "record" or not isinstance(part, SampledMotion):
-            continue
-        if (part.step or 0.0) > COARSEST_RECORD:
-            found.append(
-                f"the samples of {where} are {part.step:g} s apart, as in no record: look at the "
-                "unit of its times"
-            )
-    return found
-
-
-def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Motions of which a run sees nothing, or not all."""
-    end = scene.time.end * (1 + 1e-9)
-    late = [(where, getattr(spec, "start", 0.0)) for where, spec in scene.motions]
-    found = [
-        f"{where} begins at {start:g} s, after the run ends at {scene.time.end:g} s"
-        for where, start in late
-        if start > end
-    ]
-    stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
-    if not found and math.isfinite(stop) and stop > end:
-        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
-    return found
-
-
-def _blind_steps(scene: Scene) -> list[str]:
-    """Steps too long to see the motion of the ground, or the block's own, and what others cost."""
-    span = scene.time
-    longest = span.largest if span.adaptive else span.step
-    if longest is None:
-        return []
-    seen = [(spec.shortest_period, _shown_motion(where, spec)) for where, spec in scene.motions]
-    seen += [(_quarter_period(scene, block), f"a swing of {block.name}") for block in scene.blocks]
-    shortest, what = min(seen)
-    if longest <= shortest / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
-        return []
-    better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
-    key = "time.largest" if span.adaptive else "time.step"
-    return [
-        f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
-        f"not see it: {key} = {better:g} does, in {span.end / better:.3g} steps instead of "
-        f"{span.end / longest:.3g}"
-    ]
-
-
-def _shown_motion(where: str, spec: MotionSpec) -> str:
-    """What of a motion has its shortest period, in words."""
-    if spec.kind in ("record", "table", "synthetic"):
-        return f"the fastest part of [{where}] that moves blocks"
-    return f"[{where}], kind = {spec.kind}"
-
-
-def _quarter_period(scene: Scene, block: BlockSpec) -> float:
-    """From a peak to the next impact, s; infinite where nothing rights the block.
-
-    Of a released block Housner's acosh(1/(1 - theta/alpha))/p, of one that stands 1/p.
-    """
-    p, share = block.shape.frequency(scene.gravity), abs(block.tilt) / block.shape.slenderness
-    if p <= 0:
-        return math.inf
-    return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p
 
 
 def _resolving_step(scene: Scene, block: BlockSpec) -> float:
@@ -292,6 +164,8 @@ def _remedy(scene: Scene) -> str:
     changes = []
     if not scene.time.adaptive:
         changes.append("leave out time.step, so that steps are adaptive")
+    elif (scene.time.tolerance or 0.0) > TOLERANCE:
+        changes.append(f"leave out time.tolerance, which is {TOLERANCE:g} then")
     if undamped := _undamped(scene):
         most = max(block.default_damping(scene.dimension).stiffness for block in undamped)
         changes.append(f"give damping.stiffness, for 2 % of critical {most:.3g}")

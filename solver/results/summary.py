@@ -15,7 +15,12 @@ from solver.errors import of_file
 from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
-from solver.results.cautions import cautions_of_impacts, cautions_of_run, loss_shares
+from solver.results.cautions import (
+    cautions_of_impacts,
+    cautions_of_run,
+    cautions_of_steps,
+    loss_shares,
+)
 from solver.results.endings import fell_at, overturned_at
 from solver.results.motion import BlockMotion, block_motion
 from solver.results.overlaps import overlaps
@@ -47,7 +52,8 @@ def summarise(
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
     platform = _platform(history) if len(history) else {}
     balance = _energy(scene, history) if len(history) else {}
-    found = cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
+    found = cautions_of_steps(scene, cost)
+    found += cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
     found += cautions_of_impacts(scene, blocks) if blocks else []
     return {
         "schema": SCHEMA,
@@ -120,13 +126,14 @@ def _free_acceleration(scene: Scene, motion: BlockMotion) -> Array | None:
 
 
 def _friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> float:
-    """The mass whose inertia force is nearest to the friction of a block, over the block's mass.
+    """The mass whose inertia force is nearest to a block's friction, over that of all it carries.
 
-    Nearest in the mean square over time, if it moved with the platform: 1 where the block sticks.
+    The block itself is part of that. Nearest in the mean square over time, if it moved with the
+    platform: 1 where all of it sticks.
     It is no measure of drift, and not the lambda of `rockslip study inertia`.
     """
     acceleration = history["base.acceleration_m_s2"] + history["platform.acceleration_m_s2"]
-    mass, step = block.shape.mass, history["step_s"]
+    mass, step = scene.stacked_mass(block), history["step_s"]
     inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
     square = mass * float(np.sum(step * acceleration**2))
     return float(np.sum(step * inertial * acceleration)) / square if square > 0 else math.nan

@@ -48,6 +48,7 @@ class _Step(NamedTuple):
         links: The interfaces that took part.
         standing: How they stood.
         is_damped: Whether it was damped.
+        is_coarse: Whether it misses the tolerance, for want of a shorter one.
         rejected: How many steps had been refused by then.
     """
 
@@ -57,6 +58,7 @@ class _Step(NamedTuple):
     links: Sequence[Link]
     standing: Standing
     is_damped: bool
+    is_coarse: bool
     rejected: int
 
 
@@ -90,7 +92,8 @@ class MeshedRun:
         if remark:
             log(remark)
         self._observer = Observer(self.assembly, self.state, scene_columns(scene))
-        self._steps = self._rejected = self._damped = self._iterations = 0
+        self._steps = self._rejected = self._iterations = 0
+        self._damped = self._coarse = 0
         span = scene.time
         self._ladder = Ladder(span.step, span.end, span.smallest, span.largest)
         self._judge = None
@@ -131,7 +134,7 @@ class MeshedRun:
             "ladder": self._ladder,
             "judge": None if self._judge is None else self._judge.saved(),
             "observer": self._observer.saved(),
-            "counts": (self._steps, self._damped, self._iterations),
+            "counts": (self._steps, self._iterations, self._damped, self._coarse),
             "row": self._row,
             "owned": owned_by_rank(self._stepper.system),
         }
@@ -149,7 +152,7 @@ class MeshedRun:
         if self._judge is not None:
             self._judge.resume(saved["judge"])
         self._observer.resume(saved["observer"])
-        self._steps, self._damped, self._iterations = saved["counts"]
+        self._steps, self._iterations, self._damped, self._coarse = saved["counts"]
         self._row = saved["row"]
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
@@ -190,14 +193,11 @@ class MeshedRun:
                 status, reason = "not converged", f"{where}: {trouble}"
                 break
             judge = self._judge
-            if (
-                judge
-                and not judge.accepts(new, step, self._following)
-                and ladder.shorten(judge.halvings)
-            ):
+            coarse = judge is not None and not judge.accepts(new, step, self._following)
+            if judge is not None and coarse and ladder.shorten(judge.halvings):
                 continue
             ladder.accept(climb=judge is None or judge.climbs())
-            self._take(new, exchange, step)
+            self._take(new, exchange, step, is_coarse=coarse)
             desk.show(new.time, step, exchange.iterations)
             shows = ladder.time >= due * (1 - 1e-12)
             waits = self._steps + len(self._waiting) < stop and not desk.files.late
@@ -241,10 +241,10 @@ class MeshedRun:
             self._stepper.stand(before)
         return new
 
-    def _take(self, new: State, exchange: Exchange, dt: float) -> None:
+    def _take(self, new: State, exchange: Exchange, dt: float, *, is_coarse: bool) -> None:
         """Go on from where a step of length dt (s) led; its row waits."""
         stepper, damped = self._stepper, self.state.is_damped(dt)
-        how = stepper.links, stepper.standing(), damped, self._ladder.rejected
+        how = stepper.links, stepper.standing(), damped, is_coarse, self._ladder.rejected
         self.state = new
         self._waiting.append(_Step(new, exchange, dt, *how))
 
@@ -277,6 +277,7 @@ class MeshedRun:
         self._steps += 1
         self._iterations += taken.exchange.iterations
         self._damped += taken.is_damped
+        self._coarse += taken.is_coarse
         self._row = self._observer.row(taken.state, taken.exchange, taken.dt, taken.links)
         found = desk.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
@@ -298,6 +299,7 @@ class MeshedRun:
             "steps": self._steps,
             "rejected_steps": self._rejected,
             "damped_steps": self._damped,
+            "coarse_steps": self._coarse,
             "newton_iterations": self._iterations,
             "factorizations": sum(body.factorizations for body in bodies),
             "linear_solvers": sorted({name for body in bodies for name in body.solvers}),

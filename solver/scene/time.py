@@ -20,6 +20,8 @@ FEWEST_STEPS = 100
 """Fewest steps in which a run without `time.step` reaches its end."""
 MOST_STEPS = 1e8
 """Largest number of steps of a run, whose history is kept in memory."""
+TOLERANCE = 1e-3
+"""Tolerance of adaptive steps."""
 DAMPED_STEPS = 8
 """Damped steps after a change of contact where steps are fixed."""
 
@@ -70,7 +72,7 @@ class TimeSpec(Checked):
             if getattr(self, key) is not None and not self.adaptive:
                 raise not_applicable(key, "adaptive steps only (adaptive = true)")
         if self.adaptive and self.tolerance is None:
-            object.__setattr__(self, "tolerance", 1e-3)
+            object.__setattr__(self, "tolerance", TOLERANCE)
         if self.adaptive and self.largest is None:
             object.__setattr__(self, "largest", 4 * self.step)
         if self.largest is not None and self.largest < self.step:

@@ -11,12 +11,13 @@ from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
 from solver.results.cautions import (
     cautions_of_impacts,
-    cautions_of_input,
     cautions_of_run,
     cautions_of_scene,
+    cautions_of_steps,
     loss_shares,
     unresolved_share,
 )
+from solver.results.doubtful_input import cautions_of_input
 
 
 def scene(*overrides: str) -> Scene:
@@ -46,6 +47,7 @@ def test_friction_is_no_loss_of_impacts() -> None:
         (loss(0.0, 1.0), ("damping.stiffness=0",), ("100 %", "damping.stiffness")),
         (loss(0.0, 1.0), ("time.step=1e-3",), ("100 %", "time.step")),
         (loss(7.0, 3.0), ("damping.stiffness=3e-5", "time.step=1e-3"), ("30 %", "time.step")),
+        (loss(0.0, 1.0), ("time.tolerance=1",), ("100 %", "leave out time.tolerance")),
         (loss(0.0, 1e-3), (), ()),  # too little to be judged
         (loss(0.0, 1.0), ('block.model="rigid"',), ()),  # that loss is Housner's
     ],
@@ -216,3 +218,25 @@ def test_of_motions_that_no_ground_has_made(tmp_path: Path) -> None:
         "time.end=1", "motion.kind='record'", "motion.dt=0.02", 'motion.units="m/s2"', file
     )
     assert cautions_of_input(weaker, read_ground(weaker)) == []
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (("contact.friction=35.0",), "block has a friction of 35: a coefficient is meant, neither"),
+        (("gravity=981.0",), "gravity is 981 m/s2, 100 g: look at its unit"),
+        (("motion.kind='sine'", "motion.period=1", "motion.amplitude_g=0"), "motion does not move"),
+        (("output.history_every=7",), "the history has one step in 7"),
+    ],
+)
+def test_of_values_in_other_units(overrides: tuple[str, ...], words: str) -> None:
+    (text,) = told_of_input(*overrides)
+    assert words in text
+
+
+def test_of_steps_that_may_not_be_short_enough() -> None:
+    asked = scene("time.smallest=1e-4")
+    assert cautions_of_steps(asked, {"steps": 100, "coarse_steps": 1}) == []
+    assert cautions_of_steps(asked, {"steps": 100}) == []
+    (text,) = cautions_of_steps(asked, {"steps": 100, "coarse_steps": 2})
+    assert text.startswith("2 of 100 steps miss time.tolerance, since time.smallest = 0.0001 s")

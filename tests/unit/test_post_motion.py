@@ -170,6 +170,13 @@ def test_platform_and_the_mass_that_it_feels() -> None:
         )
         on_incline = summary_of(incline, held)["blocks"]["block"]["friction_mass_ratio"]
         assert on_incline == pytest.approx(ratio)
+    stack = scene_of("name = 'block'", "name = 'up'\non = 'block'", rest=OSCILLATOR)
+    stack = parse_scene(stack.to_dict() | {"gravity_tilt_deg": 5.0})
+    held = 200 * (together - stack.gravity_vector[0])
+    history = history_of(stack, t, block__centre_y_m=0.5, block__friction_force_N=held, **moving)
+    known = summary_of(stack, history)["blocks"]
+    assert known["block"]["friction_mass_ratio"] == pytest.approx(1.0)
+    assert "friction_mass_ratio" not in known["up"]
     assert summary["platform"]["peak_drift_m"] == pytest.approx(np.max(np.abs(drift)))
     assert summary["platform"]["residual_drift_m"] == pytest.approx(drift[-1])
     assert f"peak drift {1e3 * np.max(np.abs(drift)):.4g} mm" in report(summary)

@@ -1,0 +1,202 @@
+"""Cautions about input that looks like a mistake, in one line each."""
+
+from __future__ import annotations
+
+import math
+
+from solver.excitation.motion import GroundMotion
+from solver.excitation.sampled import SampledMotion
+from solver.scene import BlockSpec, MotionSpec, Scene
+from solver.scene.footing import beyond_edge
+from solver.scene.time import STEPS_A_PERIOD
+from solver.scene.units import G_UNIT
+
+STRONGEST_G = 3.0
+"""Peak acceleration of a motion that is worth a second look, g: hardly any on the ground
+was as large (3.9 g along the vertical at IWTH25, Iwate-Miyagi 2008)."""
+
+DENSITIES = 10.0, 25_000.0
+"""Densities of blocks that are worth no second look, kg/m3: from foam to metals."""
+
+LARGEST_FRICTION = 5.0
+"""Coefficient of friction that is worth a second look: beyond all but glue, and in degrees less
+than a smooth surface has."""
+
+LARGEST_GRAVITY = 30.0
+"""Acceleration of gravity that is worth a second look, m/s2: that of Jupiter is less."""
+
+COARSEST_RECORD = 0.1
+"""Time between samples of a recorded motion that is worth a second look, s: accelerographs take
+fifty or more a second."""
+
+FEWEST_STEPS_A_PERIOD = 10.0
+"""Steps in a period of the ground's motion, or in a quarter period of a rocking block, fewest that
+see it."""
+
+
+def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Cautions about input that looks like a mistake, which runs repeat."""
+    return [
+        *_strange_densities(scene),
+        *_strange_friction(scene),
+        *_strange_gravity(scene),
+        *_lost_from_the_start(scene),
+        *_strong_motions(scene, ground),
+        *_coarse_records(scene, ground),
+        *_still_motions(scene, ground),
+        *_motions_beyond_the_end(scene, ground),
+        *_blind_steps(scene),
+        *_missing_rows(scene),
+    ]
+
+
+def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Motions with accelerations that no ground has had."""
+    found = []
+    for where, part in zip(scene.directions, ground.parts, strict=True):
+        if part is None or part.peak <= STRONGEST_G * G_UNIT:
+            continue
+        at, suspects = "", "amplitude_g, which is in g"
+        if isinstance(part, SampledMotion):
+            at = f", in {part.largest}" if part.largest else ""
+            suspects = "its units, its scale and its decimal points"
+        found.append(
+            f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
+            f"hardly been recorded; look at {suspects}"
+        )
+    return found
+
+
+def _strange_densities(scene: Scene) -> list[str]:
+    """Blocks lighter than foam or heavier than metals."""
+    low, high = DENSITIES
+    return [
+        f"{block.name} weighs {block.shape.density:.3g} kg/m3: look at its lengths, in m, and at "
+        "its mass, in kg"
+        for block in scene.blocks
+        if not low <= block.shape.density <= high
+    ]
+
+
+def _lost_from_the_start(scene: Scene) -> list[str]:
+    """Blocks that nothing can keep where they start: over an edge, or leaning too far."""
+    found = []
+    for block in scene.blocks:
+        if beyond_edge(scene, block):
+            found.append(f"{block.name} starts with its centre beyond the edge of {block.on}")
+        most = block.shape.slenderness
+        if scene.dimension == 2 and not scene.gravity_tilt_deg and abs(block.tilt) >= most:
+            found.append(
+                f"{block.name} starts at {block.tilt_deg:g} degrees, and falls over from "
+                f"{math.degrees(most):.4g} on"
+            )
+    return found
+
+
+def _coarse_records(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Records whose samples are so far apart that their times are hardly in seconds."""
+    sampled = dict(zip(scene.directions, ground.parts, strict=True))
+    found = []
+    for where, spec in scene.motions:
+        part = sampled[where]
+        if spec.kind != "record" or not isinstance(part, SampledMotion):
+            continue
+        if (part.step or 0.0) > COARSEST_RECORD:
+            found.append(
+                f"the samples of {where} are {part.step:g} s apart, as in no record: look at the "
+                "unit of its times"
+            )
+    return found
+
+
+def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Motions of which a run sees nothing, or not all."""
+    end = scene.time.end * (1 + 1e-9)
+    late = [(where, getattr(spec, "start", 0.0)) for where, spec in scene.motions]
+    found = [
+        f"{where} begins at {start:g} s, after the run ends at {scene.time.end:g} s"
+        for where, start in late
+        if start > end
+    ]
+    stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
+    if not found and math.isfinite(stop) and stop > end:
+        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
+    return found
+
+
+def _blind_steps(scene: Scene) -> list[str]:
+    """Steps too long to see the motion of the ground, or the block's own, and what others cost."""
+    span = scene.time
+    longest = span.largest if span.adaptive else span.step
+    if longest is None:
+        return []
+    seen = [(spec.shortest_period, _shown_motion(where, spec)) for where, spec in scene.motions]
+    seen += [(_quarter_period(scene, block), f"a swing of {block.name}") for block in scene.blocks]
+    shortest, what = min(seen)
+    if longest <= shortest / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
+        return []
+    better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
+    key = "time.largest" if span.adaptive else "time.step"
+    return [
+        f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
+        f"not see it: {key} = {better:g} does, in {span.end / better:.3g} steps instead of "
+        f"{span.end / longest:.3g}"
+    ]
+
+
+def _shown_motion(where: str, spec: MotionSpec) -> str:
+    """What of a motion has its shortest period, in words."""
+    if spec.kind in ("record", "table", "synthetic"):
+        return f"the fastest part of [{where}] that moves blocks"
+    return f"[{where}], kind = {spec.kind}"
+
+
+def _quarter_period(scene: Scene, block: BlockSpec) -> float:
+    """From a peak to the next impact, s; infinite where nothing rights the block.
+
+    Of a released block Housner's acosh(1/(1 - theta/alpha))/p, of one that stands 1/p.
+    """
+    p, share = block.shape.frequency(scene.gravity), abs(block.tilt) / block.shape.slenderness
+    if p <= 0:
+        return math.inf
+    return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p
+
+
+def _strange_friction(scene: Scene) -> list[str]:
+    """Coefficients of friction that are rather angles or percentages."""
+    found = []
+    for block in scene.blocks:
+        law = scene.friction_of(block)
+        if law.static > LARGEST_FRICTION:
+            found.append(
+                f"{block.name} has a friction of {law.static:g}: a coefficient is meant, neither "
+                "degrees nor percent"
+            )
+    return found
+
+
+def _strange_gravity(scene: Scene) -> list[str]:
+    """Gravity that is rather in another unit."""
+    if scene.gravity <= LARGEST_GRAVITY:
+        return []
+    return [f"gravity is {scene.gravity:g} m/s2, {scene.gravity / G_UNIT:.3g} g: look at its unit"]
+
+
+def _still_motions(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Motions that do not move."""
+    return [
+        f"{where} does not move: all its accelerations are 0"
+        for where, part in zip(scene.directions, ground.parts, strict=True)
+        if part is not None and part.peak == 0.0
+    ]
+
+
+def _missing_rows(scene: Scene) -> list[str]:
+    """Histories without the rows of most steps."""
+    every = scene.output.history_every
+    if every == 1:
+        return []
+    return [
+        f"the history has one step in {every}, and peaks, impacts and floor spectra are told from "
+        "it: output.history_every = 1 keeps all, and forces between"
+    ]
