@@ -332,6 +332,9 @@ def test_means_of_ratios_by_hand() -> None:
     assert text[3].split() == ["c", "0.1", "failed", "-"]
     assert "mu 0.1, platform.peak_drift_ratio: mean 1.0500, deviation 0.1500" in text[6]
     assert text[-1] == "c, mu 0.1: failed: broken"
+    doubtful = [{**rows[0], "cautions": f"odd {number}"} for number in range(12)]
+    lines = as_text(doubtful, ["mu"]).splitlines()
+    assert lines[-2:] == ["a, mu 0.1: caution: odd 9", "2 more cases have cautions: see suite.csv"]
     lines = as_csv(rows).splitlines()
     assert lines[0] == "motion,mu,status,platform.peak_drift_ratio,reason"
     assert lines[3] == "c,0.1,failed,,broken"

@@ -155,6 +155,7 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
         "steps": cost["steps"],
         "rejected_steps": cost["rejected_steps"],
         "wall_s": cost["wall_s"],
+        "cautions": "; ".join(summary["cautions"]),
     }
 
 

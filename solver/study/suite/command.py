@@ -262,14 +262,15 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
 def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     """Print the table, of ensembles the statistics, and where it is."""
     from solver.study.suite.folder import FRAGILITY_TEXT
-    from solver.study.suite.table import as_text, remarks
+    from solver.study.suite.table import as_text, cautions, remarks
 
     ordered = _ordered(plan, rows)
     completed = sum(row["status"] == "completed" for row in ordered)
     if plan.ensemble.is_one and ordered:
         failed = [row for row in ordered if row["status"] != "completed"]
         text = (plan.folder / FRAGILITY_TEXT).read_text(encoding="utf-8")
-        say(text + "".join(f"{line}\n" for line in remarks(failed, plan.varied)))
+        lines = remarks(failed, plan.varied) + cautions(ordered, plan.varied)
+        say(text + "".join(f"{line}\n" for line in lines))
     else:
         say(as_text(ordered, plan.varied) if ordered else "")
     say(f"{completed} of {len(plan.cases)} completed; written to {plan.folder}\n")

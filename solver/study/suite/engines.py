@@ -41,6 +41,7 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
     """
     from solver.excitation.sampled import SampledMotion
     from solver.reference.rocking_peaks import RockingPeaks, sampled_rocking
+    from solver.results.doubtful_input import cautions_of_input
     from solver.scene.units import G_UNIT
 
     along = ground.along
@@ -68,4 +69,5 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
         f"{block.name}.peak_angle_while_standing_rad": found.angle,
         f"{block.name}.overturned_at_s": found.overturned_at,
         "wall_s": time.perf_counter() - began,
+        "cautions": "; ".join(cautions_of_input(scene, ground)),
     }

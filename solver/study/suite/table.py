@@ -26,6 +26,9 @@ SHOWN = (
     ("wall_s", "wall s", 1.0, ".1f"),
 )
 
+MOST_CAUTIONS = 10
+"""Cases whose cautions are told; those of all others stand in the table."""
+
 
 def as_csv(rows: Sequence[Row]) -> str:
     """All numbers with all digits; values that are not known are empty."""
@@ -52,7 +55,7 @@ def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
     lines = in_columns(table)
     means = [_sentence(mean, varied) for mean in ratios(rows, varied)]
     lines += ["", *means] if means else []
-    lines += remarks(rows, varied)
+    lines += remarks(rows, varied) + cautions(rows, varied)
     return "\n".join(lines) + "\n"
 
 
@@ -103,9 +106,21 @@ def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
 
 def remarks(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
     """A line for each case that has a reason."""
-    lines = []
-    for row in rows:
-        if row.get("reason"):
-            name = ", ".join([row["motion"], *(f"{key} {row[key]}" for key in varied)])
-            lines.append(f"{name}: {row['status']}: {row['reason']}")
+    reasons = [row for row in rows if row.get("reason")]
+    lines = [f"{_name(row, varied)}: {row['status']}: {row['reason']}" for row in reasons]
     return ["", *lines] if lines else []
+
+
+def cautions(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
+    """A line for each of the first cases that have cautions."""
+    careful = [row for row in rows if row.get("cautions")]
+    first = careful[:MOST_CAUTIONS]
+    lines = [f"{_name(row, varied)}: caution: {row['cautions']}" for row in first]
+    if len(careful) > MOST_CAUTIONS:
+        lines.append(f"{len(careful) - MOST_CAUTIONS} more cases have cautions: see suite.csv")
+    return ["", *lines] if lines else []
+
+
+def _name(row: Row, varied: Sequence[str]) -> str:
+    """Motion and varied values of a case."""
+    return ", ".join([row["motion"], *(f"{key} {row[key]}" for key in varied)])
