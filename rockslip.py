@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from solver import VERSION as __version__
 
 if TYPE_CHECKING:
+    from solver.errors import RockslipError, SceneError
     from solver.history.history import History
     from solver.reference import housner
     from solver.results.runs import read_run
@@ -25,7 +26,9 @@ __all__ = [
     "BlockSpec",
     "History",
     "Result",
+    "RockslipError",
     "Scene",
+    "SceneError",
     "__version__",
     "housner",
     "load_scene",
@@ -38,7 +41,9 @@ _HOMES = {
     "BlockSpec": "solver.scene",
     "History": "solver.history.history",
     "Result": "solver.run.simulate",
+    "RockslipError": "solver.errors",
     "Scene": "solver.scene",
+    "SceneError": "solver.errors",
     "load_scene": "solver.scene",
     "parse_scene": "solver.scene",
     "read_run": "solver.results.runs",
@@ -53,6 +58,11 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return list(__all__)
 
 
 if __name__ == "__main__":

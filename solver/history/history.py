@@ -7,7 +7,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -80,6 +80,10 @@ class History:
         """Number of rows."""
         return self._length
 
+    def __iter__(self) -> Iterator[str]:
+        """The names of the columns, in their order."""
+        return iter(self.columns)
+
     def __contains__(self, column: object) -> bool:
         """Whether there is a column of that name."""
         return column in self._index
@@ -90,6 +94,8 @@ class History:
         Raises:
             KeyError: There is no such column; names the nearest one.
         """
+        if not isinstance(column, str):
+            raise TypeError(f"a history is read by the name of a column, not by {column!r}")
         if column not in self._index:
             meant = nearest(column, self.columns)
             raise KeyError(f"{column}, no column{f', but {meant} is one' if meant else ''}")

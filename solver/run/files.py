@@ -82,8 +82,6 @@ class RunFiles:
             if self._resumed is None:
                 text = scene_to_toml(self._scene)
                 (self._folder / "scene.toml").write_text(text, encoding="utf-8")
-            elif (self._folder / "summary.json").exists():  # that of the part before
-                (self._folder / "summary.json").unlink()
             log = self._folder / "run.log"
             if self._resumed is None:
                 self._log = log.open("w", encoding="utf-8", buffering=1)
@@ -181,6 +179,8 @@ class RunFiles:
         """Say what is being run; open and write the fields of t = 0 where they are asked for."""
         self.log(description)
         folder = self._folder
+        if folder is not None and self._resumed is not None:
+            self._together(lambda: self._unlink_summary(folder))
         if folder is not None and self._scene.output.fields != "none":
             began = time.perf_counter()
 
@@ -200,6 +200,11 @@ class RunFiles:
             self._taken = 0.0 if resumed is None else resumed.time
             self.output_seconds += time.perf_counter() - began
             self.flush()
+
+    def _unlink_summary(self, folder: Path) -> None:
+        """Remove the summary of the part before, which the run has read all of by now."""
+        if self._writes:
+            (folder / "summary.json").unlink(missing_ok=True)
 
     def next_snapshot(self, now: float) -> float:
         """The first time after `now` (s) at which a snapshot is due; never without a folder."""

@@ -53,11 +53,33 @@ def claim_folder(folder: Path, scene: Path, force: bool) -> None:
             raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
         make_folder(folder, force=force)
         hold_folder(folder)
-        for pattern in LEFT_BEHIND:
-            for file in folder.glob(pattern):
-                file.unlink()
-        with suppress(OSError):  # of others where it is not empty, or not there
-            (folder / "fields").rmdir()
+        _clear(folder)
+
+
+def renew_folder(folder: Path) -> None:
+    """Make the folder of a run that Python starts, without what an earlier run has left there.
+
+    Raises:
+        SceneError: It holds a scene that no run has left, or nothing can be written there.
+    """
+    if _is_held(folder):  # by the command line
+        return
+    with unusable_is_refused(folder):
+        open_folder(folder)
+        hold_folder(folder)
+        if any((folder / name).exists() for name in ("run.log", "summary.json")):
+            _clear(folder)
+        elif (folder / "scene.toml").exists():
+            raise SceneError("folder", f"{folder}, which holds a scene of its own", "another one")
+
+
+def _clear(folder: Path) -> None:
+    """Remove what an earlier run has left but for its scene, which is written over."""
+    for pattern in LEFT_BEHIND:
+        for file in folder.glob(pattern):
+            file.unlink()
+    with suppress(OSError):  # of others where it is not empty, or not there
+        (folder / "fields").rmdir()
 
 
 def make_folder(folder: Path, *, force: bool, allowed: str = "an empty folder, or --force") -> bool:
@@ -82,6 +104,14 @@ def open_folder(folder: Path) -> None:
 
 _held: dict[tuple[int, int], int] = {}
 """Descriptors of the folders that this process keeps others from writing into, by their inodes."""
+
+
+def _is_held(folder: Path) -> bool:
+    """Whether this process keeps others from writing into a folder."""
+    with suppress(OSError):
+        state = folder.stat()
+        return (state.st_dev, state.st_ino) in _held
+    return False
 
 
 def hold_folder(folder: Path) -> None:

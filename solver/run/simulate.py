@@ -14,6 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.fields.hdf_file import refuse_without_h5py
 from solver.fields.pvd import FieldsBefore
@@ -21,16 +22,19 @@ from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.late_linking import watching
 from solver.law.switch import chosen_for
-from solver.parallel import Comm, Single, world
+from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.doubtful_input import cautions_of_input
 from solver.results.endings import Watch
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
 from solver.run.checkpoint import Checkpoint, read_checkpoint
 from solver.run.files import Fields, RunFiles
+from solver.run.folders import renew_folder
 from solver.run.garbage import rarely_collected
 from solver.run.interruption import Interruption
+from solver.run.twin import horizon_beside, refuse_without_twin, twin_of
 from solver.scene import Scene
+from solver.scene.checking import shown
 
 Log = Callable[[str], None]
 
@@ -195,7 +199,7 @@ def _interpretable_steps(scene: Scene) -> float:
 def simulate(
     scene: Scene,
     *,
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     petsc_options: Sequence[str] = (),
     progress: ProgressReport | None = None,
     log: Log | None = None,
@@ -209,7 +213,8 @@ def simulate(
 
     Args:
         scene: What to run.
-        folder: Where to leave history, summary, fields; None: no files.
+        folder: Where to leave history, summary, fields, in place of those of an earlier run; None:
+            no files.
         petsc_options: Options for SNES, with prefix `rockslip_`, such as
             ("-rockslip_snes_monitor",).
         progress: A display; on every rank.
@@ -223,8 +228,19 @@ def simulate(
 
     Returns:
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
+
+    Raises:
+        TypeError: The scene is none.
+        RockslipError: What is asked for cannot be run, or not be written; nothing was.
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"simulate takes a Scene, as of load_scene(file), not {shown(scene)}")
     began = time.perf_counter()
+    folder = None if folder is None else Path(folder)
+    if resume and folder is None:
+        raise missing_key("folder", "(that of the run that goes on)")
+    if scene.output.twin:
+        refuse_without_twin(scene)
     if folder is not None:
         refuse_without_h5py(scene)
     if comm is None:
@@ -232,8 +248,10 @@ def simulate(
     if ground is None:
         ground = read_ground(scene, comm)
     resumed = None
-    if resume and folder is not None:
+    if folder is not None and resume:
         resumed = read_checkpoint(folder, scene, ground, comm)
+    elif folder is not None:
+        on_first_rank(comm, partial(renew_folder, folder))
     with (
         ExitStack() as stack,
         chosen_for(math.inf if many else _interpretable_steps(scene)),
@@ -258,20 +276,9 @@ def _twin(
     scene: Scene, *, comm: Comm, many: bool, until: float | None, petsc_options: Sequence[str]
 ) -> Result:
     """The twin of a scene, run without any files, up to a time of the performance counter, s."""
-    from solver.run.twin import twin_of
-
     left = None if until is None else until - time.perf_counter()
     alike: dict[str, Any] = {"comm": comm, "many": many, "petsc_options": petsc_options}
     return simulate(twin_of(scene), seconds=left, **alike)
-
-
-def _horizon(scene: Scene, history: History, twin: Callable[[Scene], Result]) -> dict[str, Any]:
-    """What the summary says of the time up to which a run and its twin are the same."""
-    from solver.run.twin import APART, PERTURBATION, horizon
-
-    beside = twin(scene)
-    known = {"perturbation": PERTURBATION, "apart": APART, "status": beside.status}
-    return known | {"time_s": horizon(scene, history, beside.history)}
 
 
 def _run(
@@ -326,7 +333,7 @@ def _run(
         cautions=cautions,
     )
     if scene.output.twin and status == "completed":
-        summary["horizon"] = _horizon(scene, history, twin)
+        summary["horizon"] = horizon_beside(scene, history, lambda: twin(scene))
     for line in overlap_lines(summary):
         files.log(line)
     files.finish(summary, f"{status}{': ' if reason else ''}{reason}")

@@ -6,11 +6,13 @@ runs so close do not share is not a matter of the scene any more, but of its las
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from solver.errors import RockslipError, SceneError, Statement
 from solver.history.history import History
 from solver.scene import Scene
 from solver.types import Array
@@ -40,6 +42,18 @@ def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
         for block in scene.blocks
     )
     return replace(scene, blocks=blocks, output=output)
+
+
+def refuse_without_twin(scene: Scene) -> None:
+    """Refuse a scene that a millionth more makes another one.
+
+    Raises:
+        Statement: Before the scene itself is run.
+    """
+    try:
+        twin_of(scene)
+    except SceneError as error:
+        raise Statement("output.twin", f"needs a scene of a millionth more: {error}") from None
 
 
 def _times(rate: Any, factor: float) -> Any:
@@ -74,3 +88,27 @@ def horizon(scene: Scene, history: History, twin: History) -> float | None:
         return float(time[beyond[0]])
     # One of both has ended before: it overturned, or fell.
     return None if len(time) == len(history["time_s"]) else float(time[-1])
+
+
+class TwinRun(Protocol):
+    """What is known of the run of a twin."""
+
+    @property
+    def status(self) -> str:
+        """How it ended."""
+
+    @property
+    def history(self) -> History:
+        """Its history."""
+
+
+def horizon_beside(
+    scene: Scene, history: History, run_twin: Callable[[], TwinRun]
+) -> dict[str, Any]:
+    """What a summary says of the time up to which a run and its twin, run now, are the same."""
+    known: dict[str, Any] = {"perturbation": PERTURBATION, "apart": APART}
+    try:
+        beside = run_twin()
+    except RockslipError as error:  # the run itself is done
+        return known | {"status": f"failed: {error}", "time_s": None}
+    return known | {"status": beside.status, "time_s": horizon(scene, history, beside.history)}

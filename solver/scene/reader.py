@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from solver.errors import SceneError, Statement
 from solver.launcher import hidden_by_in_env
-from solver.scene.checking import from_table, key_of
+from solver.scene.checking import from_table, key_of, shown
 from solver.scene.motion import MotionSpec
 from solver.scene.overrides import override, read_toml
 from solver.scene.scene import Scene
@@ -28,6 +28,9 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     Args:
         path: The TOML file; "-" is the standard input.
         overrides: Such as `"block.height=1.2"`; a block is addressed by its name.
+
+    Raises:
+        SceneError: It cannot be read, or is no scene; names key or file.
     """
     path = Path(path)
     source = "standard input" if path == STANDARD_INPUT else path.name
@@ -62,7 +65,15 @@ def parse_scene(
         folder: Where relative names of files start from.
         overrides: As for `load_scene`.
         source: What errors call the text as a whole.
+
+    Raises:
+        SceneError: It is no scene; names the key.
+        TypeError: The content is neither text nor tables, or the overrides are one text.
     """
+    if not isinstance(content, (str, Mapping)):
+        raise TypeError(f"parse_scene takes TOML text or its tables, not {shown(content)}")
+    if isinstance(overrides, str):
+        raise TypeError(f"overrides are several texts, not one: [{overrides!r}]")
     tables = read_toml(content, source) if isinstance(content, str) else deepcopy(dict(content))
     if not tables:
         raise SceneError(source, "an empty scene", "at least [[block]] and [time]")

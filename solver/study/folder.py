@@ -55,9 +55,17 @@ class StudyFolder:
             if resume and used:
                 self._compare(folder, settings)
             else:
+                self._refuse_others(folder)
                 self._clear(folder)
             write(folder / SETTINGS, {**settings, FILES: contents(settings)})
             (folder / CASES).mkdir(exist_ok=True)
+
+    def _refuse_others(self, folder: Path) -> None:
+        """Refuse a folder in which folders of such names are not those of a study."""
+        named = [name for name in (CASES, *self.folders) if (folder / name).exists()]
+        if named and not (folder / SETTINGS).exists():
+            got = f"{folder}, which holds {named[0]}/, but no study"
+            raise SceneError("-o", got, "another folder")
 
     def _clear(self, folder: Path) -> None:
         """Remove an earlier study."""

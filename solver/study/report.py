@@ -12,6 +12,9 @@ from solver.launcher import launched_rank
 from solver.run.folders import REPORT, refuse_hidden
 from solver.run.streams import say
 
+PAGES = (".html", ".htm")
+"""Endings of a page."""
+
 AddCommand = Callable[[str, Callable[[argparse.Namespace], int], str], Any]
 """Adds a command by its name, what it does, and its help; returns its parser."""
 
@@ -34,6 +37,8 @@ def report(options: argparse.Namespace) -> int:
 
     folder: Path = options.folder
     file: Path = options.output or folder / REPORT
+    if file.suffix.lower() not in PAGES:
+        raise SceneError("-o", f"{file}", f"a file that ends in {' or '.join(PAGES)}")
     refuse_hidden(file.parent)
     if options.output and not file.parent.is_dir():
         raise SceneError("-o", f"{file}, whose folder is not there", "a file in a folder that is")

@@ -91,3 +91,14 @@ def test_the_page_of_a_study(tmp_path: Path) -> None:
 def test_what_is_neither_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["report", str(tmp_path)]) == 2
     assert "no scene.toml" in capsys.readouterr().err
+
+
+def test_a_page_is_written_over_no_other_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What does not end as pages do is refused: it may be the user's, or the run's."""
+    record = tmp_path / "mine.AT2"
+    record.write_text("samples")
+    assert main(["report", str(tmp_path), "-o", str(record), "--no-film"]) == 2
+    assert f"-o: got {record}, allowed a file that ends in .html or .htm" in capsys.readouterr().err
+    assert record.read_text() == "samples"

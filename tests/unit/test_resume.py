@@ -293,6 +293,7 @@ class TestRefused:
         lines = (done / "history.csv").read_text().splitlines(keepends=True)
         (done / "history.csv").write_text("".join(lines[:50]))
         assert "got 49 rows, allowed the 301 rows" in self.refusal(done, capsys)
+        assert (done / "summary.json").exists()
         (done / NAME).unlink()
         assert f"which holds no {NAME}" in self.refusal(done, capsys)
         assert "scene.toml" in self.refusal(tmp_path / "nowhere", capsys)

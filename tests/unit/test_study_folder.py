@@ -55,6 +55,18 @@ def test_contents_stand_for_names(tmp_path: Path, motion: dict[str, Any]) -> Non
     assert with_contents(gone, contents(gone)) == gone
 
 
+def test_force_removes_folders_of_studies_alone(tmp_path: Path) -> None:
+    own = tmp_path / "out" / "cases" / "mine.json"
+    own.parent.mkdir(parents=True)
+    own.write_text("{}")
+    with pytest.raises(SceneError, match=r"out, which holds cases/, but no study"):
+        FOLDER.claim(tmp_path / "out", {}, force=True, resume=False)
+    assert own.exists()
+    (tmp_path / "out" / SETTINGS).write_text("{}")
+    FOLDER.claim(tmp_path / "out", {}, force=True, resume=False)
+    assert not own.exists()
+
+
 @pytest.mark.parametrize("text", ["no table", "[1, 2]", "3", '{"files": 3}'])
 def test_damaged_settings_are_no_study(tmp_path: Path, text: str) -> None:
     FOLDER.claim(tmp_path / "out", {}, force=False, resume=False)
