@@ -19,6 +19,7 @@ from solver import VERSION
 from solver.arguments import add_overrides, add_scene
 from solver.errors import (
     NO_ROOM,
+    UNUSABLE,
     NotConverged,
     OutputTrouble,
     RockslipError,
@@ -101,7 +102,7 @@ def _main(words: list[str]) -> int:
             tell(f"rockslip: {error}\n")
         return error.exit_code
     except OSError as error:
-        if error.errno not in NO_ROOM:
+        if error.errno not in NO_ROOM and not (error.errno in UNUSABLE and error.filename):
             raise
         # Whoever writes alone; what ranks write together is an OutputTrouble on all of them.
         tell(f"rockslip: {OutputTrouble.of(error)}\n")
@@ -240,7 +241,8 @@ def run_scene(options: argparse.Namespace) -> int:
         say(report(result.summary))
         say(f"written to {folder}; pictures: rockslip plot {folder}\n")
     codes = {"not converged": NotConverged.exit_code, "interrupted": INTERRUPTED}
-    return codes.get(result.status, 0)
+    ended = result.summary.get("horizon", result.summary)["status"]  # of the twin, which comes last
+    return codes.get(result.status, INTERRUPTED if ended == "interrupted" else 0)
 
 
 def _resumed_scene(options: argparse.Namespace) -> Path:

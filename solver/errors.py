@@ -11,6 +11,12 @@ NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 be."""
 
 
+UNUSABLE = frozenset(
+    {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.EISDIR, errno.ENOTDIR, errno.EIO}
+)
+"""Numbers of the system's errors where a file or folder is not for this user, not there any more,
+or no file or folder."""
+
 LONGEST = 200
 """Characters of a message, those of the names of files in it not counted in."""
 

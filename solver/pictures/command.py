@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.errors import SceneError, not_installed
+from solver.errors import not_installed
 from solver.launcher import launched_rank
-from solver.run.folders import open_folder, refuse_hidden
+from solver.run.folders import open_folder, refuse_unwritable
 from solver.run.streams import say, tell
 
 if TYPE_CHECKING:
@@ -127,9 +127,7 @@ def film_runs(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise not_installed(error) from error
     file = options.output or options.runs[0] / f"film{default_ending()}"
-    refuse_hidden(file.parent)
-    if not file.parent.is_dir():
-        raise SceneError("-o", f"{file}, whose folder is not there", "a file in a folder that is")
+    refuse_unwritable(file.parent)
     chosen = FilmOptions(
         fixed=options.frame == "fixed",
         slow=options.slow,

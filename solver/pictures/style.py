@@ -87,17 +87,25 @@ def plain_periods(axes: Axes) -> None:
 
 
 def legend_above(figure: Any, columns: int = 4) -> None:
-    """One legend above all panels that names each curve once, in rows of equal length."""
+    """One legend above all panels that names each curve once, in rows of equal length.
+
+    It has fewer columns where so many are wider than the figure.
+    """
     found: dict[str, Any] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
     if found:
         handles, labels = list(found.values()), list(found)
-        rows = math.ceil(len(labels) / columns)
-        figure.legend(
-            handles, labels, loc="outside upper center", ncols=math.ceil(len(labels) / rows)
-        )
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        for most in range(columns, 0, -1):
+            rows = math.ceil(len(labels) / most)
+            legend = figure.legend(
+                handles, labels, loc="outside upper center", ncols=math.ceil(len(labels) / rows)
+            )
+            if most == 1 or legend.get_window_extent(renderer).width <= figure.bbox.width:
+                break
+            legend.remove()
 
 
 def legend_over(axes: Any, columns: int = 5) -> None:

@@ -11,7 +11,7 @@ from solver.errors import SceneError, Statement
 from solver.history.history import History, scene_columns
 from solver.launcher import hidden_by_in_env
 from solver.results.summary import summarise
-from solver.scene import Scene, load_scene
+from solver.scene import Scene, parse_scene, read_text
 
 UNFINISHED = "unfinished"
 """Status of a run that left no summary."""
@@ -61,7 +61,9 @@ def read_run(folder: str | Path) -> Run:
             if hidden:
                 raise Statement(str(folder), hidden)
             raise SceneError(str(folder), f"no {name}", "the folder of a run")
-    scene = load_scene(folder / "scene.toml")
+    # What the run has left stays of use where the record that shook it is elsewhere by now.
+    text = read_text(folder / "scene.toml")
+    scene = parse_scene(text, folder=folder, source="scene.toml", needs_files=False)
     history = History.read(folder / "history.csv")
     missing = [name for name in scene_columns(scene) if name not in history]
     if missing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 from collections.abc import Iterator
@@ -100,6 +101,17 @@ def open_folder(folder: Path) -> None:
     refuse_hidden(folder)
     with unusable_is_refused(folder):
         folder.mkdir(parents=True, exist_ok=True)
+    refuse_unwritable(folder)
+
+
+def refuse_unwritable(folder: Path) -> None:
+    """Refuse a folder that is not there, or into which nothing can be written."""
+    refuse_hidden(folder)
+    with unusable_is_refused(folder):
+        if not folder.is_dir():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
 
 _held: dict[tuple[int, int], int] = {}

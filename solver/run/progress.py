@@ -119,11 +119,13 @@ class Progress(ProgressDisplay):
         spent = now - self._began
         done = time - self._from
         stepping = now - self._steps_began
-        left = stepping * (self._end - time) / done if done > 0 else float("nan")
-        self._write(
-            f"t {time:.4g} of {self._end:.4g} s ({100 * time / self._end:.0f} %), "
-            f"step {step:.2g} s, {iterations} iterations, {spent:.0f} s spent, {left:.0f} s left"
-        )
+        line = f"t {time:.4g} of {self._end:.4g} s ({100 * time / self._end:.0f} %), "
+        if done > 0:
+            left = stepping * (self._end - time) / done
+            line += f"step {step:.2g} s, {iterations} iterations, "
+            self._write(f"{line}{spent:.0f} s spent, {left:.0f} s left")
+        else:
+            self._write(f"{line}{spent:.0f} s spent")
 
 
 def _bar(**bar: Any) -> Any:

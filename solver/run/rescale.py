@@ -10,7 +10,7 @@ from solver.excitation.motion import read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.results.summary import write_whole
 from solver.run.folders import open_folder
-from solver.scene import Scene, parse_scene, scene_to_toml
+from solver.scene import Scene, parse_scene
 from solver.scene.scaling import Scale, scaled_tables
 
 
@@ -42,7 +42,8 @@ def rescaled(scene: Scene, scale: Scale, file: Path | None) -> str:
         times = 1 / scale.lengths if scale.lengths < 1 else scale.lengths
         ratio = f"1:{times:.6g}" if scale.lengths < 1 else f"{times:.6g}:1"
         tables["title"] = f"{scene.title}, {ratio}" if scene.title else ratio
-        text = scene_to_toml(parse_scene(tables, folder=file.parent if file else "."))
+        model = parse_scene(tables, folder=file.parent if file else ".")
+        text = _as_toml(model, {path: beside.name for path, beside in files.items()})
         if file is not None:
             write_whole(file, text)
     except BaseException:
@@ -74,4 +75,17 @@ def _table(motion: SampledMotion, scale: Scale, beside: Path) -> dict[str, Any]:
         for time, value in zip(motion.time, motion.value, strict=True)
     ]
     write_whole(beside, "\n".join(lines) + "\n")
-    return {"kind": "table", "file": str(beside.resolve()), "units": "m/s2"}
+    return {"kind": "table", "file": beside.name, "units": "m/s2"}
+
+
+def _as_toml(scene: Scene, names: dict[str, str]) -> str:
+    """The scene as TOML, with names of files beside it, by the paths of the tables of motions."""
+    import tomli_w
+
+    tables = scene.to_dict()
+    for path, name in names.items():
+        motion = tables["motion"]
+        for direction in path.split(".")[1:]:
+            motion = motion[direction]
+        motion["file"] = name
+    return tomli_w.dumps(tables)

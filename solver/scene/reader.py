@@ -57,6 +57,7 @@ def parse_scene(
     folder: str | Path = ".",
     overrides: Sequence[str] = (),
     source: str = "scene",
+    needs_files: bool = True,
 ) -> Scene:
     """A scene from the text of a TOML file, or from its tables.
 
@@ -65,6 +66,7 @@ def parse_scene(
         folder: Where relative names of files start from.
         overrides: As for `load_scene`.
         source: What errors call the text as a whole.
+        needs_files: Whether a motion from a file that is not there is refused.
 
     Raises:
         SceneError: It is no scene; names the key.
@@ -78,7 +80,7 @@ def parse_scene(
     if not tables:
         raise SceneError(source, "an empty scene", "at least [[block]] and [time]")
     set_values(tables, overrides)
-    find_files(tables.get("motion"), "motion", folder)
+    find_files(tables.get("motion"), "motion", folder, needed=needs_files)
     scene: Scene = from_table(Scene, tables)
     return scene
 
@@ -99,27 +101,28 @@ def _kinds_with_files() -> tuple[Any, ...]:
     return tuple(keys["kind"] for keys in tables if "file" in keys)
 
 
-def find_files(motion: Any, where: str, folder: str | Path) -> None:
+def find_files(motion: Any, where: str, folder: str | Path, *, needed: bool = True) -> None:
     """Make the names of the files of a motion absolute, and refuse those that are not there.
 
     Args:
         motion: Its table, changed in place; what is no table is left for others to refuse.
         where: The path of its key.
         folder: Where relative names start from.
+        needed: Whether they have to be there.
     """
     if not isinstance(motion, dict):
         return
     if motion.get("kind") in _kinds_with_files() and isinstance(motion.get("file"), str):
         motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
         # os.path, unlike pathlib, says False to names that no file can have.
-        if not os.path.isfile(motion["file"]):
+        if needed and not os.path.isfile(motion["file"]):
             hidden = "\0" not in motion["file"] and hidden_by_in_env(Path(motion["file"]))
             if hidden:
                 raise Statement(f"{where}.file", f"{motion['file']} {hidden}")
             got = motion["file"] + " (a folder)" * os.path.isdir(motion["file"])
             raise SceneError(f"{where}.file", got, "a file that exists")
     for direction in ("vertical", "second"):
-        find_files(motion.get(direction), f"{where}.{direction}", folder)
+        find_files(motion.get(direction), f"{where}.{direction}", folder, needed=needed)
 
 
 def scene_to_toml(scene: Scene) -> str:

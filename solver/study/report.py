@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from solver.errors import SceneError, not_installed
 from solver.launcher import launched_rank
-from solver.run.folders import REPORT, refuse_hidden
+from solver.run.folders import REPORT, refuse_unwritable
 from solver.run.streams import say
 
 PAGES = (".html", ".htm")
@@ -39,20 +41,21 @@ def report(options: argparse.Namespace) -> int:
     file: Path = options.output or folder / REPORT
     if file.suffix.lower() not in PAGES:
         raise SceneError("-o", f"{file}", f"a file that ends in {' or '.join(PAGES)}")
-    refuse_hidden(file.parent)
-    if options.output and not file.parent.is_dir():
-        raise SceneError("-o", f"{file}, whose folder is not there", "a file in a folder that is")
+    if options.output or folder.is_dir():
+        refuse_unwritable(file.parent)
     if is_study(folder):
         page = study_page(folder)
     else:
-        page = _page_of_run(folder, filmed=not options.no_film)
+        with TemporaryDirectory() as beside:
+            drawn = folder if os.access(folder, os.W_OK) else Path(beside)
+            page = _page_of_run(folder, drawn, filmed=not options.no_film)
     write_whole(file, page)
     say(f"{file}\n")
     return 0
 
 
-def _page_of_run(folder: Path, *, filmed: bool) -> str:
-    """The page of a run, with its pictures and the film."""
+def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
+    """The page of a run, with its pictures and the film, which are drawn into a folder."""
     from solver.pictures.command import read_runs
 
     (run,) = read_runs([folder])
@@ -64,4 +67,4 @@ def _page_of_run(folder: Path, *, filmed: bool) -> str:
             from PIL import Image  # noqa: F401
     except ImportError as error:
         raise not_installed(error) from error
-    return run_page(run, filmed=filmed)
+    return run_page(run, drawn, filmed=filmed)

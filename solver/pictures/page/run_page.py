@@ -55,9 +55,9 @@ ROUND_OFF = 1e-12
 """Angles (rad) and slips (m) below this are shown as nought."""
 
 
-def run_page(run: Run, *, filmed: bool) -> str:
-    """The page of a run; its pictures are drawn into its folder, and `filmed` the film, too."""
-    pictures, summary = picture_run(run), run.summary
+def run_page(run: Run, folder: Path, *, filmed: bool) -> str:
+    """The page of a run; its pictures are drawn into a folder, and where `filmed` the film, too."""
+    pictures, summary = picture_run(run, folder), run.summary
     parts = [
         *paragraphs([_status(summary)]),
         *cautions([*summary.get("cautions", []), *overlap_lines(summary)]),
@@ -66,7 +66,7 @@ def run_page(run: Run, *, filmed: bool) -> str:
         *_platform(summary),
     ]
     if filmed:
-        parts += [heading("Film"), _film_part(run)]
+        parts += [heading("Film"), _film_part(run, folder)]
     parts += [heading("Pictures")]
     parts += [figure(CAPTIONS[file.stem], file) for file in pictures]
     if summary["energy"]:
@@ -76,22 +76,22 @@ def run_page(run: Run, *, filmed: bool) -> str:
     return document(run.scene.title or run.label, parts)
 
 
-def _film_part(run: Run) -> str:
+def _film_part(run: Run, folder: Path) -> str:
     """The film, or why there is none."""
     try:
-        return figure("The run, with the forces on the blocks", _film(run))
+        return figure("The run, with the forces on the blocks", _film(run, folder))
     except EnvironmentTrouble as error:
         return "".join(paragraphs([f"No film: {escape(str(error))}"]))
 
 
-def _film(run: Run) -> Path:
-    """The film in the folder of the run, made unless there is one that is newer than the run."""
+def _film(run: Run, folder: Path) -> Path:
+    """The film in the folder of the run if it is newer than the run, or one that is made now."""
     made = (run.folder / "history.csv").stat().st_mtime
     for name in FILMS:
         file = run.folder / name
         if file.is_file() and file.stat().st_mtime >= made:
             return file
-    file = run.folder / f"film{default_ending()}"
+    file = folder / f"film{default_ending()}"
     begin, end = moving_span(run.scene, run.history)
     slow = LONGEST_FILM / (end - begin) if end - begin > LONGEST_FILM else None
     film([run], file, FilmOptions(width=640, slow=slow))
