@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.history.history import History
+from solver.pictures.forces import LEAST_LENGTH
 from solver.pictures.ground import add_ground
 from solver.pictures.style import (
     BLUE,
@@ -27,7 +28,7 @@ from solver.pictures.style import (
 )
 from solver.results.motion import is_spatial, total_lean
 from solver.results.moving import moving_span
-from solver.results.runs import Run
+from solver.results.runs import Run, labels
 from solver.scene import BlockSpec
 
 #: A drawn angle is no smaller than this, degrees.
@@ -132,9 +133,9 @@ def _add_phase(axes: Axes, run: Run, block: BlockSpec, **look: Any) -> None:
 
 
 def draw_overlay(runs: Sequence[Run]) -> Figure:
-    """Angle and slip of the first blocks of several runs, and drift where a platform is.
+    """Angle and slip of the last block of each of several runs, and drift where a platform is.
 
-    Above them the acceleration of the ground, where it moves in all runs alike.
+    It is the block that films show the angle of. Above them the acceleration of the ground, where it moves in all runs alike.
     """
     drifts = any("platform.drift_m" in run.history for run in runs)
     ground = runs[0].scene.motion is not None and _same_ground(runs)
@@ -143,16 +144,18 @@ def draw_overlay(runs: Sequence[Run]) -> Figure:
     panels = list(figure.subplots(rows, 1, sharex=True))
     if ground:
         add_ground(panels.pop(0), runs[0])
-    for i, run in enumerate(runs):
-        time, name = run.history["time_s"], run.scene.blocks[0].name
+    for i, (run, label) in enumerate(zip(runs, labels(runs), strict=True)):
+        time, name = run.history["time_s"], run.scene.blocks[-1].name
+        label = f"{label}, {name}" if len(run.scene.blocks) > 1 else label
         angle = np.degrees(run.history[f"{name}.angle_rad"])
-        panels[0].plot(time, angle, color=colour(i), label=run.label)
+        panels[0].plot(time, angle, color=colour(i), label=label)
         panels[1].plot(time, 1e3 * run.history[f"{name}.slip_m"], color=colour(i))
         if "platform.drift_m" in run.history:
             panels[2].plot(time, 1e3 * run.history["platform.drift_m"], color=colour(i))
     panels[0].set_ylabel("rocking angle (°)")
     least_span(panels[0], LEAST_ANGLE)
     panels[1].set_ylabel("slip (mm)")
+    least_span(panels[1], LEAST_LENGTH)
     if drifts:
         panels[2].set_ylabel("drift (mm)")
     spans = [moving_span(run.scene, run.history) for run in runs]

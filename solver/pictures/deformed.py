@@ -199,6 +199,7 @@ def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> 
     bodies = PolyCollection(
         snapshot.outlines, cmap="viridis", edgecolors=(0, 0, 0, 0.35), linewidths=0.2, zorder=1
     )
+    bodies.set_snap(False)  # upright cells are not to be drawn a pixel beside others
     if limit > 0:
         bodies.set_array(factor * snapshot.von_mises)
         bodies.set_clim(0, factor * limit)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,13 +38,23 @@ class Run:
 
     @property
     def label(self) -> str:
-        """Name of the run in pictures."""
+        """Name of the run in pictures; beside others `labels` gives it."""
         return self.folder.resolve().name
 
     @property
     def model(self) -> str:
         """Model of the run: finite elements, rigid blocks, or the name of a rigid-body answer."""
         return str(self.summary["model"])
+
+
+def labels(runs: Sequence[Run]) -> list[str]:
+    """Names of runs beside one another: those of their folders, and of those above if alike."""
+    parts = [run.folder.resolve().parts for run in runs]
+    for depth in range(1, max(map(len, parts), default=0) + 1):
+        names = ["/".join(part[-depth:]) for part in parts]
+        if len(set(names)) == len(set(parts)):
+            return names
+    return [str(run.folder) for run in runs]
 
 
 def read_run(folder: str | Path) -> Run:

@@ -10,6 +10,7 @@ import pytest
 import rockslip
 from rockslip import History, RockslipError, SceneError, load_scene, parse_scene, read_run, simulate
 from solver.errors import Statement
+from solver.results.runs import labels
 
 SCENE = """
 [[block]]
@@ -109,3 +110,12 @@ def test_a_twin_that_fails_leaves_the_run(tmp_path: Path, monkeypatch: pytest.Mo
     assert summary["horizon"]["status"] == "failed: time: got this, allowed that"
     assert summary["horizon"]["time_s"] is None
     assert (tmp_path / "out" / "summary.json").exists()
+
+
+def test_runs_of_like_folders_are_told_apart(tmp_path: Path) -> None:
+    for name in ("soft/out", "hard/out", "other"):
+        simulate(parse_scene(text(end=0.002)), folder=tmp_path / name)
+    runs = [read_run(tmp_path / name) for name in ("soft/out", "hard/out")]
+    assert labels(runs) == ["soft/out", "hard/out"]
+    assert labels([runs[0], read_run(tmp_path / "other")]) == ["out", "other"]
+    assert labels([runs[0], runs[0]]) == ["out", "out"]

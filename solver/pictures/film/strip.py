@@ -14,7 +14,7 @@ from solver.pictures.film.encode import Pixels
 from solver.pictures.film.stage import BODY, FORCE, STRESS
 from solver.pictures.ground import add_ground
 from solver.pictures.style import STYLE, colour, least_span, new_figure, zero_line
-from solver.results.runs import Run
+from solver.results.runs import Run, labels
 
 #: Pixels an inch of the still parts.
 RESOLUTION = 100
@@ -72,8 +72,8 @@ def draw_strip(runs: Sequence[Run], span: tuple[float, float], width: int) -> St
 def _add_angles(axes: Any, runs: Sequence[Run]) -> None:
     """The angle of every block; of several runs that of the first one."""
     curves = [
-        (run, block, run.label if len(runs) > 1 else block.name)
-        for run in runs
+        (run, block, label if len(runs) > 1 else block.name)
+        for run, label in zip(runs, labels(runs), strict=True)
         for block in (run.scene.blocks if len(runs) == 1 else run.scene.blocks[-1:])
     ]
     for number, (run, block, label) in enumerate(curves):
@@ -92,8 +92,8 @@ def draw_heading(runs: Sequence[Run], limit: float, width: int) -> Pixels:
         figure = new_figure(0.62, width=width / RESOLUTION)
         figure.set_dpi(RESOLUTION)
         figure.set_layout_engine("none")
-        for number, run in enumerate(runs):
-            title = run.scene.title or run.label if len(runs) == 1 else run.label
+        for number, (run, label) in enumerate(zip(runs, labels(runs), strict=True)):
+            title = run.scene.title or label if len(runs) == 1 else label
             left = (number + 0.5) / len(runs) if len(runs) > 1 else 0.012
             side = "center" if len(runs) > 1 else "left"
             figure.text(left, 0.93, title, ha=side, va="top", fontsize=11, weight="bold")
