@@ -95,7 +95,9 @@ def _main(words: list[str]) -> int:
     options.petsc_options = tuple(words[cut + 1 :])
     try:
         return int(options.action(options))
-    except KeyboardInterrupt:  # before or after the run itself, which handles signals on its own
+    except KeyboardInterrupt:  # before or after a run itself, which handles signals on its own
+        if options.command == "study" and "resume" in options and launched_rank() == 0:
+            tell("rockslip: interrupted; --resume goes on with what is missing\n")
         return INTERRUPTED
     except RockslipError as error:
         if launched_rank() == 0:

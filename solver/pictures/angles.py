@@ -135,7 +135,8 @@ def _add_phase(axes: Axes, run: Run, block: BlockSpec, **look: Any) -> None:
 def draw_overlay(runs: Sequence[Run]) -> Figure:
     """Angle and slip of the last block of each of several runs, and drift where a platform is.
 
-    It is the block that films show the angle of. Above them the acceleration of the ground, where it moves in all runs alike.
+    It is the block that films show the angle of. Above them the acceleration of the ground, where
+    it moves in all runs alike.
     """
     drifts = any("platform.drift_m" in run.history for run in runs)
     ground = runs[0].scene.motion is not None and _same_ground(runs)

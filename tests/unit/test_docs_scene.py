@@ -18,7 +18,8 @@ from solver.scene.checking import Number, shown
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "scene.md", ROOT / "README.md"
 OUTPUT = ROOT / "docs" / "output.md"
-PAGES = [README, *sorted((ROOT / "docs").glob("*.md"))]
+SCRIPTS = ROOT / "docs" / "python.md"  # runs as a whole in `test_python.py`
+PAGES = [README, *sorted(set((ROOT / "docs").glob("*.md")) - {SCRIPTS})]
 
 ONCE = ({"RigidSpec", "StillSpec"}, {"OneSineSpec", "RectangularSpec"})
 """Specifications without keys of their own, and those whose keys are those of a half sine."""

@@ -119,3 +119,15 @@ def test_runs_of_like_folders_are_told_apart(tmp_path: Path) -> None:
     assert labels(runs) == ["soft/out", "hard/out"]
     assert labels([runs[0], read_run(tmp_path / "other")]) == ["out", "other"]
     assert labels([runs[0], runs[0]]) == ["out", "out"]
+
+
+def test_the_code_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    """All of docs/python.md, from top to bottom."""
+    pytest.importorskip("pyvista")
+    text = (Path(rockslip.__file__).parent / "docs" / "python.md").read_text()
+    lines = [line[4:] for line in text.splitlines() if line.startswith("    ") or not line]
+    exec("\n".join(lines), {})
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("completed 0.0523598")
+    assert [line.split()[0] for line in said[1:4]] == ["0.5", "1.0", "2.0"]
+    assert "contact_pressure" in said[4]

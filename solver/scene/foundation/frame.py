@@ -43,8 +43,8 @@ class ColumnSpec(Checked):
     width: Positive
     """Along x, m; less than the deck's over the number of columns."""
     thickness: Positive = OPEN
-    """Along y, m; 3-D: less than half of the deck's. Default: that of the blocks; 3-D: the
-    width."""
+    """Along y, m; 2-D: no other than that of the blocks, 3-D: less than half of the deck's.
+    Default: that of the blocks; 3-D: the width."""
     young: Positive | None = None
     """Young's modulus E, Pa. Default: that of the frame."""
     poisson: Ratio | None = None
