@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,6 +34,8 @@ def read_lines(file: Path, key: str, expected: str) -> list[str]:
     except OSError as error:
         reason = (error.strerror or "unreadable").lower()
         raise SceneError(key, f"{file} ({reason})", f"a file with {expected}") from None
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        content = content.decode("utf-16", errors="replace").encode()
     content = content.rstrip(b"\x1a")  # how text ended under DOS
     strange = next((i for i, byte in enumerate(content) if byte < 9 or 13 < byte < 32), None)
     if strange is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import math
 import stat
@@ -489,3 +490,13 @@ class TestSpikes:
         files = sorted(records.rglob("*.AT2")) + sorted(records.rglob("*.at2"))
         for file in files:
             base_motion(RecordSpec(file=file), 3.0)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be", "utf-8-sig", "latin-1"])
+def test_encodings(tmp_path: Path, encoding: str) -> None:
+    """UTF-16 is what some shells write into files; a superscript is no letter of ASCII."""
+    text = "t (s), a (m/s\N{SUPERSCRIPT TWO})\n" + "\n".join(COLUMNS)
+    mark = codecs.BOM_UTF16_BE if encoding == "utf-16-be" else b""
+    (tmp_path / "m.txt").write_bytes(mark + text.encode(encoding))
+    motion = read_record(RecordSpec(file=tmp_path / "m.txt"))
+    assert motion.value == pytest.approx(VALUES)
