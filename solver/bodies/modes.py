@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -17,6 +18,10 @@ STATIC = TangentWeights(mass=0.0, stiffness=1.0, interface=0.0, contact=0.0, spr
 
 SWAYING_PART = 0.1
 """Part of the mass of a body that moves horizontally in a mode of sway, at least."""
+
+FEWEST = 100
+"""Unknowns that move, up to which all modes are computed at once: with few of them, iterations
+leave the space that they span."""
 
 LOOKED_AT = 8
 """Number of the lowest modes among which that of sway is looked for."""
@@ -54,11 +59,17 @@ def _modes(body: ElasticBody, count: int) -> tuple[Array, Array]:
         sp.csr_matrix(matrix.getValuesCSR()[::-1], shape=matrix.size)
         for matrix in (factor.matrix, mass)
     )
+    free = np.setdiff1d(np.arange(body.size), body.fixed)
+    if len(free) <= FEWEST:
+        pencil = (matrix[free][:, free].toarray() for matrix in (stiffness, inertia))
+        squared, shapes = la.eigh(*pencil)
+        vectors = np.zeros((body.size, len(free)))
+        vectors[free] = shapes
+        return squared[:count], vectors[:, :count]
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
-    free = body.size - len(body.fixed)
     found, vectors = eigsh(
         stiffness,
-        min(count, free - 1),
+        count,
         inertia,
         sigma=0.0,
         OPinv=inverse,

@@ -14,7 +14,7 @@ class Cells:
     """Nodes and the cells over them, all of one kind."""
 
     points: Array
-    """Places of the nodes in the own frame, m, (n, 3)."""
+    """Places of the nodes of the undeformed body, m, (n, 3)."""
     nodes: Indices
     """Numbers of the nodes of each cell, in VTK's order, (cells, nodes of a cell)."""
     kind: int

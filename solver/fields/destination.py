@@ -37,7 +37,7 @@ class Destination(Protocol):
     """The files of a run's fields."""
 
     def rigid(self, name: str, corners: Array) -> RigidWriter:
-        """A writer for the next body, which is rigid, with its corners in its own frame, m."""
+        """A writer for the next body, which is rigid, with its corners as it stands upright, m."""
 
     def meshed(self, name: str, functions: BodyFunctions) -> MeshedWriter:
         """A writer for the next body, which is meshed; collective."""

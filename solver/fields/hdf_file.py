@@ -150,6 +150,8 @@ class HdfBody:
         self._group: Any = None
         self._points: list[str] = []
         self._means: list[str] = []
+        self._order: dict[str, Indices] = {}
+        """Which values of each kind stand in the rows of the file; empty: all as they are."""
 
     def write(self, nodal: Mapping[str, Array], means: Mapping[str, Array]) -> None:
         """Write the fields at the nodes, (n,) or (n, k), and in the cells, at the next time."""
@@ -162,14 +164,15 @@ class HdfBody:
                 self._open(list(nodal), list(means))
             for kind, fields in (("PointData", nodal), ("CellData", means)):
                 for name, values in fields.items():
-                    start = self._file.times * len(values)
-                    _put(self._group[kind], name, start, values)
+                    rows = values[self._order[kind]] if kind in self._order else values
+                    _put(self._group[kind], name, self._file.times * len(rows), rows)
 
     def _open(self, nodal: list[str], means: list[str]) -> None:
         """The group of the body: that of an earlier part of the run, or a new one."""
         self._points, self._means = nodal, means
         if self._name in self._file.root["Assembly"]:
             self._group = self._file.root["Assembly"][self._name]
+            self._order = self._order_of_the_file()
             return
         group = self._file.new_group(self._number, self._name)
         cells = self._cells
@@ -186,6 +189,25 @@ class HdfBody:
         group["Steps"].attrs["NSteps"] = 0
         _put(group["Steps"], "Values", 0, np.empty(0))
         self._group = group
+
+    def _order_of_the_file(self) -> dict[str, Indices]:
+        """Where nodes and cells of the file stand in this part of the run.
+
+        Ranks number them, and this part may have other ranks.
+        """
+        cells, group = self._cells, self._group
+        there, nodes = (
+            group["Points"][:],
+            group["Connectivity"][:].reshape(-1, cells.nodes.shape[1]),
+        )
+        same = np.array_equal(there, cells.points) and np.array_equal(nodes, cells.nodes)
+        if same:
+            return {}
+        middles = cells.points[cells.nodes].mean(axis=1), there[nodes].mean(axis=1)
+        return {
+            "PointData": _matching(cells.points, there),
+            "CellData": _matching(*middles),
+        }
 
     def extend(self, before: int) -> None:
         """Say where the fields of the next time stand; `before` are the times before it."""
@@ -208,6 +230,24 @@ class HdfBody:
         steps = self._group["Steps"]
         _put(steps, "Values", before, np.array([time]))
         steps.attrs["NSteps"] = before + 1
+
+
+def _matching(points: Array, wanted: Array) -> Indices:
+    """Which of some points are where others are wanted, (n,): all of them, each once.
+
+    Raises:
+        ValueError: They are not those of one mesh.
+    """
+    from scipy.spatial import cKDTree
+
+    if points.shape != wanted.shape:
+        raise ValueError(f"{len(wanted)} places are not those of {len(points)}")
+    apart, found = cKDTree(points).query(wanted)
+    alike = apart.max(initial=0.0) <= 1e-9 * np.abs(points).max(initial=0.0)
+    if not alike or len(np.unique(found)) < len(points):
+        raise ValueError("places of another mesh")
+    order: Indices = found.astype(np.int64)
+    return order
 
 
 def _put(group: Any, name: str, start: int, values: Array | Indices) -> None:

@@ -1,7 +1,7 @@
 """Fields of a meshed body for ParaView.
 
-The mesh in the files is the undeformed block in its own frame; mesh + displacement is the place in
-the ground frame, so "warp by vector" with factor 1 shows the block as it stands.
+The mesh in the files is the undeformed block, upright at its place; mesh + displacement is where it
+is in the ground frame, so "warp by vector" with factor 1 shows the block as it stands.
 """
 
 from __future__ import annotations

@@ -11,6 +11,9 @@ from solver.contact.memory import Memory
 from solver.contact.nitsche_points import ContactPoints
 from solver.types import Array
 
+LEAST_AREA = 1e-6
+"""Area of a node, over the largest, below which it is round-off."""
+
 
 class NodeState(IntEnum):
     """How a node stands to what carries its body, as files of fields have it."""
@@ -37,8 +40,15 @@ class NodalContact(NamedTuple):
 
 
 def nodal_contact(points: ContactPoints, memory: Memory, thickness: float) -> NodalContact:
-    """The point forces spread over the nodes, over the area that belongs to each of them."""
+    """The point forces spread over the nodes, over the area that belongs to each of them.
+
+    Quadratic shape functions are negative in places, and those at the corners of triangles have no
+    area at all: there nodes have the mean of the points around, by the sizes of these functions.
+    """
     spread, force = points.values_T, memory.force
+    whole = thickness * (spread @ points.weight)
+    if np.any(whole < LEAST_AREA * whole.max(initial=0.0)):
+        spread = abs(spread)
     area = thickness * (spread @ (points.weight * memory.may_touch))
     friction = np.asarray(spread @ (force[:, 1:] @ memory.kinematics.frame[1:]))
     return NodalContact(

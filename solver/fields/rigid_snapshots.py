@@ -12,6 +12,7 @@ from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
 from solver.fields.pvd import FieldsBefore
 from solver.scene import Scene
+from solver.scene.places import poses
 from solver.types import Array
 
 if TYPE_CHECKING:
@@ -38,8 +39,11 @@ class RigidSnapshots:
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
         self._heights = [block.height for block in scene.blocks]
+        upright = poses(scene, upright=True)
+        corners = zip(scene.blocks, self._corners, strict=True)
+        self._upright = [upright[block.name](own) for block, own in corners]
         self._files = open_destination(scene, folder, before or FieldsBefore(), writes=writes)
-        parts = [(b.name, c) for b, c in zip(scene.blocks, self._corners, strict=True)]
+        parts = [(b.name, c) for b, c in zip(scene.blocks, self._upright, strict=True)]
         if scene.has_platform:
             parts.append(("platform", platform_corners(scene)))
         self._writers = [self._files.rigid(name, corners) for name, corners in parts]
@@ -49,10 +53,10 @@ class RigidSnapshots:
 
     def write(self, time: float) -> None:
         """Write the bodies as they stand, at a time, s."""
-        for block, corners in enumerate(self._corners):
+        for block, upright in enumerate(self._upright):
             arms, velocity = self._moved(block)
             place = arms + self._bodies.centre(block)
-            self._writers[block].write(time, place - corners, velocity)
+            self._writers[block].write(time, place - upright, velocity)
         for writer in self._writers[len(self._corners) :]:
             count = 2**self._dimension
             shift, speed = np.zeros((count, self._dimension)), np.zeros((count, self._dimension))

@@ -40,9 +40,9 @@ class RigidFieldWriter:
         """Prepare what does not change.
 
         The file gives the pieces their names: `fields_NAME.pvd` makes `fields_NAME000000.vtu`.
-        Corners are those of the body in its own frame, m, (4, 2) or (8, 3), in VTK's order, which
-        is that of `Block.corners`. The index lists the pieces, by the number and the name of the
-        body.
+        Corners are those of the body as it stands upright, m, (4, 2) or (8, 3), in VTK's order,
+        which is that of `Block.corners`. The index lists the pieces, by the number and the name of
+        the body.
         """
         self._folder, self._stem, self._part, self._name = file.parent, file.stem, part, name
         self._index, self._way = index, index.way_to(file.parent)
@@ -52,7 +52,7 @@ class RigidFieldWriter:
     def write(self, time: float, displacement: Array, velocity: Array) -> None:
         """Write the body at a time, s, by the motion of its corners relative to the ground, (n, d).
 
-        Displacements, m, are places in the ground frame minus those in the own frame.
+        Displacements, m, are places in the ground frame minus those where it stands upright.
         """
         if not self._writes:
             return

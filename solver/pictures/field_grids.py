@@ -1,4 +1,4 @@
-"""The bodies in the files of the fields, as they are written: grids in their own frames."""
+"""The bodies in the files of the fields, as they are written: undeformed and upright."""
 
 from __future__ import annotations
 

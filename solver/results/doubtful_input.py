@@ -46,6 +46,7 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
         *_still_motions(scene, ground),
         *_motions_beyond_the_end(scene, ground),
         *_blind_steps(scene),
+        *_points_beside_edges(scene),
         *_missing_rows(scene),
     ]
 
@@ -188,6 +189,18 @@ def _still_motions(scene: Scene, ground: GroundMotion) -> list[str]:
         f"{where} does not move: all its accelerations are 0"
         for where, part in zip(scene.directions, ground.parts, strict=True)
         if part is not None and part.peak == 0.0
+    ]
+
+
+def _points_beside_edges(scene: Scene) -> list[str]:
+    """Blocks that start on an edge where none of their contact points is."""
+    if scene.contact.points != "gauss":
+        return []
+    return [
+        f'{block.name} starts on an edge, where contact.points = "gauss" has no point: it falls '
+        'onto the first one and bounces; "nodes" has points there'
+        for block in scene.blocks
+        if block.model == "elastic" and block.tilt != 0
     ]
 
 

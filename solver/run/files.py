@@ -219,6 +219,8 @@ class RunFiles:
             return
         began, fields, self._taken = time.perf_counter(), self._fields, now
         if fields is not None:
+            if self._comm.size > 1:  # they are written at once
+                self._together(self._write_rows)
             self._together(lambda: fields.write(now))
         self.output_seconds += time.perf_counter() - began
         if self._comm.size > 1 or (fields is not None and not fields.waiting):
@@ -236,14 +238,13 @@ class RunFiles:
             self.flush()
 
     def flush(self) -> None:
-        """Write the fields and the rows that wait; collective."""
+        """Write the rows and the fields that wait; collective."""
         if self._folder is None:
             return
         began = time.perf_counter()
-        try:
-            self._together(self._write_fields)
-        finally:
-            self._together(self._write_rows)
+        # Rows first: where there is no room for fields, there is for what they are read beside.
+        self._together(self._write_rows)
+        self._together(self._write_fields)
         self._flushed = time.perf_counter()
         self.output_seconds += self._flushed - began
 

@@ -108,7 +108,9 @@ def _refuse_soft_bed(scene: Scene, block: BlockSpec, pressure: float) -> None:
     bed, settled = scene.bed_of(block), LARGEST_SETTLEMENT * block.height
     if bed is not None and pressure > bed.stiffness * settled:
         depth = pressure / bed.stiffness
-        got = f"{bed.stiffness:g}, pressed in by {depth:.2g} m under {block.name}"
+        own = "" if scene.contact.stiffness else ", from the block's own"
+        got = f"{bed.stiffness:.4g}{own}, pressed in by {depth:.2g} m under {block.name}"
+        got += " by weight and peak acceleration"
         allowed = f"stiffness >= {pressure / settled:.3g} ({settled:.2g} m)"
         raise SceneError("contact.stiffness", got, allowed)
 

@@ -104,3 +104,30 @@ def test_other_ranks_go_on(whole: Path, before: int, after: int) -> None:
     ]
     assert len(pieces) == 2 * 6
     assert all((folder / piece).is_file() for piece in pieces)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("before", "after"), [(1, 2), (2, 1)])
+def test_the_one_file_of_fields_goes_on(tmp_path: Path, before: int, after: int) -> None:
+    """Ranks number nodes and cells in another order, the file goes on in its own."""
+    pytest.importorskip("h5py")
+    pytest.importorskip("pyvista")
+    from solver.pictures.field_grids import HdfGrids
+
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
+    words = ["run", "scene.toml", "-q", "--set", 'output.fields="vtkhdf"', "-o", "out"]
+    done = on_ranks(before, tmp_path, *words)
+    assert done.returncode == 0, done.stderr
+    shutil.copytree(tmp_path / "out", tmp_path / "again")
+    done = on_ranks(after, tmp_path, "run", "--resume", "again", "-q")
+    assert done.returncode == 0, done.stderr
+    whole, found = (HdfGrids(tmp_path / each / "fields.vtkhdf") for each in ("out", "again"))
+    assert list(found.times) == pytest.approx(list(whole.times), abs=1e-12)
+    for number in range(len(whole.times)):
+        for one, other in zip(whole.read(number), found.read(number), strict=True):
+            np.testing.assert_allclose(
+                other.point_data["displacement"], one.point_data["displacement"], atol=1e-9
+            )
+            for name, values in one.cell_data.items():
+                size = np.abs(values).max()
+                np.testing.assert_allclose(other.cell_data[name], values, atol=1e-3 * size + 1.0)

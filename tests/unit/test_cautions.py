@@ -227,6 +227,7 @@ def test_of_motions_that_no_ground_has_made(tmp_path: Path) -> None:
         (("gravity=981.0",), "gravity is 981 m/s2, 100 g: look at its unit"),
         (("motion.kind='sine'", "motion.period=1", "motion.amplitude_g=0"), "motion does not move"),
         (("output.history_every=7",), "the history has one step in 7"),
+        (("contact.points='gauss'", "block.tilt_deg=2.0"), "block starts on an edge, where"),
     ],
 )
 def test_of_values_in_other_units(overrides: tuple[str, ...], words: str) -> None:

@@ -17,7 +17,11 @@ G, MASS, WIDTH, FRICTION = 9.81, 600.0, 0.6, 0.3
 
 
 def leave(
-    folder: Path, dimension: int = 2, friction: float = FRICTION, **block: Any
+    folder: Path,
+    dimension: int = 2,
+    friction: float = FRICTION,
+    contact: dict[str, Any] | None = None,
+    **block: Any,
 ) -> tuple[Result, Any]:
     """A run of a squat block for a moment, and its grid at the end."""
     cells = [4, 2] if dimension == 2 else [2, 2, 2]
@@ -25,7 +29,7 @@ def leave(
     tables = {
         "dimension": dimension,
         "block": [squat | {"young": 3e10, "poisson": 0.2} | block],
-        "contact": {"friction": friction},
+        "contact": contact or {"friction": friction},
         "time": {"end": 0.02, "step": 1e-3},
     }
     result = simulate(parse_scene(tables), folder=folder)
@@ -83,3 +87,20 @@ def test_a_block_at_rest_and_one_on_its_corner(tmp_path: Path) -> None:
     state = np.asarray(grid.point_data["contact_state"])[bottom]
     assert sorted(state) == [NodeState.OPEN] * 4 + [NodeState.STICKS]
     assert np.asarray(grid.points)[bottom][state == NodeState.STICKS, 0] == pytest.approx(0.3)
+
+
+@pytest.mark.serial
+def test_quadratic_tetrahedra_at_rest(tmp_path: Path) -> None:
+    """Corners of their faces have no area of their own: they show the pressure beside them."""
+    pytest.importorskip("gmsh")
+    contact = {"points": "gauss", "friction": FRICTION}
+    quadratic = {"cell": "tetrahedron", "degree": 2}
+    _, grid = leave(tmp_path / "run", 3, contact=contact, **quadratic)
+    pressure = np.asarray(grid.point_data["contact_pressure"])
+    points = np.asarray(grid.points)
+    bottom = np.isclose(points[:, 2], points[:, 2].min())
+    mean = MASS * G / (WIDTH * 0.5)
+    assert not pressure[~bottom].any()
+    assert pressure[bottom].mean() == pytest.approx(mean, rel=0.25)
+    assert 0.2 * mean < pressure[bottom].min() < pressure.max() < 4 * mean
+    assert set(np.asarray(grid.point_data["contact_state"])[bottom]) == {NodeState.STICKS}

@@ -267,6 +267,25 @@ def frequencies(foundation: dict[str, Any], count: int = 1) -> Any:
     return eigenvalues(body, count)
 
 
+@pytest.mark.parametrize("cells", [(1, 1), (6, 1), (9, 3)])
+def test_modes_of_few_unknowns_are_those_of_many(
+    monkeypatch: pytest.MonkeyPatch, cells: tuple[int, int]
+) -> None:
+    """A coarse plate on its bottom: all modes at once, or, where there are enough, by iteration."""
+    plate = {
+        **{"kind": "elastic", "support": "bottom", "width": 2.0, "height": 0.3},
+        **{"density": 2400.0, "young": 2e9, "poisson": 0.3, "cells": list(cells)},
+    }
+    squared = frequencies(plate, 4)
+    assert len(squared) == 4
+    # as a column sheared over its height: (pi/2 c/h)^2, on coarse meshes stiffer by mass at nodes
+    shear = 2e9 / 2 / 1.3 / 2400.0
+    assert 0.9 < squared[0] / ((math.pi / 2 / 0.3) ** 2 * shear) < 1.6
+    if cells == (9, 3):
+        monkeypatch.setattr("solver.bodies.modes.FEWEST", 0)
+        np.testing.assert_allclose(frequencies(plate, 4), squared, rtol=1e-9)
+
+
 def test_deck_and_columns_of_different_materials() -> None:
     """A stiff heavy deck on light columns: k/m, and with columns half as stiff k/2m."""
     assert frequencies(STIFF_DECK)[0] == pytest.approx(SWAY / DECK, rel=5e-3)
