@@ -334,8 +334,13 @@ class TestBed:
 
     def test_a_bed_that_is_too_soft(self) -> None:
         assert refusal(ELASTIC, contact={"stiffness": 1e6}) == (
-            "contact.stiffness: got 1e+06, pressed in by 0.02 m under block,"
-            " allowed stiffness >= 1.96e+07 (0.001 m)"
+            "contact.stiffness: got 1e+06, pressed in by 0.02 m under block by weight and peak"
+            " acceleration, allowed stiffness >= 1.96e+07 (0.001 m)"
+        )
+        shaken = {"kind": "sine", "period": 1.0, "amplitude_g": 500.0}
+        soft = ELASTIC | {"young": 1e7}
+        assert ", from the block's own, pressed in by " in refusal(
+            soft, contact={"damping": 0.2}, motion=shaken
         )
 
 
