@@ -41,6 +41,9 @@ _NAMED = re.compile(
     r"\bunits?\b\s*(?:of|are|is|in)?\s*[:=]?\s*[(\[]?\s*([a-z%][\w/%]*)"  # "UNITS OF G"
     r"|[(\[]\s*([a-z%][\w/%]*)\s*[)\]]"  # "acceleration [g]"
 )
+_MILLISECONDS = re.compile(
+    r"[(\[]\s*(?:ms|msec|milli-?seconds?)\s*[)\]]|\bt(?:ime)?_ms\b", re.IGNORECASE
+)
 
 
 class NamedUnit(NamedTuple):
@@ -75,6 +78,6 @@ def units_named(header: Sequence[str]) -> Iterator[NamedUnit]:
 def names_milliseconds(header: Sequence[str]) -> int:
     """The number of the line in which a header says that times are in ms, from 1; 0: none."""
     for line, text in enumerate(header, start=1):
-        if re.search(r"[(\[_]\s*(?:ms|msec|milli-?seconds?)\b", text, re.IGNORECASE):
+        if _MILLISECONDS.search(text):
             return line
     return 0

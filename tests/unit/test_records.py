@@ -122,6 +122,8 @@ def test_times_are_as_even_as_their_digits_tell(tmp_path: Path, form: str) -> No
         ("Acc (m/s\N{SUPERSCRIPT TWO})\n", 1.0),
         ("ACCELERATION TIME SERIES IN CM/SEC/SEC\n", 0.01),
         ("Acceleration in cm/s2\n", 0.01),
+        ("acc (ms-2)\n", 1.0),
+        ("acc (m s\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT TWO})\n", 1.0),
         ("acc_cm/s2 [cm s^-2]\n", 0.01),
         ("Time units: s, Acceleration units: cm/s2\n", 0.01),
         ("PGV (cm/s): 20, acc (g)\n", G),
@@ -162,7 +164,7 @@ def test_several_units_in_a_header(tmp_path: Path) -> None:
     assert "line 2 of motion.txt says" in refusal(tmp_path, text, "motion.txt", units="cm/s2")
 
 
-@pytest.mark.parametrize("heading", ["Time (ms),Acc (g)", "t [msec], a (g)"])
+@pytest.mark.parametrize("heading", ["Time (ms),Acc (g)", "t [msec], a (g)", "time_ms,acc_g"])
 def test_times_in_milliseconds(tmp_path: Path, heading: str) -> None:
     text = "\n".join([heading, *COLUMNS])
     message = refusal(tmp_path, text, "motion.txt")
