@@ -97,7 +97,7 @@ def legend_above(figure: Any, columns: int = 4) -> None:
             found.setdefault(label, handle)
     if found:
         handles, labels = list(found.values()), list(found)
-        renderer = FigureCanvasAgg(figure).get_renderer()
+        renderer = FigureCanvasAgg(figure.figure).get_renderer()  # that of all its parts
         for most in range(columns, 0, -1):
             rows = math.ceil(len(labels) / most)
             legend = figure.legend(

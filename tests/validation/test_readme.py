@@ -265,6 +265,7 @@ def test_the_pages_have_commands() -> None:
 SNIPPETS = [
     pytest.param("\n".join(block), id=f"{page.name}: {block[0]}")
     for page in PAGES
+    if page.name != "python.md"  # which is one script: `tests/unit/test_python.py`
     for block in code_blocks(page)
     if block and block[0].startswith(("from ", "import "))
 ]
