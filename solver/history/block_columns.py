@@ -17,6 +17,12 @@ from solver.types import Array
 PLANE, SPACE = positions("block", 2), positions("block", 3)
 """Places of the columns within the part of a block."""
 
+STEEPEST_TOP = 0.5
+"""Cosine of the lean of a block's top beyond which it carries nothing, 60 degrees.
+
+A block has lost its carrier once that leans so, or once its own centre is below the plane of the
+carrier's top: gaps and contact forces are then those over level ground."""
+
 
 class MovingBlock(NamedTuple):
     """A block as a rigid body at an instant; of a meshed one the rigid motion that fits it best."""

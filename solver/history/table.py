@@ -106,7 +106,7 @@ TABLE = (
         "NAME.gap_left_m",
         "m",
         "Height of the block's own bottom left corner over the plane of its carrier's top, or over"
-        " level 0 once the block's centre has fallen below that plane.",
+        " level 0 once the carrier is lost.",
         2,
     ),
     Column("NAME.gap_right_m", "m", "Height of the bottom right corner, measured likewise.", 2),
@@ -114,7 +114,7 @@ TABLE = (
         "NAME.gap_1_m",
         "m",
         "Height of the bottom corner at (-x, -y) of the block's own axes over the plane of its"
-        " carrier's top, or over level 0 once the block's centre has fallen below that plane.",
+        " carrier's top, or over level 0 once the carrier is lost.",
         3,
     ),
     Column("NAME.gap_2_m", "m", "Height of the corner at (+x, -y), measured likewise.", 3),

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from solver.excitation.spectrum import DAMPING, PERIODS
-from solver.pictures.style import colour, legend_above, new_figure, plain_periods
+from solver.pictures.style import DASHES, colour, legend_above, new_figure, plain_periods
+from solver.results.floor_spectra import ALONG_Y
 from solver.scene.units import G_UNIT
 from solver.types import Array
 
@@ -17,9 +18,12 @@ def draw_floors(spectra: dict[str, Array]) -> Figure:
     """Spectra of the ground and of all floors."""
     figure = new_figure(3.6)
     axes = figure.subplots()
-    for number, (name, spectrum) in enumerate(spectra.items()):
-        hue = "black" if name == "ground" else colour(number - 1)
-        axes.semilogx(PERIODS, spectrum / G_UNIT, color=hue, label=name)
+    floors = list(dict.fromkeys(name.removesuffix(ALONG_Y) for name in spectra))
+    for name, spectrum in spectra.items():
+        floor = floors.index(name.removesuffix(ALONG_Y))
+        hue = "black" if floors[floor] == "ground" else colour(floor - 1)
+        line = DASHES if name.endswith(ALONG_Y) else "-"
+        axes.semilogx(PERIODS, spectrum / G_UNIT, color=hue, linestyle=line, label=name)
     label = f"PSA (g), {DAMPING:.0%} of critical"
     plain_periods(axes)
     axes.set(ylabel=label, ylim=(0, None))

@@ -22,7 +22,7 @@ from solver.pictures.style import (
     new_figure,
     zero_line,
 )
-from solver.results.motion import is_spatial
+from solver.results.motion import ACCELERATIONS, is_spatial
 from solver.results.moving import moving_span
 from solver.results.runs import Run
 from solver.scene import BlockSpec
@@ -118,10 +118,14 @@ def draw_platform(run: Run, rigid: Run | None) -> Figure:
     above.set_ylabel("drift (mm)")
     least_span(above, LEAST_LENGTH)
     _add_slips(middle, run)
-    ground = history["base.acceleration_m_s2"] / G_UNIT
-    together = ground + history["platform.acceleration_m_s2"] / G_UNIT
-    below.plot(time, ground, color=GREY, linewidth=0.8, label="ground")
-    below.plot(time, together, color="black", linewidth=0.8)
+    for (ground, platform), name, line in zip(
+        ACCELERATIONS, ("ground", "ground along y"), ("-", DASHES), strict=True
+    ):
+        if ground in history and platform in history:
+            moved = history[ground] / G_UNIT
+            below.plot(time, moved, color=GREY, linestyle=line, linewidth=0.8, label=name)
+            together = moved + history[platform] / G_UNIT
+            below.plot(time, together, color="black", linestyle=line, linewidth=0.8)
     span = moving_span(run.scene, run.history)
     below.set(xlabel="time (s)", ylabel="acceleration (g)", xlim=span)
     for axes in (above, below):

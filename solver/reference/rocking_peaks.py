@@ -14,6 +14,7 @@ from geometry.block import Block
 from solver.excitation.sampled import SampledMotion
 from solver.reference.housner import RESTING_ENERGY, housner_restitution
 from solver.reference.kernels.rocking import rocking_peaks
+from solver.results.rocking import no_return
 from solver.types import Array
 
 STEP = 0.01
@@ -25,10 +26,10 @@ class RockingPeaks:
     """What is left of a history of rocking."""
 
     angle: float
-    """Largest |theta|, rad; pi/2 once overturned."""
+    """Largest |theta|, rad; once overturned the angle from which it does not come back."""
     impacts: int
     overturned_at: float | None
-    """s; None: it did not."""
+    """When it passed that, s, as in `solver.results.rocking.no_return`; None: it did not."""
 
 
 def sampled_rocking(
@@ -62,10 +63,11 @@ def sampled_rocking(
         (shape.slenderness, gravity, 3 / (4 * shape.half_diagonal)),
         ratio,
         math.sqrt(2 * RESTING_ENERGY * barrier),
+        float(no_return(shape.slenderness)),
     )
     if math.isnan(fell):
         return RockingPeaks(float(peak), int(impacts), None)
-    return RockingPeaks(math.pi / 2, int(impacts), float(fell))
+    return RockingPeaks(float(peak), int(impacts), float(fell))
 
 
 def _stretches(motion: SampledMotion, end: float) -> tuple[Array, Array, Array]:

@@ -14,6 +14,9 @@ from solver.excitation.spectrum import PERIODS, SAMPLES_A_PERIOD, response_spect
 from solver.history.history import History
 from solver.types import Array
 
+ALONG_Y = " along y"
+"""How the names of spectra along y end, in space."""
+
 
 def floor_spectra(history: History) -> dict[str, Array]:
     """Pseudo-spectral accelerations (m/s2) of ground and floors at `PERIODS`, by their names.
@@ -27,7 +30,10 @@ def floor_spectra(history: History) -> dict[str, Array]:
         return {}
     step = min(float(np.median(np.diff(time))), float(PERIODS[0]) / SAMPLES_A_PERIOD)
     found = {}
-    for name, way, velocity in [("ground", "", None), *floors]:
+    grounds: list[tuple[str, str, str | None]] = [("ground", "", None)]
+    if "base.second_acceleration_m_s2" in history:
+        grounds.append((f"ground{ALONG_Y}", "second_", None))
+    for name, way, velocity in (*grounds, *floors):
         if f"base.{way}acceleration_m_s2" in history:
             absolute = _ground_velocity(history, way)
         else:
@@ -50,7 +56,7 @@ def _ground_velocity(history: History, way: str) -> Array:
 
 def _velocities(history: History) -> Iterator[tuple[str, str, str]]:
     """Names of floors, directions as columns of the ground have them, and columns of velocities."""
-    for way, along in (("", ""), ("second_", " along y")):
+    for way, along in (("", ""), ("second_", ALONG_Y)):
         column, number = f"velocity_{way}m_s", 1
         while f"foundation.storey_{number}.{column}" in history:
             yield f"storey {number}{along}", way, f"foundation.storey_{number}.{column}"

@@ -13,12 +13,20 @@ import numpy as np
 
 from geometry.block import Block
 from geometry.boxes import Boxes
+from solver.history.block_columns import STEEPEST_TOP
 from solver.history.history import History
 from solver.scene import BlockSpec, Scene
-from solver.types import Array
+from solver.types import Array, Mask
 
 #: The upright direction in space.
 UP = np.array([0.0, 0.0, 1.0])
+
+
+ACCELERATIONS = (
+    ("base.acceleration_m_s2", "platform.acceleration_m_s2"),
+    ("base.second_acceleration_m_s2", "platform.acceleration_second_m_s2"),
+)
+"""Columns that add up to the acceleration of what carries blocks, along x and along y."""
 
 
 class Columns(Protocol):
@@ -52,20 +60,23 @@ class BlockMotion:
     """The block as it stands in that plane."""
     fell: bool
     """Whether it ends below what carried it."""
+    aside: Array
+    """Lean out of that plane, rad; 0 in 2-D."""
     base: Array | None
-    """Acceleration of the ground, or of the platform, in that plane, m/s2: along it, and upwards,
-    (rows, 2); None where neither moves."""
+    """Acceleration of the ground, or of the platform, less that of gravity, in that plane, m/s2:
+    along it, and upwards, (rows, 2); None where neither moves and the ground is level."""
 
 
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
     """The motion of a block as its columns give it."""
     name, carrier = block.name, scene.carrier_of(block)
     if is_spatial(history, name):
-        angle, lean, shape, direction = _lean_in_space(history, block, carrier)
+        angle, lean, shape, direction, aside = _lean_in_space(history, block, carrier)
         gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
     else:
         lean, shape, direction = history[f"{name}.angle_rad"], block.shape, np.array([1.0])
         angle = lean if carrier is None else lean - history[f"{carrier.name}.angle_rad"]
+        aside = np.zeros_like(angle)
         gaps, second = ["gap_left_m", "gap_right_m"], [""]
     return BlockMotion(
         time=history["time_s"],
@@ -76,7 +87,8 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         lift=_stack(history, name, gaps).max(axis=1),
         shape=shape,
         fell=_fell(history, block, carrier),
-        base=_base(history, direction) if scene.motion or scene.carrier_moves else None,
+        aside=aside,
+        base=_base(scene, history, direction),
     )
 
 
@@ -89,6 +101,14 @@ def centres(history: Columns, name: str) -> Array:
     """Places of a block's centre of mass, m, (rows, d)."""
     axes = "xyz" if is_spatial(history, name) else "xy"
     return _stack(history, name, [f"centre_{axis}_m" for axis in axes])
+
+
+def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask:
+    """In which rows a block has lost the one that carried it, as the columns of forces take it."""
+    below = boxes(history, carrier)
+    up = below.frames[:, :, -1]
+    height = np.sum((centres(history, block.name) - below.centres) * up, axis=1)
+    return np.asarray((up[:, -1] <= STEEPEST_TOP) | (height <= carrier.height / 2))
 
 
 def total_lean(history: Columns, name: str) -> Array:
@@ -141,24 +161,28 @@ def _angle_from_up(axes: Array) -> Array:
     return np.arctan2(np.linalg.norm(axes[:, :2], axis=1), axes[:, 2])
 
 
-def _base(history: History, direction: Array) -> Array:
-    """Acceleration of the base along a horizontal direction, and upwards, m/s2, (rows, 2)."""
+def _base(scene: Scene, history: History, direction: Array) -> Array | None:
+    """What `BlockMotion.base` says, along a horizontal direction."""
+    if not (scene.motion or scene.carrier_moves or scene.gravity_tilt_deg):
+        return None
     found = np.zeros((len(history["time_s"]), 2))
-    for part, name in zip(
-        direction, ("acceleration_m_s2", "acceleration_second_m_s2"), strict=False
-    ):
-        for owner in ("base", "platform"):
-            if f"{owner}.{name}" in history:
-                found[:, 0] += part * history[f"{owner}.{name}"]
+    for part, columns in zip(direction, ACCELERATIONS, strict=False):
+        for column in columns:
+            if column in history:
+                found[:, 0] += part * history[column]
     if "base.vertical_acceleration_m_s2" in history:
         found[:, 1] = history["base.vertical_acceleration_m_s2"]
-    return found
+    gravity = scene.gravity_vector
+    return found - np.array([direction[0] * gravity[0], gravity[-1]])
 
 
 def _lean_in_space(
     history: History, block: BlockSpec, carrier: BlockSpec | None
-) -> tuple[Array, Array, Block, Array]:
-    """Signed lean against the carrier in the plane of the largest, total lean, shape, direction."""
+) -> tuple[Array, Array, Block, Array, Array]:
+    """Signed lean against the carrier in the plane of the largest, total lean, shape, direction.
+
+    And the lean out of that plane.
+    """
     rotations = _rotations(history, block.name)
     axes = rotated(rotations, UP)
     lean = _angle_from_up(axes)
@@ -171,7 +195,9 @@ def _lean_in_space(
     own = -rotated(-rotations, below)[most, :2]
     direction = _towards(axes[most, :2])
     angle = np.unwrap(np.arctan2(axes[:, :2] @ direction, axes[:, 2]))
-    return angle, lean, _shape_across(block.shape, _towards(own)), direction
+    across = axes[:, 0] * direction[1] - axes[:, 1] * direction[0]
+    aside = np.abs(np.arcsin(np.clip(across, -1.0, 1.0)))
+    return angle, lean, _shape_across(block.shape, _towards(own)), direction, aside
 
 
 def _towards(horizontal: Array) -> Array:

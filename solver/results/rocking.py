@@ -6,11 +6,12 @@ zero (found by the parabola through the last rows before it), or where it falls 
 of that and comes back on the same side (a squat block that bounces). Smaller movements, those
 of an elastic block at rest among them, are not rocking and are not counted.
 
-The restitution of an impact is the ratio of the angular velocities after and before it. On a base
-at rest it is the square root of the ratio of the energies that a rigid block has at the peaks after
-and before, over its rotary inertia 4/3 m R^2 (Housner 1963):
-p^2 (cos(alpha - |theta|) - cos(alpha)). A base that moves does work on the block between two peaks;
-there both angular velocities are read next to the impact (`solver.results.angular_velocity`).
+The restitution of an impact is the ratio of the angular velocities after and before it. On level
+ground at rest it is the square root of the ratio of the energies that a rigid block has at the
+peaks after and before, over its rotary inertia 4/3 m R^2 (Housner 1963):
+p^2 (cos(alpha - |theta|) - cos(alpha)). A base that moves does work on the block between two peaks,
+and an incline from one side to the other; there both angular velocities are read next to the impact
+(`solver.results.angular_velocity`).
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ SMALLEST_SWING = 1e-3
 #: synthetic earthquakes it is 1e-5 for rigid and up to 0.007 for elastic blocks where a swing
 #: follows the impact, and 0.04 or more where smaller movements lie between.
 LARGEST_OFFSET = 0.02
+
+#: Lean out of the plane of rocking, over the largest angle, with which a block rolls.
+LARGEST_ASIDE = 0.01
 
 #: A block rocks when one of its corners is lifted by more than this part of its width, in a swing.
 SMALLEST_LIFT = 2e-4
@@ -122,11 +126,14 @@ def impacts(
     acceleration: Array | None = None,
     *,
     gives_way: bool = False,
+    aside: Array | None = None,
 ) -> list[Impact]:
     """The impacts of a block: the ends of its swings, by its rocking angles theta, rad.
 
-    On a base that moves `acceleration` has the angular acceleration of a rigid block at these
-    angles, 1/s2; None: the base is at rest. A base that gives way is moved by impacts, too.
+    On a base that moves or is no level ground `acceleration` has the angular acceleration of a
+    rigid block at these angles, 1/s2; None: it is level and at rest. A base that gives way is moved
+    by impacts, too. In space `aside` is the lean out of the plane of the angles, rad: a block that
+    rolls over its corners has no restitution in one plane.
     """
     found = swings(time, angle, shape.slenderness)
     result = []
@@ -135,7 +142,9 @@ def impacts(
             continue
         following = found[i + 1] if i + 1 < len(found) else None
         at = _impact_time(time, angle, swing.last)
-        if acceleration is None:
+        if aside is not None and _rolls(swing, following, angle, aside):
+            kept = None
+        elif acceleration is None:
             kept = _restitution(swing, following, time, angle, shape, gravity)
         else:
             scale = 1 / shape.frequency(gravity) if gravity > 0 else np.inf
@@ -145,6 +154,12 @@ def impacts(
             )
         result.append(Impact(time_s=at, restitution=kept))
     return result
+
+
+def _rolls(before: Swing, after: Swing | None, angle: Array, aside: Array) -> bool:
+    """Whether a block leans out of the plane of its angles in the swings beside an impact."""
+    rows = slice(before.first, (after or before).last + 1)
+    return bool(aside[rows].max() > LARGEST_ASIDE * np.abs(angle[rows]).max())
 
 
 def _impact_time(time: Array, angle: Array, last: int) -> float:

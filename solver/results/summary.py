@@ -15,6 +15,7 @@ from solver.errors import of_file
 from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
+from solver.results.carried import rated_against_carrier
 from solver.results.cautions import (
     cautions_of_impacts,
     cautions_of_run,
@@ -26,7 +27,11 @@ from solver.results.motion import BlockMotion, block_motion
 from solver.results.overlaps import overlaps
 from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
+from solver.scene.units import G_UNIT
 from solver.types import Array
+
+#: Acceleration that is round-off, g.
+STILL = 1e-9
 
 #: Version of the layout of summary.json.
 SCHEMA = 1
@@ -87,9 +92,11 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
         angle,
         shape,
         scene.gravity,
-        _free_acceleration(scene, motion),
+        _free_acceleration(motion),
         gives_way=scene.carrier_moves,
+        aside=motion.aside,
     )
+    impacts = rated_against_carrier(scene, history, block, impacts)
     over, off = overturned_at(history, block), fell_at(scene, history, block)
     fell = motion.fell or off is not None
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
@@ -116,13 +123,11 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     }
 
 
-def _free_acceleration(scene: Scene, motion: BlockMotion) -> Array | None:
-    """Angular acceleration of a rigid block on a moving base, 1/s2; None where it is at rest."""
+def _free_acceleration(motion: BlockMotion) -> Array | None:
+    """Angular acceleration of a rigid block on such a base, 1/s2; None where it is at rest."""
     if motion.base is None:
         return None
-    along = motion.base[:, 0] - scene.gravity_vector[0]
-    down = motion.base[:, 1] - scene.gravity_vector[-1]
-    return rocking_acceleration(motion.angle, motion.shape, along, down)
+    return rocking_acceleration(motion.angle, motion.shape, motion.base[:, 0], motion.base[:, 1])
 
 
 def _friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> float:
@@ -133,10 +138,12 @@ def _friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> fl
     It is no measure of drift, and not the lambda of `rockslip study inertia`.
     """
     acceleration = history["base.acceleration_m_s2"] + history["platform.acceleration_m_s2"]
+    if np.abs(acceleration).max() <= STILL * G_UNIT:
+        return math.nan
     mass, step = scene.stacked_mass(block), history["step_s"]
     inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
     square = mass * float(np.sum(step * acceleration**2))
-    return float(np.sum(step * inertial * acceleration)) / square if square > 0 else math.nan
+    return float(np.sum(step * inertial * acceleration)) / square
 
 
 def _platform(history: History) -> dict[str, float]:

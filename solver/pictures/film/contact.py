@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from solver.results.motion import boxes
+from solver.results.motion import boxes, lost_carrier
 from solver.results.runs import Run
 from solver.scene import BlockSpec
 from solver.types import Array
@@ -97,7 +97,8 @@ def _force(run: Run, block: BlockSpec, times: Array) -> Array:
     up[:, -1] = 1.0
     axes = np.broadcast_to(np.eye(run.scene.dimension), (count, up.shape[1], up.shape[1]))
     if carrier is not None:
-        axes = boxes(history, carrier).frames
+        lost = lost_carrier(history, block, carrier)
+        axes = np.where(lost[:, None, None], axes, boxes(history, carrier).frames)
     along = [history[f"{name}.friction_force_N"]]
     if f"{name}.friction_force_second_N" in history:
         along.append(history[f"{name}.friction_force_second_N"])

@@ -87,6 +87,7 @@ def rocking_peaks(
     block: tuple[float, float, float],
     restitution: float,
     resting: float,
+    lost: float,
 ) -> tuple[float, int, float]:
     """Largest |theta| (rad), number of impacts, and when the block overturned (s, nan: never).
 
@@ -98,6 +99,7 @@ def rocking_peaks(
         block: alpha (rad), g (m/s^2), 3/(4 R) (1/m).
         restitution: e.
         resting: Angular velocity after an impact below which the block rests, 1/s.
+        lost: Angle beyond which the block does not come back, rad.
     """
     limit = block[1] * math.tan(block[0])
     angle, spin, side, time, peak, impacts = 0.0, 0.0, 0.0, 0.0, 0.0, 0
@@ -128,7 +130,7 @@ def rocking_peaks(
                 if spin * speed < 0:
                     turn = passed * spin / (spin - speed)
                     peak = max(peak, abs(angle + spin * turn / 2))
-                ends = side * there <= 0
+                ends, before = side * there <= 0, abs(angle)
                 angle, spin = there, speed
                 peak = max(peak, abs(angle))
                 if ends:
@@ -137,8 +139,9 @@ def rocking_peaks(
                     side = math.copysign(1.0, spin)
                     if abs(spin) <= resting:
                         side, spin = 0.0, 0.0
-                if abs(angle) >= math.pi / 2:
-                    return peak, impacts, time + done + passed
+                if abs(angle) >= lost:
+                    part_of_it = (lost - before) / (abs(angle) - before)
+                    return lost, impacts, time + done + part_of_it * passed
                 done, left = done + passed, left - passed
         time += lengths[i]
     return peak, impacts, math.nan

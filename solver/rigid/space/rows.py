@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from solver.history.block_columns import SPACE as BLOCK
-from solver.history.block_columns import MovingBlock, lean_in_space, write_space_motion
+from solver.history.block_columns import (
+    STEEPEST_TOP,
+    MovingBlock,
+    lean_in_space,
+    write_space_motion,
+)
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import compiled
 from solver.rigid.rows import write_energies
@@ -37,11 +42,12 @@ def stored_energy(model: SpaceModel, state: SpaceState) -> tuple[float, float, f
 def still_carried(model: SpaceModel, state: SpaceState, frames: Array, block: int) -> int:
     """The body that carries a block now.
 
-    It is the ground once the centre of the block is below the top of its carrier.
+    It is the ground once it has lost its carrier (`STEEPEST_TOP`).
     """
     carrier = model.lower[model.carried[block]]
     height = to_body(frames[carrier], state.place[block] - state.place[carrier])[2]
-    return carrier if height > model.half[carrier, 2] else len(model.mass) - 1
+    level = frames[carrier][2, 2] > STEEPEST_TOP
+    return carrier if level and height > model.half[carrier, 2] else len(model.mass) - 1
 
 
 @compiled

@@ -81,9 +81,10 @@ def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target
         return Target(restitution=value, peaks=(), impacts=impacts)
     if kind != "history" or not text:
         raise SceneError("--target", shown(word), ALLOWED)
-    if scene.motion is not None or scene.carrier_moves or not block.tilt:
-        # Energies between peaks mean nothing where the base does work.
-        allowed = "restitution=NUMBER unless a block is released from a tilt on ground at rest"
+    moves = scene.motion is not None or scene.carrier_moves or scene.gravity_tilt_deg
+    if moves or not block.tilt:
+        # Energies between peaks mean nothing where the base, or an incline, does work.
+        allowed = "restitution=NUMBER unless a block is released from a tilt on level ground"
         raise SceneError("--target", shown(word), allowed)
     time, angle = read_history(Path(text))
     peaks = measured_peaks(time, angle)

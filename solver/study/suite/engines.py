@@ -12,6 +12,7 @@ from solver.errors import SceneError
 
 if TYPE_CHECKING:
     from solver.excitation.motion import GroundMotion
+    from solver.reference.rocking_peaks import RockingPeaks
     from solver.scene import Scene
 
 RIGID, ELASTIC, ODE = ENGINES = ("rigid", "elastic", "ode")
@@ -33,6 +34,15 @@ def with_model(tables: Mapping[str, Any], engine: str | None) -> dict[str, Any]:
     return made
 
 
+def _mode(found: RockingPeaks, slenderness: float) -> str:
+    """The mode of a block that rocks or stands, as summaries name it."""
+    from solver.results.rocking import SMALLEST_SWING
+
+    if found.overturned_at is not None:
+        return "overturned"
+    return "rock" if found.angle > SMALLEST_SWING * slenderness else "rest"
+
+
 def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
     """The row of a case by Housner's equation, which knows no slip.
 
@@ -40,7 +50,7 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
         SceneError: The ground does not move along x alone, by samples.
     """
     from solver.excitation.sampled import SampledMotion
-    from solver.reference.rocking_peaks import RockingPeaks, sampled_rocking
+    from solver.reference.rocking_peaks import sampled_rocking
     from solver.results.doubtful_input import cautions_of_input
     from solver.scene.units import G_UNIT
 
@@ -67,6 +77,7 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
         "pga_g": along.peak / G_UNIT,
         f"{block.name}.peak_angle_rad": found.angle,
         f"{block.name}.peak_angle_while_standing_rad": found.angle,
+        f"{block.name}.mode": _mode(found, alpha),
         f"{block.name}.overturned_at_s": found.overturned_at,
         "wall_s": time.perf_counter() - began,
         "cautions": "; ".join(cautions_of_input(scene, ground)),

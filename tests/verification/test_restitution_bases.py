@@ -1,0 +1,80 @@
+"""Restitution told of impacts on inclines, on ground that moves along y, and on blocks that move.
+
+Rigid blocks have a given one, which is what has to be told.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rockslip import Result, parse_scene, simulate
+
+GIVEN = 0.9
+
+
+def told(result: Result, name: str = "block") -> list[float | None]:
+    return [impact["restitution"] for impact in result.summary["blocks"][name]["impacts"]]
+
+
+def rocks(dimension: int = 2, block: dict[str, Any] | None = None, **tables: Any) -> Result:
+    """A slender block that is let go."""
+    own = {
+        **{"model": "rigid", "width": 0.25, "height": 1.0, "thickness": 0.4, "mass": 503.0},
+        **{"tilt_deg": 5.0, "restitution": GIVEN},
+    }
+    time = {"end": 2.0, "step": 1e-3}
+    scene = {"dimension": dimension, "block": [own | (block or {})], "time": time}
+    return simulate(parse_scene(scene | {"contact": {"friction": 2.0}} | tables), many=True)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("incline", "tilt"), [(3.0, 5.0), (3.0, -5.0), (8.0, 3.0)])
+def test_on_an_incline(dimension: int, incline: float, tilt: float) -> None:
+    result = rocks(dimension, {"tilt_deg": tilt}, gravity_tilt_deg=incline)
+    found = told(result)
+    assert len(found) >= 3
+    assert found[:-1] == [pytest.approx(GIVEN, abs=1e-5)] * (len(found) - 1)
+
+
+@pytest.mark.parametrize("incline", [0.0, 8.0])
+def test_on_ground_that_moves_along_y(incline: float) -> None:
+    """An incline along x does nothing to a block that rocks along y."""
+    second = {"kind": "half_sine", "amplitude_g": 0.05, "duration": 0.3}
+    result = rocks(
+        3,
+        {"width": 0.75, "thickness": 0.25, "tilt_deg": 4.0, "tilt_direction_deg": 90.0},
+        motion={"kind": "none", "second": second},
+        gravity_tilt_deg=incline,
+    )
+    found = told(result)
+    assert len(found) >= 3
+    assert found[:-1] == [pytest.approx(GIVEN, abs=1e-5)] * (len(found) - 1)
+
+
+@pytest.mark.parametrize("friction", [0.02, 0.05, 2.0])
+@pytest.mark.parametrize("shaken", [False, True])
+def test_on_a_block_that_slides(friction: float, shaken: bool) -> None:
+    """It moves by the impacts themselves, the more the less it is held."""
+    low = {
+        **{"name": "low", "model": "rigid", "width": 1.0, "height": 0.2, "thickness": 0.4},
+        **{"mass": 20.0, "friction": friction},
+    }
+    up = {
+        **{"name": "up", "on": "low", "model": "rigid", "width": 0.25, "height": 1.0},
+        **{"thickness": 0.4, "mass": 100.0, "tilt_deg": 6.0, "restitution": GIVEN, "friction": 2.0},
+    }
+    tables: dict[str, Any] = {"block": [low, up], "time": {"end": 1.5, "step": 2e-4}}
+    if shaken:
+        tables["motion"] = {"kind": "half_sine", "amplitude_g": 0.02, "duration": 0.1}
+    found = told(simulate(parse_scene(tables), many=True), "up")
+    assert len(found) >= 3
+    assert found[:-1] == [pytest.approx(GIVEN, abs=1e-4)] * (len(found) - 1)
+
+
+def test_a_block_that_rolls_over_its_corners_has_none() -> None:
+    """Its energy goes to and fro between two planes: no ratio of one plane is a restitution."""
+    oblique = {"tilt_direction_deg": 20.0, "restitution": 1.0}
+    found = told(rocks(3, oblique, time={"end": 1.5, "step": 5e-4}))
+    assert len(found) >= 3 and set(found) == {None}
