@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+from geometry.block import Block
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
 from solver.excitation.description import describe_motion
@@ -73,24 +75,35 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
         ("  half diagonal R", f"{shape.half_diagonal:.4f} m"),
         ("  slenderness alpha", f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"),
     ]
-    if scene.dimension == 3:
-        across = math.atan2(block.thickness, block.height)
-        text = f"{across:.5f} rad = {math.degrees(across):.3f} degrees"
-        lines.append(("  slenderness along y", text))
     if down > 0:
         lines += [
             ("  frequency p", f"{shape.frequency(down):.4f} 1/s"),
-            ("  uplift at", f"{_uplift(block, scene):.4f} g"),
+            ("  uplift at", f"{_uplift(shape, scene, scene.gravity_vector[0]):.4f} g"),
         ]
-    lines.append(("  restitution", _restitution(block, scene)))
+    lines.append(("  restitution", _restitution(block, shape, scene)))
+    if scene.dimension == 3:
+        lines += _along_y(block, scene)
     return lines + _damping(block, scene) + _start(block)
 
 
-def _restitution(block: BlockSpec, scene: Scene) -> str:
-    """What a rigid block keeps of its angular velocity at an impact, and by which formula."""
-    ratio, source = housner_restitution(block.shape), "Housner 1963"
+def _along_y(block: BlockSpec, scene: Scene) -> Lines:
+    """What is another along y, where a block has its thickness for a width."""
+    shape = replace(block.shape, width=block.thickness, thickness=block.width)
+    alpha, down = shape.slenderness, -scene.gravity_vector[-1]
+    lines = [("  slenderness along y", f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees")]
+    if down > 0:
+        lines += [
+            ("  frequency p along y", f"{shape.frequency(down):.4f} 1/s"),
+            ("  uplift along y at", f"{_uplift(shape, scene, 0.0):.4f} g"),
+        ]
+    return [*lines, ("  restitution along y", _restitution(block, shape, scene))]
+
+
+def _restitution(block: BlockSpec, shape: Block, scene: Scene) -> str:
+    """What a rigid block of a shape keeps of its angular velocity at an impact, and by what."""
+    ratio, source = housner_restitution(shape), "Housner 1963"
     if scene.has_platform and len(scene.blocks) == 1:
-        ratio = restitution_on_platform(block.shape, scene.platform().mass)
+        ratio = restitution_on_platform(shape, scene.platform().mass)
         source = "on a platform of this mass, (R8) of docs/reference.md"
     elif not _on_firm_ground(block, scene):
         source += ", on firm ground"
@@ -136,10 +149,13 @@ def _start(block: BlockSpec) -> Lines:
     ]
 
 
-def _uplift(block: BlockSpec, scene: Scene) -> float:
-    """Horizontal acceleration of what carries it over gravity at which the block uplifts."""
-    along, down = scene.gravity_vector[0], scene.gravity_vector[-1]
-    return max(0.0, -down * block.width / block.height - abs(along)) / scene.gravity
+def _uplift(shape: Block, scene: Scene, along: float) -> float:
+    """Horizontal acceleration of what carries it over gravity at which a block uplifts.
+
+    `along` is gravity along its width, m/s2.
+    """
+    down = -scene.gravity_vector[-1]
+    return max(0.0, down * shape.width / shape.height - abs(along)) / scene.gravity
 
 
 def _foundation(scene: Scene, ground: GroundMotion) -> Lines:

@@ -89,8 +89,9 @@ class BlockSpec(Checked):
     """Velocity of its centre at the start, relative to the ground, m/s. Default: 0 in every
     direction."""
     angular_velocity: Rotation = OPEN
-    """Angular velocity at the start, rad/s; 2-D: positive when a lean towards +x grows; 3-D: about
-    x, y and z by the right-hand rule. Default: 0."""
+    """Angular velocity at the start, rad/s, about the centre: to turn about a corner, a block has a
+    `velocity` besides. 2-D: positive when a lean towards +x grows; 3-D: about x, y and z by the
+    right-hand rule. Default: 0."""
     cells: Cells = OPEN
     """Cells along width and height; 3-D: width, thickness, height. Default: `[6, 16]`; 3-D: `[6, 6,
     16]`."""

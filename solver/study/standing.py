@@ -25,7 +25,11 @@ def standing_block(path: Path, overrides: Sequence[str]) -> Tables:
     """
     tables = read_toml(read_text(path), path.name)
     set_values(tables, overrides)
-    tables.pop("motion", None)
+    motion = tables.pop("motion", None)
+    for direction in ("vertical", "second"):
+        if isinstance(motion, dict) and direction in motion:
+            allowed = "none: the motions of the study are along x"
+            raise SceneError(f"motion.{direction}", "a motion", allowed)
     scene = parse_scene(tables, folder=path.parent, source=path.name)
     refuse_others(scene)
     return tables

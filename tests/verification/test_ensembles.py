@@ -96,7 +96,7 @@ def test_statistics_of_rows() -> None:
     assert curves["rigid"] is not None and 0.6 < curves["rigid"].median < 0.8
     sample = Sample((("block", "a"),), "ode", 0.5, (0.1, math.inf, 0.3), ())
     assert sample.row()["angle_over_alpha_50"] == 0.3
-    assert sample.row()["angle_over_alpha_84"] == 0.3
+    assert sample.row()["angle_over_alpha_84"] is None  # a third overturned
     assert sample.row()["slip_m_50"] is None
 
 

@@ -60,9 +60,11 @@ class Sample:
         found |= {"probability_low": low, "probability_high": high}
         for name, values in (("angle_over_alpha", self.angle), ("slip_m", self.slip)):
             for part in QUANTILES:
-                # A motion's own value: there is nothing between one that overturns and one that
-                # does not.
-                known = float(np.quantile(values, part, method="lower")) if values else math.nan
+                # The least value that so many motions do not exceed: there is nothing between one
+                # that overturns and one that does not.
+                known = math.nan
+                if values:
+                    known = float(np.quantile(values, part, method="inverted_cdf"))
                 found[f"{name}_{100 * part:.0f}"] = known if math.isfinite(known) else None
         return found
 
