@@ -55,6 +55,7 @@ def claim_folder(folder: Path, scene: Path, force: bool) -> None:
         make_folder(folder, force=force)
         hold_folder(folder)
         _clear(folder)
+        target.unlink(missing_ok=True)  # the run writes its own
 
 
 def renew_folder(folder: Path) -> None:
@@ -63,8 +64,6 @@ def renew_folder(folder: Path) -> None:
     Raises:
         SceneError: It holds a scene that no run has left, or nothing can be written there.
     """
-    if _is_held(folder):  # by the command line
-        return
     with unusable_is_refused(folder):
         open_folder(folder)
         hold_folder(folder)
@@ -116,14 +115,6 @@ def refuse_unwritable(folder: Path) -> None:
 
 _held: dict[tuple[int, int], int] = {}
 """Descriptors of the folders that this process keeps others from writing into, by their inodes."""
-
-
-def _is_held(folder: Path) -> bool:
-    """Whether this process keeps others from writing into a folder."""
-    with suppress(OSError):
-        state = folder.stat()
-        return (state.st_dev, state.st_ino) in _held
-    return False
 
 
 def hold_folder(folder: Path) -> None:

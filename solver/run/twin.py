@@ -110,5 +110,5 @@ def horizon_beside(
     try:
         beside = run_twin()
     except RockslipError as error:  # the run itself is done
-        return known | {"status": f"failed: {error}", "time_s": None}
+        return known | {"status": f"refused: {error}", "time_s": None}
     return known | {"status": beside.status, "time_s": horizon(scene, history, beside.history)}

@@ -107,7 +107,7 @@ def test_a_twin_that_fails_leaves_the_run(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("solver.run.simulate._twin", refused)
     summary = simulate(parse_scene(text(twin="true")), folder=tmp_path / "out").summary
     assert summary["status"] == "completed"
-    assert summary["horizon"]["status"] == "failed: time: got this, allowed that"
+    assert summary["horizon"]["status"] == "refused: time: got this, allowed that"
     assert summary["horizon"]["time_s"] is None
     assert (tmp_path / "out" / "summary.json").exists()
 
