@@ -16,11 +16,8 @@ def unit_said(file: Path, header: list[str], units: str | None, where: str) -> s
 
     Raises:
         SceneError: The two do not agree, the header names several units of acceleration and the
-            scene none, or other units than those of accelerations and of times in seconds.
+            scene none, or other units than those of accelerations.
     """
-    late = names_milliseconds(header)
-    if late:
-        raise SceneError(f"{file}: line {late}", "times in ms", "times in s")
     named = list(units_named(header))
     found = {each.unit: each.line for each in reversed(named) if each.unit in UNITS}
     for line, unit, stated in named:
@@ -37,3 +34,10 @@ def unit_said(file: Path, header: list[str], units: str | None, where: str) -> s
         allowed = f"{shown(unit)}, as line {line} of {file} says"
         raise SceneError(f"{where}.units", shown(units), allowed)
     return units or next(iter(found), None)
+
+
+def refuse_milliseconds(file: Path, header: list[str]) -> None:
+    """Refuse a column of times that the header gives in ms."""
+    line = names_milliseconds(header)
+    if line:
+        raise SceneError(f"{file}: line {line}", "times in ms", "times in s")

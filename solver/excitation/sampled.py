@@ -93,7 +93,8 @@ class SampledMotion:
         """Samples at equal times, at most `longest` (s) apart, and the time between them, s.
 
         The motion between its samples is theirs, too. Samples that are equally far apart, and near
-        enough, are left as they are, and are among them where others are needed between.
+        enough, are left as they are, and are among them where others are needed between. More than
+        `MOST_SAMPLES` are not made: then they are farther apart.
         """
         if self.step is not None and self.step <= longest * (1 + 1e-9):
             return self.value, self.step

@@ -62,6 +62,8 @@ def _ratio(time: Array, rate: Array, at: float, impacts: Sequence[float]) -> flo
         return None
     if any(other != at and time[before[0]] <= other <= time[after[-1]] for other in impacts):
         return None
+    if not all(np.ptp(time[rows]) > 0 for rows in (before, after)):
+        return None
     ends = [
         float(np.polynomial.Polynomial.fit(time[rows], rate[rows], 1)(at))
         for rows in (before, after)

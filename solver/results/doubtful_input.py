@@ -210,6 +210,6 @@ def _missing_rows(scene: Scene) -> list[str]:
     if every == 1:
         return []
     return [
-        f"the history has one step in {every}, and peaks, impacts and floor spectra are told from "
-        "it: output.history_every = 1 keeps all, and forces between"
+        f"the history keeps one step in {every}; peaks, impacts and floor spectra are read from it "
+        "and may be missed: output.history_every = 1 keeps every step"
     ]

@@ -65,12 +65,13 @@ def renew_folder(folder: Path) -> None:
         SceneError: It holds a scene that no run has left, or nothing can be written there.
     """
     with unusable_is_refused(folder):
+        by_run = any((folder / name).exists() for name in ("run.log", "summary.json"))
+        if not by_run and (folder / "scene.toml").exists():
+            raise SceneError("folder", f"{folder}, which holds a scene of its own", "another one")
         open_folder(folder)
         hold_folder(folder)
-        if any((folder / name).exists() for name in ("run.log", "summary.json")):
+        if by_run:
             _clear(folder)
-        elif (folder / "scene.toml").exists():
-            raise SceneError("folder", f"{folder}, which holds a scene of its own", "another one")
 
 
 def _clear(folder: Path) -> None:

@@ -230,8 +230,8 @@ def simulate(
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
 
     Raises:
-        TypeError: The scene is none.
-        RockslipError: What is asked for cannot be run, or not be written; nothing was.
+        TypeError: `scene` is not a `Scene`.
+        RockslipError: What is asked for cannot be run, or not be written.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"simulate takes a Scene, as of load_scene(file), not {shown(scene)}")

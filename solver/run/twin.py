@@ -45,7 +45,7 @@ def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
 
 
 def refuse_without_twin(scene: Scene) -> None:
-    """Refuse a scene that a millionth more makes another one.
+    """Refuse a scene whose perturbed twin is no valid scene.
 
     Raises:
         Statement: Before the scene itself is run.
@@ -53,7 +53,10 @@ def refuse_without_twin(scene: Scene) -> None:
     try:
         twin_of(scene)
     except SceneError as error:
-        raise Statement("output.twin", f"needs a scene of a millionth more: {error}") from None
+        raise Statement(
+            "output.twin",
+            f"needs a twin, and the scene perturbed by a millionth is no valid one: {error}",
+        ) from None
 
 
 def _times(rate: Any, factor: float) -> Any:

@@ -70,7 +70,7 @@ def parse_scene(
 
     Raises:
         SceneError: It is no scene; names the key.
-        TypeError: The content is neither text nor tables, or the overrides are one text.
+        TypeError: The content is neither text nor tables, or `overrides` is a single text.
     """
     if not isinstance(content, (str, Mapping)):
         raise TypeError(f"parse_scene takes TOML text or its tables, not {shown(content)}")

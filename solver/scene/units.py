@@ -30,9 +30,10 @@ _SPELLINGS = (
     # "²", the same in a file of another encoding; "m s^-2", "m·s⁻²".
     (re.compile("[²\ufffd]"), "2"),
     (re.compile("⁻"), "-"),
-    (re.compile(r"[\^*·.]"), " "),
+    (re.compile(r"\^|\*\*"), ""),
+    (re.compile(r"[*·]|(?<!\d)\.(?!\d)"), " "),
     (re.compile(r"(?<![a-z])(m?)sec(?:ond)?s?(?![a-z])"), r"\1s"),
-    (re.compile(r"\s*/\s*s\s*/\s*s(?![a-z])|\s*/\s*s\s*2(?!\d)|(?<=[mnt]) ?s ?- ?2(?!\d)"), "/s2"),
+    (re.compile(r"\s*/\s*s\s*/\s*s(?![a-z])|\s*/\s*s2(?![\d.])|(?<=[mnt]) ?s ?- ?2(?!\d)"), "/s2"),
 )
 """What becomes of the spellings of a unit, one after another, in small letters."""
 

@@ -63,7 +63,7 @@ class StudyFolder:
     def _refuse_others(self, folder: Path) -> None:
         """Refuse a folder in which folders of such names are not those of a study."""
         named = [name for name in (CASES, *self.folders) if (folder / name).exists()]
-        if named and not (folder / SETTINGS).exists():
+        if named and not _is_study(folder):
             got = f"{folder}, which holds {named[0]}/, but no study"
             raise SceneError("-o", got, "another folder")
 
@@ -117,6 +117,15 @@ def with_contents(said: Any, digests: Mapping[str, str]) -> Any:
     if isinstance(said, (list, tuple)):
         return [with_contents(value, digests) for value in said]
     return said
+
+
+def _is_study(folder: Path) -> bool:
+    """Whether a study has left its settings in a folder."""
+    try:
+        said = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(said, dict) and bool({"version", FILES} & said.keys())
 
 
 def finished(folder: Path) -> dict[str, dict[str, Any]]:

@@ -226,7 +226,7 @@ def test_of_motions_that_no_ground_has_made(tmp_path: Path) -> None:
         (("contact.friction=35.0",), "block has a friction of 35: a coefficient is meant, neither"),
         (("gravity=981.0",), "gravity is 981 m/s2, 100 g: look at its unit"),
         (("motion.kind='sine'", "motion.period=1", "motion.amplitude_g=0"), "motion does not move"),
-        (("output.history_every=7",), "the history has one step in 7"),
+        (("output.history_every=7",), "the history keeps one step in 7; peaks,"),
         (("contact.points='gauss'", "block.tilt_deg=2.0"), "block starts on an edge, where"),
     ],
 )

@@ -123,6 +123,8 @@ def test_times_are_as_even_as_their_digits_tell(tmp_path: Path, form: str) -> No
         ("ACCELERATION TIME SERIES IN CM/SEC/SEC\n", 0.01),
         ("Acceleration in cm/s2\n", 0.01),
         ("acc (ms-2)\n", 1.0),
+        ("Peak velocity 30 cm/s 2.3 s after the start, 5 cm/s 2 s later\nacc (g)\n", G),
+        ("Sampling interval (msec): 5\nacc (gal)\n", 0.01),
         ("acc (m s\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT TWO})\n", 1.0),
         ("acc_cm/s2 [cm s^-2]\n", 0.01),
         ("Time units: s, Acceleration units: cm/s2\n", 0.01),

@@ -61,8 +61,11 @@ def test_force_removes_folders_of_studies_alone(tmp_path: Path) -> None:
     own.write_text("{}")
     with pytest.raises(SceneError, match=r"out, which holds cases/, but no study"):
         FOLDER.claim(tmp_path / "out", {}, force=True, resume=False)
+    (tmp_path / "out" / SETTINGS).write_text('{"editor": 1}')
+    with pytest.raises(SceneError, match=r"out, which holds cases/, but no study"):
+        FOLDER.claim(tmp_path / "out", {}, force=True, resume=False)
     assert own.exists()
-    (tmp_path / "out" / SETTINGS).write_text("{}")
+    (tmp_path / "out" / SETTINGS).write_text('{"version": "0.2.0"}')
     FOLDER.claim(tmp_path / "out", {}, force=True, resume=False)
     assert not own.exists()
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from solver.errors import SceneError, missing_key, not_applicable
 from solver.excitation.baseline import corrected
-from solver.excitation.header import unit_said
+from solver.excitation.header import refuse_milliseconds, unit_said
 from solver.excitation.numbers import Row, number_in, read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
 from solver.scene.checking import shown
@@ -131,6 +131,7 @@ def _columns(spec: RecordSpec, where: str, lines: list[str]) -> tuple[list[str],
         if spec.dt is not None:
             reason = f"{TIMELESS} ({spec.file} has times in its first column)"
             raise not_applicable(f"{where}.dt", reason)
+        refuse_milliseconds(spec.file, header)
         samples = [Row(row.line, row.words[1:], row.values[1:]) for row in rows]
         return header, _even(spec.file, rows), samples
     if _first_is_time(rows):

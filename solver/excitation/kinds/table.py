@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.errors import SceneError
-from solver.excitation.header import unit_said
+from solver.excitation.header import refuse_milliseconds, unit_said
 from solver.excitation.numbers import read_lines, rows_of, split_header
 from solver.excitation.sampled import SampledMotion, even_step
 from solver.scene.checking import shown
@@ -27,6 +27,7 @@ def signal(spec: TableSpec, end: float, where: str) -> SampledMotion:
     file = spec.file
     lines = read_lines(file, f"{where}.file", ROW)
     header, rest = split_header(lines)
+    refuse_milliseconds(file, header)
     unit = UNITS[unit_said(file, header, spec.units, where) or "g"] * spec.scale
     rows = rows_of(file, rest, ROW, first=len(header) + 1)
     before = None

@@ -70,7 +70,7 @@ def draw_strip(runs: Sequence[Run], span: tuple[float, float], width: int) -> St
 
 
 def _add_angles(axes: Any, runs: Sequence[Run]) -> None:
-    """The angle of every block; of several runs that of the first one."""
+    """The angle of every block; of several runs that of the last block of each."""
     curves = [
         (run, block, label if len(runs) > 1 else block.name)
         for run, label in zip(runs, labels(runs), strict=True)

@@ -65,8 +65,9 @@ def find_motions(
     kept = record | dict(motion) if isinstance(motion, Mapping) else record
     if kept["kind"] not in KINDS_WITH_FILE:
         kept = record
-    for direction in ("vertical", "second"):
-        find_files(kept.get(direction), f"motion.{direction}", folder)
+    if any(word != SYNTHETIC for word in words):
+        for direction in ("vertical", "second"):
+            find_files(kept.get(direction), f"motion.{direction}", folder)
     found: list[SuiteMotion] = []
     for word in words:
         if word == SYNTHETIC:
