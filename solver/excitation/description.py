@@ -8,8 +8,8 @@ from solver.excitation.motion import BaseMotion
 from solver.excitation.pulses import Pulse
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
-    SAMPLES_A_PERIOD,
     arias_intensity,
+    longest_spacing,
     peak_ground,
     response_spectrum,
     significant_duration,
@@ -59,7 +59,7 @@ def _samples(motion: SampledMotion) -> str:
 
 def _measures(motion: SampledMotion) -> Lines:
     """Peaks, duration, intensity and spectrum; g is 9.81 m/s^2."""
-    values, step = motion.evenly_spaced(min(PERIODS) / SAMPLES_A_PERIOD)
+    values, step = motion.evenly_spaced(longest_spacing(PERIODS))
     _, speed, moved = peak_ground(values, step)
     spectrum = response_spectrum(values, step, PERIODS) / G_UNIT
     pairs = [f"{period:g} s {value:.4f}" for period, value in zip(PERIODS, spectrum, strict=True)]

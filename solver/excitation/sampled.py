@@ -96,10 +96,11 @@ class SampledMotion:
         enough, are left as they are, and are among them where others are needed between. More than
         `MOST_SAMPLES` are not made: then they are farther apart.
         """
-        if self.step is not None and self.step <= longest * (1 + 1e-9):
-            return self.value, self.step
         if self.step is not None:
-            count = (len(self.time) - 1) * math.ceil(self.step / longest * (1 - 1e-9))
+            parts = math.ceil(self.step / longest * (1 - 1e-9))
+            if parts <= 1:
+                return self.value, self.step
+            count = parts * (len(self.time) - 1)
         else:
             finest = min(float(np.diff(self.time).min()), longest)
             count = math.ceil(self.duration / finest * (1 - 1e-9))

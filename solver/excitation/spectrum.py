@@ -25,6 +25,11 @@ SAMPLES_A_PERIOD = 40
 at samples is then below that between them by less than 0.4 %."""
 
 
+def longest_spacing(periods: ArrayLike) -> float:
+    """The longest time between samples of the ground for a spectrum at some periods, s."""
+    return float(np.min(periods)) / SAMPLES_A_PERIOD
+
+
 def response_spectrum(
     acceleration: Samples, step: float, periods: ArrayLike, damping: float = DAMPING
 ) -> Samples:

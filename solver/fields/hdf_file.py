@@ -196,18 +196,11 @@ class HdfBody:
         Ranks number them, and this part may have other ranks.
         """
         cells, group = self._cells, self._group
-        there, nodes = (
-            group["Points"][:],
-            group["Connectivity"][:].reshape(-1, cells.nodes.shape[1]),
-        )
-        same = np.array_equal(there, cells.points) and np.array_equal(nodes, cells.nodes)
-        if same:
+        there, nodes = group["Points"][:], group["Connectivity"][:].reshape(cells.nodes.shape)
+        if np.array_equal(there, cells.points) and np.array_equal(nodes, cells.nodes):
             return {}
         middles = cells.points[cells.nodes].mean(axis=1), there[nodes].mean(axis=1)
-        return {
-            "PointData": _matching(cells.points, there),
-            "CellData": _matching(*middles),
-        }
+        return {"PointData": _matching(cells.points, there), "CellData": _matching(*middles)}
 
     def extend(self, before: int) -> None:
         """Say where the fields of the next time stand; `before` are the times before it."""

@@ -14,8 +14,8 @@ from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     DAMPING,
     PERIODS,
-    SAMPLES_A_PERIOD,
     accumulated_intensity,
+    longest_spacing,
     peak_ground,
     response_spectrum,
     significant_duration,
@@ -82,7 +82,7 @@ def draw_motion(motions: list[tuple[str, str, SampledMotion]]) -> Figure:
     panels["h"].sharex(panels["a"])
     panels["a"].tick_params(labelbottom=False)
     for name, hue, motion in motions:
-        samples, step = motion.evenly_spaced(float(PERIODS[0]) / SAMPLES_A_PERIOD)
+        samples, step = motion.evenly_spaced(longest_spacing(PERIODS))
         label = _label(name, samples, step)
         panels["a"].plot(motion.time, motion.value / G_UNIT, color=hue, linewidth=0.7, label=label)
         time = np.linspace(motion.time[0], motion.stop, len(samples))

@@ -165,15 +165,12 @@ def _quarter_period(scene: Scene, block: BlockSpec) -> float:
 
 def _strange_friction(scene: Scene) -> list[str]:
     """Coefficients of friction that are rather angles or percentages."""
-    found = []
-    for block in scene.blocks:
-        law = scene.friction_of(block)
-        if law.static > LARGEST_FRICTION:
-            found.append(
-                f"{block.name} has a friction of {law.static:g}: a coefficient is meant, neither "
-                "degrees nor percent"
-            )
-    return found
+    coefficients = [(block.name, scene.friction_of(block).static) for block in scene.blocks]
+    return [
+        f"{name} has a friction of {static:g}: a coefficient is meant, neither degrees nor percent"
+        for name, static in coefficients
+        if static > LARGEST_FRICTION
+    ]
 
 
 def _strange_gravity(scene: Scene) -> list[str]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from solver.excitation.spectrum import PERIODS, SAMPLES_A_PERIOD, response_spectrum
+from solver.excitation.spectrum import PERIODS, longest_spacing, response_spectrum
 from solver.history.history import History
 from solver.types import Array
 
@@ -28,7 +28,7 @@ def floor_spectra(history: History) -> dict[str, Array]:
     time = history["time_s"]
     if not floors or len(time) < 2:
         return {}
-    step = min(float(np.median(np.diff(time))), float(PERIODS[0]) / SAMPLES_A_PERIOD)
+    step = min(float(np.median(np.diff(time))), longest_spacing(PERIODS))
     found = {}
     grounds: list[tuple[str, str, str | None]] = [("ground", "", None)]
     if "base.second_acceleration_m_s2" in history:

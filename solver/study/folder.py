@@ -48,16 +48,16 @@ class StudyFolder:
             force: Remove an earlier study.
             resume: Go on with an earlier study, which must be made from the same.
         """
-        allowed = "an empty folder, --force, or --resume"
+        allowed, digests = "an empty folder, --force, or --resume", contents(settings)
         with unusable_is_refused(folder):
             used = make_folder(folder, force=force or resume, allowed=allowed)
             hold_folder(folder)
             if resume and used:
-                self._compare(folder, settings)
+                self._compare(folder, with_contents(settings, digests))
             else:
                 self._refuse_others(folder)
                 self._clear(folder)
-            write(folder / SETTINGS, {**settings, FILES: contents(settings)})
+            write(folder / SETTINGS, {**settings, FILES: digests})
             (folder / CASES).mkdir(exist_ok=True)
 
     def _refuse_others(self, folder: Path) -> None:
@@ -75,17 +75,16 @@ class StudyFolder:
         for name in (CASES, *self.folders):
             shutil.rmtree(folder / name, ignore_errors=True)
 
-    def _compare(self, folder: Path, settings: Mapping[str, Any]) -> None:
-        """Refuse a folder that was made from something else."""
+    def _compare(self, folder: Path, held: Mapping[str, Any]) -> None:
+        """Refuse a folder that was made from something else than settings with what files hold."""
         try:
             earlier = dict(json.loads((folder / SETTINGS).read_text(encoding="utf-8")))
             digests = dict(earlier.pop(FILES, {}))
         except (OSError, TypeError, ValueError):
             got = f"{folder}, which holds no {self.kind}"
             raise SceneError("--resume", got, "its folder") from None
-        before = with_contents(earlier, digests)
-        now = with_contents(json.loads(json.dumps(settings)), contents(settings))
-        keys = sorted(_differing(before, now))
+        now = json.loads(json.dumps(held))
+        keys = sorted(_differing(with_contents(earlier, digests), now))
         if keys:
             more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
             got = f"{folder}, made with another {keys[0]}{more}"

@@ -16,7 +16,6 @@ import numpy as np
 from solver import VERSION
 from solver.errors import NotConverged, Statement
 from solver.scene import parse_scene
-from solver.study.folder import contents, with_contents
 from solver.study.inertia.cells import Cell, Structure, tables_of
 from solver.study.inertia.portion import grid
 from solver.study.suite.case import SuiteCase, scene_of
@@ -59,7 +58,7 @@ def _hash(said: Any) -> str:
 
 def content_of(motion: SuiteMotion) -> str:
     """Hash of what a motion says and of its files, not of their names."""
-    return _hash(with_contents(motion.table, contents(motion.table)))
+    return _hash(motion.held)
 
 
 def closed_key(structure: Structure, what: str | float, motion: str) -> str:

@@ -57,7 +57,7 @@ class Intensity:
             return motion.peak / G_UNIT
         if self.kind == "PGV":
             return float(abs(motion.velocities(motion.time)).max())
-        from solver.excitation.spectrum import SAMPLES_A_PERIOD, response_spectrum
+        from solver.excitation.spectrum import longest_spacing, response_spectrum
 
-        samples, step = motion.evenly_spaced(self.period / SAMPLES_A_PERIOD)
+        samples, step = motion.evenly_spaced(longest_spacing(self.period))
         return float(response_spectrum(samples, step, self.period)[0]) / G_UNIT

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError
 from solver.scene.checking import to_table
 from solver.scene.reader import find_files
+from solver.study.folder import contents, with_contents
 
 #: The word that stands for the synthetic motions.
 SYNTHETIC = "synthetic"
@@ -33,6 +34,12 @@ class SuiteMotion:
     """What the suite calls it, and no other of its motions."""
     table: Mapping[str, Any]
     """What stands in `[motion]`, with names of files that hold in every folder."""
+    held: Any = field(init=False, repr=False)
+    """What it says, with digests of what its files hold instead of their names; read once."""
+
+    def __post_init__(self) -> None:
+        """Read the files."""
+        object.__setattr__(self, "held", with_contents(self.table, contents(self.table)))
 
 
 def find_motions(
@@ -140,4 +147,4 @@ def _named_apart(motions: Sequence[SuiteMotion]) -> Iterator[SuiteMotion]:
             number += 1
             name = f"{motion.name}_{number}"
         seen.add(name)
-        yield SuiteMotion(name=name, table=motion.table)
+        yield motion if number == 1 else replace(motion, name=name)
