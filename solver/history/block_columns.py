@@ -18,10 +18,19 @@ PLANE, SPACE = positions("block", 2), positions("block", 3)
 """Places of the columns within the part of a block."""
 
 STEEPEST_TOP = 0.5
-"""Cosine of the lean of a block's top beyond which it carries nothing, 60 degrees.
+"""Cosine of the lean of a block's top beyond which it carries nothing, 60 degrees."""
 
-A block has lost its carrier once that leans so, or once its own centre is below the plane of the
-carrier's top: gaps and contact forces are then those over level ground."""
+
+@compiled
+def has_lost_carrier(level: float, height: float, half: float) -> bool:
+    """Whether a block has lost its carrier: gaps and contact forces are then over level ground.
+
+    Args:
+        level: Cosine of the lean of the carrier's top.
+        height: Of the block's centre over that of its carrier, along the carrier's axis, m.
+        half: Half the height of the carrier, m.
+    """
+    return level <= STEEPEST_TOP or height <= half
 
 
 class MovingBlock(NamedTuple):

@@ -104,7 +104,7 @@ def centres(history: Columns, name: str) -> Array:
 
 
 def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask:
-    """In which rows a block has lost the one that carried it, as the columns of forces take it."""
+    """In which rows a block has lost the one that carried it, by `has_lost_carrier`."""
     below = boxes(history, carrier)
     up = below.frames[:, :, -1]
     height = np.sum((centres(history, block.name) - below.centres) * up, axis=1)

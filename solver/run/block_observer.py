@@ -13,7 +13,7 @@ from solver.contact.body_points import Key, NitschePoints
 from solver.contact.facet_target import Face
 from solver.contact.memory import Memory
 from solver.contact.projection import in_space
-from solver.history.block_columns import STEEPEST_TOP
+from solver.history.block_columns import has_lost_carrier
 from solver.history.columns import positions
 from solver.run.block_rows import write_block
 from solver.stepping.state import State
@@ -156,15 +156,14 @@ class BlockObserver:
         )
 
     def _lost_its_carrier(self, state: State) -> bool:
-        """Whether the block has lost the block that carried it (`STEEPEST_TOP`)."""
+        """Whether the block has lost the block that carried it (`has_lost_carrier`)."""
         assert self._carrier is not None
         system = self._stepper.system
         own = state.rigid_motion(system, self._member.number)
         below = state.rigid_motion(system, self._carrier.number)
         centre = self._member.body.centre + own.moved
         shift, up = centre - self._carrier.body.centre - below.moved, below.rotation[:, -1]
-        steep = up[-1] <= STEEPEST_TOP
-        return bool(steep or float(shift @ up) <= self._carrier.spec.height / 2)
+        return has_lost_carrier(up[-1], float(shift @ up), self._carrier.spec.height / 2)
 
     def _penetration(self, state: State, contacts: Sequence[int]) -> float:
         """How deep a point is in what it touches in some interfaces, at most; 0 if none is, m."""

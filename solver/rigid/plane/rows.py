@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from solver.history.block_columns import PLANE as BLOCK
-from solver.history.block_columns import STEEPEST_TOP, MovingBlock, write_plane_motion
+from solver.history.block_columns import MovingBlock, has_lost_carrier, write_plane_motion
 from solver.history.columns import RowLayout, positions
 from solver.law.compiled import borrowed, compiled
 from solver.rigid.plane.advance import full_step
@@ -40,14 +40,14 @@ def stored_energy(system: PlaneModel, state: PlaneState) -> tuple[float, float, 
 
 @compiled
 def still_carried(system: PlaneModel, q: Array, b: int) -> int:
-    """What carries block b now: the floor once it has lost its carrier (`STEEPEST_TOP`)."""
+    """What carries block b now: the floor once it has lost its carrier (`has_lost_carrier`)."""
     c = system.carrier[b]
     if c < 0:
         return c
     x, y = q[3 * b] - q[3 * c], q[3 * b + 1] - q[3 * c + 1]
     above = math.sin(q[3 * c + 2]) * x + math.cos(q[3 * c + 2]) * y
-    level = math.cos(q[3 * c + 2]) > STEEPEST_TOP
-    return c if level and above > system.half[c, 1] else -1
+    lost = has_lost_carrier(math.cos(q[3 * c + 2]), above, system.half[c, 1])
+    return -1 if lost else c
 
 
 @compiled

@@ -6,8 +6,8 @@ import numpy as np
 
 from solver.history.block_columns import SPACE as BLOCK
 from solver.history.block_columns import (
-    STEEPEST_TOP,
     MovingBlock,
+    has_lost_carrier,
     lean_in_space,
     write_space_motion,
 )
@@ -42,12 +42,12 @@ def stored_energy(model: SpaceModel, state: SpaceState) -> tuple[float, float, f
 def still_carried(model: SpaceModel, state: SpaceState, frames: Array, block: int) -> int:
     """The body that carries a block now.
 
-    It is the ground once it has lost its carrier (`STEEPEST_TOP`).
+    It is the ground once it has lost its carrier (`has_lost_carrier`).
     """
     carrier = model.lower[model.carried[block]]
     height = to_body(frames[carrier], state.place[block] - state.place[carrier])[2]
-    level = frames[carrier][2, 2] > STEEPEST_TOP
-    return carrier if level and height > model.half[carrier, 2] else len(model.mass) - 1
+    lost = has_lost_carrier(frames[carrier][2, 2], height, model.half[carrier, 2])
+    return len(model.mass) - 1 if lost else carrier
 
 
 @compiled
