@@ -233,16 +233,9 @@ def simulate(
         TypeError: `scene` is not a `Scene`.
         RockslipError: What is asked for cannot be run, or not be written.
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"simulate takes a Scene, as of load_scene(file), not {shown(scene)}")
     began = time.perf_counter()
     folder = None if folder is None else Path(folder)
-    if resume and folder is None:
-        raise missing_key("folder", "(that of the run that goes on)")
-    if scene.output.twin:
-        refuse_without_twin(scene)
-    if folder is not None:
-        refuse_without_h5py(scene)
+    _refuse(scene, folder, petsc_options, resume=resume)
     if comm is None:
         comm = world(meshed=not scene.is_rigid)
     if ground is None:
@@ -270,6 +263,22 @@ def simulate(
         twin = partial(_twin, comm=comm, many=many, until=until, petsc_options=petsc_options)
         status, summary = _run(engine, desk, began, cautions, resumed, compiling, twin)
     return Result(status, history, summary)
+
+
+def _refuse(scene: Scene, folder: Path | None, options: Sequence[str], *, resume: bool) -> None:
+    """Refuse what cannot be run, before anything is written."""
+    if not isinstance(scene, Scene):
+        raise TypeError(f"simulate takes a Scene, as of load_scene(file), not {shown(scene)}")
+    if resume and folder is None:
+        raise missing_key("folder", "(that of the run that goes on)")
+    if scene.output.twin:
+        refuse_without_twin(scene)
+    if folder is not None:
+        refuse_without_h5py(scene)
+    if options:
+        from solver.stepping.nonlinear import check_options
+
+        check_options(options)
 
 
 def _twin(

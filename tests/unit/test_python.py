@@ -62,6 +62,15 @@ def test_a_scene_that_no_run_has_left_is_not_written_over(tmp_path: Path) -> Non
     assert [file.name for file in tmp_path.iterdir()] == ["scene.toml"]
 
 
+def test_options_that_petsc_does_not_know_leave_an_earlier_run_as_it_was(tmp_path: Path) -> None:
+    simulate(parse_scene(text()), folder=tmp_path)
+    before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
+    with pytest.raises(RockslipError, match="snes_max_itt"):
+        scene = parse_scene(text(end=0.02))
+        simulate(scene, folder=tmp_path, petsc_options=("-rockslip_snes_max_itt", "5"))
+    assert {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == before
+
+
 @pytest.mark.parametrize("scene", ["scene.toml", None, {"block": []}])
 def test_what_is_no_scene_is_not_run(scene: Any) -> None:
     with pytest.raises(TypeError, match="simulate takes a Scene, as of load_scene"):
