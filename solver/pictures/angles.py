@@ -26,7 +26,7 @@ from solver.pictures.style import (
     new_figure,
     zero_line,
 )
-from solver.results.motion import is_spatial, total_lean
+from solver.results.motion import angular_velocity, is_spatial, leaning, total_lean
 from solver.results.moving import moving_span
 from solver.results.runs import Run, labels
 from solver.scene import BlockSpec
@@ -85,7 +85,7 @@ def _add_to_one_block(axes: Any, run: Run, block: BlockSpec) -> None:
         if 0 < len(impacts) <= MARKED:
             zeros = np.zeros(len(impacts))
             axes.plot(impacts, zeros, "o", color=BLUE, markersize=2.5, label="impacts")
-    alpha = np.degrees(block.shape.slenderness)
+    alpha = np.degrees(leaning(run.history, block).shape.slenderness)
     right = axes.secondary_yaxis("right", functions=(lambda y: y / alpha, lambda y: y * alpha))
     right.set_ylabel("θ/α")
 
@@ -103,7 +103,10 @@ def _add_other_angles(axes: Axes, history: History, name: str) -> None:
 
 
 def draw_phase(run: Run, rigid: Run | None) -> Figure:
-    """Angular velocity against angle in the plane of motion, over those of the rigid blocks."""
+    """Angular velocity against angle of all blocks, over those of the rigid blocks.
+
+    In space in the upright plane of the largest lean.
+    """
     figure = new_figure(3.6, width=4.2)
     axes = figure.subplots()
     blocks = run.scene.blocks
@@ -125,11 +128,10 @@ def draw_phase(run: Run, rigid: Run | None) -> Figure:
 
 def _add_phase(axes: Axes, run: Run, block: BlockSpec, **look: Any) -> None:
     """The curve of one block."""
-    alpha, p = block.shape.slenderness, block.shape.frequency(run.scene.gravity)
-    about = "y_" if is_spatial(run.history, block.name) else ""
-    angle = run.history[f"{block.name}.angle_rad"] / alpha
-    velocity = run.history[f"{block.name}.angular_velocity_{about}rad_s"] / (p * alpha)
-    axes.plot(angle, velocity, linewidth=0.9, **look)
+    found = leaning(run.history, block)
+    alpha, p = found.shape.slenderness, found.shape.frequency(run.scene.gravity)
+    velocity = angular_velocity(run.history, block.name, found.direction)
+    axes.plot(found.angle / alpha, velocity / (p * alpha), linewidth=0.9, **look)
 
 
 def draw_overlay(runs: Sequence[Run]) -> Figure:

@@ -32,9 +32,7 @@ def instants(run: Run) -> list[Instant]:
     first, last = moving_span(run.scene, run.history)
     end = Instant(last, "at rest" if last < run.history["time_s"][-1] else "end")
     entries = run.summary["blocks"]
-    most = max(
-        run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_rad"] / b.shape.slenderness
-    )
+    most = max(run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_over_alpha"])
     motion = block_motion(run.scene, run.history, most)
     found = swings(motion.time, motion.angle, motion.shape.slenderness)
     if not found:

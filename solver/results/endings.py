@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.boxes import Boxes
 from solver.history.history import scene_columns
-from solver.results.motion import Columns, boxes, centres, is_spatial, total_lean
+from solver.results.motion import Columns, boxes, centres, slenderness, total_lean
 from solver.results.rocking import no_return
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Mask
@@ -146,7 +146,7 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
     lost = np.flatnonzero(beyond_return(history, block))
     if len(lost):
         return float(time[lost[0]])
-    held = np.abs(total_lean(history, block.name)) <= _slenderness(history, block)
+    held = np.abs(total_lean(history, block.name)) <= slenderness(history, block)
     if held[-1]:
         return None
     last = np.flatnonzero(held)
@@ -163,7 +163,7 @@ def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
 
 def beyond_return(history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block leans beyond the angle from which it does not come back."""
-    lost = no_return(_slenderness(history, block))
+    lost = no_return(slenderness(history, block))
     return np.asarray(np.abs(total_lean(history, block.name)) > lost)
 
 
@@ -208,17 +208,3 @@ def _carrier(scene: Scene, history: Columns, block: BlockSpec) -> tuple[Boxes, A
             top[:, axis] = history[f"platform.drift{way}_m"]
     frames = np.broadcast_to(np.eye(dimension), (len(top), dimension, dimension))
     return Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half
-
-
-def _slenderness(history: Columns, block: BlockSpec) -> Array:
-    """Slenderness of a block in the direction in which it leans, over the rows, rad."""
-    shape = block.shape
-    if not is_spatial(history, block.name):
-        return np.full(len(history["time_s"]), shape.slenderness)
-    # The upright direction as the block sees it.
-    across = np.abs(boxes(history, block).frames[:, 2, :2])
-    length = np.hypot(across[:, 0], across[:, 1])
-    width = across @ [shape.width, shape.thickness]
-    straight = length == 0
-    width = np.where(straight, shape.width, width / np.where(straight, 1.0, length))
-    return np.arctan2(width, shape.height)

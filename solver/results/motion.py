@@ -7,7 +7,7 @@ there is the angle of two dimensions, and the width of its base across that plan
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -37,6 +37,23 @@ class Columns(Protocol):
 
     def __getitem__(self, column: str) -> Array:
         """One column, over the rows."""
+
+
+class Leaning(NamedTuple):
+    """How a block leans in one upright plane.
+
+    Attributes:
+        angle: Lean in that plane, rad, with its sign (towards +x, or +y where that plane has no x),
+            unwrapped, (rows,).
+        shape: The block as it stands in that plane.
+        direction: Horizontal unit vector of the plane, (1,) or, in 3-D, (2,).
+        aside: Lean out of the plane, rad; 0 in 2-D.
+    """
+
+    angle: Array
+    shape: Block
+    direction: Array
+    aside: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,26 +87,42 @@ class BlockMotion:
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
     """The motion of a block as its columns give it."""
     name, carrier = block.name, scene.carrier_of(block)
+    leans = leaning(history, block, carrier)
     if is_spatial(history, name):
-        angle, lean, shape, direction, aside = _lean_in_space(history, block, carrier)
         gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
     else:
-        lean, shape, direction = history[f"{name}.angle_rad"], block.shape, np.array([1.0])
-        angle = lean if carrier is None else lean - history[f"{carrier.name}.angle_rad"]
-        aside = np.zeros_like(angle)
         gaps, second = ["gap_left_m", "gap_right_m"], [""]
     return BlockMotion(
         time=history["time_s"],
-        angle=angle,
-        lean=lean,
+        angle=leans.angle,
+        lean=total_lean(history, name),
         slip=_stack(history, name, [f"slip{direction}_m" for direction in second]),
         friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
         lift=_stack(history, name, gaps).max(axis=1),
-        shape=shape,
+        shape=leans.shape,
         fell=_fell(history, block, carrier),
-        aside=aside,
-        base=_base(scene, history, direction),
+        aside=leans.aside,
+        base=_base(scene, history, leans.direction),
     )
+
+
+def leaning(history: History, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:
+    """How a block leans most: against its carrier, or from upright where none is given."""
+    if is_spatial(history, block.name):
+        return _leaning_in_space(history, block, carrier)
+    angle = history[f"{block.name}.angle_rad"]
+    if carrier is not None:
+        angle = angle - history[f"{carrier.name}.angle_rad"]
+    return Leaning(angle, block.shape, np.array([1.0]), np.zeros_like(angle))
+
+
+def angular_velocity(history: Columns, name: str, direction: Array) -> Array:
+    """Angular velocity of a block with which it leans towards a horizontal direction, rad/s."""
+    if not is_spatial(history, name):
+        return history[f"{name}.angular_velocity_rad_s"]
+    x, y = direction
+    about_x, about_y = (history[f"{name}.angular_velocity_{axis}_rad_s"] for axis in "xy")
+    return np.asarray(x * about_y - y * about_x)
 
 
 def is_spatial(history: Columns, name: str) -> bool:
@@ -116,6 +149,25 @@ def total_lean(history: Columns, name: str) -> Array:
     if not is_spatial(history, name):
         return history[f"{name}.angle_rad"]
     return _angle_from_up(_axes(history, name))
+
+
+def slenderness(history: Columns, block: BlockSpec) -> Array:
+    """Slenderness alpha of a block in the direction in which it leans, over the rows, rad."""
+    shape = block.shape
+    if not is_spatial(history, block.name):
+        return np.full(len(history["time_s"]), shape.slenderness)
+    # The upright direction as the block sees it.
+    across = np.abs(boxes(history, block).frames[:, 2, :2])
+    length = np.hypot(across[:, 0], across[:, 1])
+    width = across @ [shape.width, shape.thickness]
+    straight = length == 0
+    width = np.where(straight, shape.width, width / np.where(straight, 1.0, length))
+    return np.arctan2(width, shape.height)
+
+
+def lean_over_alpha(history: Columns, block: BlockSpec) -> Array:
+    """|theta|/alpha of a block, over the rows: its lean over alpha in the direction of the lean."""
+    return np.abs(total_lean(history, block.name)) / slenderness(history, block)
 
 
 def boxes(history: Columns, block: BlockSpec) -> Boxes:
@@ -176,16 +228,10 @@ def _base(scene: Scene, history: History, direction: Array) -> Array | None:
     return found - np.array([direction[0] * gravity[0], gravity[-1]])
 
 
-def _lean_in_space(
-    history: History, block: BlockSpec, carrier: BlockSpec | None
-) -> tuple[Array, Array, Block, Array, Array]:
-    """Signed lean against the carrier in the plane of the largest, total lean, shape, direction.
-
-    And the lean out of that plane.
-    """
+def _leaning_in_space(history: History, block: BlockSpec, carrier: BlockSpec | None) -> Leaning:
+    """How a block in space leans against its carrier, or from upright."""
     rotations = _rotations(history, block.name)
     axes = rotated(rotations, UP)
-    lean = _angle_from_up(axes)
     # The carrier's upright axis as the block sees it tells where the block leans, in its own frame.
     below = np.broadcast_to(UP, axes.shape)
     if carrier is not None:
@@ -197,7 +243,7 @@ def _lean_in_space(
     angle = np.unwrap(np.arctan2(axes[:, :2] @ direction, axes[:, 2]))
     across = axes[:, 0] * direction[1] - axes[:, 1] * direction[0]
     aside = np.abs(np.arcsin(np.clip(across, -1.0, 1.0)))
-    return angle, lean, _shape_across(block.shape, _towards(own)), direction, aside
+    return Leaning(angle, _shape_across(block.shape, _towards(own)), direction, aside)
 
 
 def _towards(horizontal: Array) -> Array:

@@ -57,10 +57,17 @@ def _horizon(found: Mapping[str, Any]) -> str:
     return f"horizon: the history means something up to t = {found['time_s']:.4g} s; {beyond}"
 
 
+def residual_slip(block: Mapping[str, Any]) -> float:
+    """How far from its place a block ends along what carries it, m: in 3-D without a sign."""
+    if "residual_slip_second_m" not in block:
+        return float(block["residual_slip_m"])
+    return math.hypot(block["residual_slip_m"], block["residual_slip_second_m"])
+
+
 def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
     """Lines on one block."""
     angle = _plain(math.degrees(block["peak_angle_rad"]))
-    peak, residual = _plain(1e3 * block["peak_slip_m"]), _plain(1e3 * block["residual_slip_m"])
+    peak, residual = _plain(1e3 * block["peak_slip_m"]), _plain(1e3 * residual_slip(block))
     lines = [
         f"{name}: {block['mode']}, peak angle {angle:.4g} degrees, "
         f"peak slip {peak:.3g} mm, residual slip {residual:.3g} mm"

@@ -103,7 +103,8 @@ def _read_summary(file: Path, scene: Scene) -> dict[str, Any]:
         entries = [summary["model"], summary["status"], summary["energy"]["ledger_error_fraction"]]
         for block in scene.blocks:
             own = summary["blocks"][block.name]
-            entries += [own["peak_angle_rad"], own["impacts"], own["peaks"]]
+            entries += [own["peak_angle_rad"], own["peak_angle_over_alpha"]]
+            entries += [own["impacts"], own["peaks"]]
             entries += [entry["time_s"] for entry in (*own["impacts"], *own["peaks"])]
     except KeyError as error:
         raise SceneError(str(file), f"no {error.args[0]}", allowed) from None

@@ -23,7 +23,7 @@ from solver.results.cautions import (
     loss_shares,
 )
 from solver.results.endings import fell_at, overturned_at
-from solver.results.motion import BlockMotion, block_motion
+from solver.results.motion import BlockMotion, block_motion, lean_over_alpha
 from solver.results.overlaps import overlaps
 from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
@@ -101,12 +101,15 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     fell = motion.fell or off is not None
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
     peaks = rocking.peaks(time, angle, shape.slenderness)
+    over_alpha = lean_over_alpha(history, block)
     known = {
         "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=fell),
         "overturned_at_s": over,
         "fell_at_s": off,
         "peak_angle_rad": float(np.max(np.abs(motion.lean))),
         "peak_angle_while_standing_rad": float(np.max(np.abs(motion.lean[standing]))),
+        "peak_angle_over_alpha": float(np.max(over_alpha)),
+        "peak_angle_over_alpha_while_standing": float(np.max(over_alpha[standing])),
         "peak_slip_m": float(np.max(slip)),
         "peak_slip_while_standing_m": float(np.max(slip[standing])),
         "peak_friction_force_N": float(np.max(np.linalg.norm(motion.friction, axis=1))),

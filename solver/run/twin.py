@@ -14,6 +14,7 @@ import numpy as np
 
 from solver.errors import RockslipError, SceneError, Statement
 from solver.history.history import History
+from solver.results.motion import is_spatial, slenderness, total_lean
 from solver.scene import Scene
 from solver.types import Array
 
@@ -23,8 +24,8 @@ PERTURBATION = 1e-6
 APART = 1e-2
 """Difference of two angles, over alpha, from which on they are not the same."""
 
-ANGLES = ("angle_rad", "angle_x_rad", "angle_y_rad")
-"""Columns that are compared, as far as a block has them."""
+ANGLES = {False: ("angle_rad",), True: ("angle_x_rad", "angle_y_rad")}
+"""Columns that are compared of a block in the plane, and of one in space."""
 
 
 def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
@@ -69,17 +70,20 @@ def _times(rate: Any, factor: float) -> Any:
 def difference(scene: Scene, history: History, twin: History) -> tuple[Array, Array]:
     """Times up to which both go, and the largest difference of an angle of a block over its alpha.
 
-    The steps of both may differ: the twin is read between its rows.
+    That in the direction of its largest lean. The steps of both may differ: the twin is read
+    between its rows.
     """
     own, other = history["time_s"], twin["time_s"]
     time = own[own <= other[-1] * (1 + 1e-12)]
     apart: Array = np.zeros(len(time))
     for block in scene.blocks:
-        for column in (f"{block.name}.{name}" for name in ANGLES):
-            if column in history.columns:
-                beside = np.interp(time, other, twin[column])
-                turned = np.abs(history[column][: len(time)] - beside)
-                apart = np.maximum(apart, turned / block.shape.slenderness)
+        most = np.argmax(np.abs(total_lean(history, block.name)))
+        alpha = slenderness(history, block)[most]
+        for name in ANGLES[is_spatial(history, block.name)]:
+            column = f"{block.name}.{name}"
+            beside = np.interp(time, other, twin[column])
+            turned = np.abs(history[column][: len(time)] - beside)
+            apart = np.maximum(apart, turned / alpha)
     return time, apart
 
 

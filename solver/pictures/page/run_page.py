@@ -24,7 +24,7 @@ from solver.pictures.page.html import (
 )
 from solver.pictures.pictures import picture_run
 from solver.results.moving import moving_span
-from solver.results.report import CAUSES, overlap_lines
+from solver.results.report import CAUSES, overlap_lines, residual_slip
 from solver.results.runs import Run
 from solver.run.describe import describe
 from solver.scene import scene_to_toml
@@ -120,9 +120,9 @@ def _blocks(run: Run) -> list[list[str]]:
             [
                 block.name,
                 _number(math.degrees(peak)),
-                _number(peak / block.shape.slenderness),
+                _number(entry["peak_angle_over_alpha"]),
                 _number(entry.get("peak_slip_m"), 1e3),
-                _number(entry.get("residual_slip_m"), 1e3),
+                _number(residual_slip(entry), 1e3),
                 str(len(entry["impacts"])),
                 _number(sum(known) / len(known) if known else None),
                 mode,

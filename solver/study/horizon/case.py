@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from solver.results.endings import overturned_at
+from solver.results.motion import lean_over_alpha
 from solver.scene import Scene, parse_scene
 from solver.study.suite.engines import with_model
 
@@ -79,8 +80,5 @@ def run_case(case: HorizonCase) -> dict[str, Any]:
 
 
 def _peak(scene: Scene, history: Any) -> float:
-    """Largest |theta|/alpha of any block."""
-    return max(
-        float(np.abs(history[f"{block.name}.angle_rad"]).max()) / block.shape.slenderness
-        for block in scene.blocks
-    )
+    """Largest |theta|/alpha of any block, in the direction in which it leans."""
+    return max(float(lean_over_alpha(history, block).max()) for block in scene.blocks)

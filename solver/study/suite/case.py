@@ -32,6 +32,7 @@ COMPARED = {
 KEPT = (
     *("peak_slip_m", "peak_slip_while_standing_m", "residual_slip_m"),
     *("peak_angle_rad", "peak_angle_while_standing_rad"),
+    *("peak_angle_over_alpha", "peak_angle_over_alpha_while_standing"),
     *("mode", "overturned_at_s", "fell_at_s"),
 )
 

@@ -60,7 +60,7 @@ class Plan:
         cases: All of them.
         varied: The columns that vary: keys, engine and level.
         ensemble: Engines and levels of intensity.
-        slenderness: alpha of each block, rad, by the varied values and its name.
+        blocks: Names of the blocks.
         rows: Rows of the cases that have been done before, by name.
     """
 
@@ -68,7 +68,7 @@ class Plan:
     cases: tuple[SuiteCase, ...]
     varied: tuple[str, ...]
     ensemble: Ensemble
-    slenderness: dict[tuple[tuple[str, str], ...], dict[str, float]]
+    blocks: tuple[str, ...]
     rows: dict[str, dict[str, Any]]
 
 
@@ -130,12 +130,10 @@ def prepare(options: argparse.Namespace) -> Plan:
     varied = list(variations(options.vary))
     base = parse_scene(tables, folder=path.parent, source=path.name)
     ensemble = read_ensemble(options, tables, path.parent)
-    slenderness = {}
-    for values in varied:
+    for values in varied:  # one that is no valid scene is refused before anything is written
         sets = [f"{key}={value}" for key, value in values]
         moving = tables | {"motion": dict(motions[0].table)}
-        scene = parse_scene(moving, folder=path.parent, overrides=sets, source=path.name)
-        slenderness[values] = {block.name: block.shape.slenderness for block in scene.blocks}
+        parse_scene(moving, folder=path.parent, overrides=sets, source=path.name)
     if options.reference:
         from solver.reference.answer import reference_name
 
@@ -154,7 +152,7 @@ def prepare(options: argparse.Namespace) -> Plan:
         cases=cases,
         varied=(*(key for key, _ in varied[0]), *ensemble.columns),
         ensemble=ensemble,
-        slenderness=slenderness,
+        blocks=tuple(block.name for block in base.blocks),
         rows=finished(folder),
     )
 
@@ -171,9 +169,11 @@ def _settings(
 ) -> dict[str, Any]:
     """Settings that a suite is made from: one that is resumed must be made from the same."""
     from solver import VERSION
+    from solver.study.suite.case import KEPT
 
     return {
         "version": VERSION,
+        "kept": KEPT,
         "scene": scene,
         "vary": options.vary,
         "tail": options.tail,
@@ -251,7 +251,7 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     if plan.ensemble.is_one:
         from solver.study.suite.findings import write_findings
 
-        found |= write_findings(plan.folder, ordered, plan.varied, plan.slenderness, plan.ensemble)
+        found |= write_findings(plan.folder, ordered, plan.varied, plan.blocks, plan.ensemble)
     write(plan.folder / SUMMARY, counts | found)
     if len(ordered) == len(plan.cases) and not plan.ensemble.is_one:
         from solver.study.suite.picture import suite_picture

@@ -77,6 +77,8 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
         "pga_g": along.peak / G_UNIT,
         f"{block.name}.peak_angle_rad": found.angle,
         f"{block.name}.peak_angle_while_standing_rad": found.angle,
+        f"{block.name}.peak_angle_over_alpha": found.angle / alpha,
+        f"{block.name}.peak_angle_over_alpha_while_standing": found.angle / alpha,
         f"{block.name}.mode": _mode(found, alpha),
         f"{block.name}.overturned_at_s": found.overturned_at,
         "wall_s": time.perf_counter() - began,

@@ -69,31 +69,29 @@ class Sample:
         return found
 
 
-def samples(
-    rows: Sequence[Row], varied: Sequence[str], slenderness: Mapping[Group, Mapping[str, float]]
-) -> list[Sample]:
-    """The samples of a suite's rows that were completed."""
+def samples(rows: Sequence[Row], varied: Sequence[str], blocks: Sequence[str]) -> list[Sample]:
+    """The samples of a suite's rows that were completed, of the blocks of these names."""
     keys = [key for key in varied if key not in ("engine", "level")]
     done = [row for row in rows if row["status"] == "completed"]
     found = []
     for values in dict.fromkeys(tuple((key, str(row[key])) for key in keys) for row in done):
         inside = [row for row in done if all(str(row[key]) == value for key, value in values)]
-        for name, alpha in slenderness[values].items():
+        for name in blocks:
             for engine, level in dict.fromkeys((r.get("engine"), r.get("level")) for r in inside):
                 own = [r for r in inside if (r.get("engine"), r.get("level")) == (engine, level)]
                 slips = (row.get(f"{name}.peak_slip_while_standing_m") for row in own)
-                angles = tuple(_angle(row, name, alpha) for row in own)
+                angles = tuple(_angle(row, name) for row in own)
                 group = (*values, ("block", name))
                 known = tuple(slip for slip in slips if slip is not None)
                 found.append(Sample(group, engine or "", level, angles, known))
     return found
 
 
-def _angle(row: Row, name: str, alpha: float) -> float:
+def _angle(row: Row, name: str) -> float:
     """Peak of |theta|/alpha; infinite where the block overturned."""
     if row[f"{name}.overturned_at_s"] is not None:
         return math.inf
-    return float(row[f"{name}.peak_angle_while_standing_rad"]) / alpha
+    return float(row[f"{name}.peak_angle_over_alpha_while_standing"])
 
 
 def fits(found: Sequence[Sample]) -> Iterator[tuple[list[Sample], Lognormal | None]]:
@@ -125,11 +123,11 @@ def write_findings(
     folder: Path,
     rows: Sequence[Row],
     varied: Sequence[str],
-    slenderness: Mapping[Group, Mapping[str, float]],
+    blocks: Sequence[str],
     ensemble: Ensemble,
 ) -> dict[str, Any]:
     """Write tables and pictures of an ensemble; returns what the summary says of it."""
-    found = samples(rows, varied, slenderness)
+    found = samples(rows, varied, blocks)
     table = [sample.row() for sample in found]
     curves = list(fits(found))
     apart = distances(found)
