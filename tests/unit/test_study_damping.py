@@ -253,6 +253,40 @@ def test_a_history_in_degrees(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("heading", "unit"),
+    [
+        ("time s, angle rad (release at 3 deg)", 1.0),
+        ("t_s,theta_mrad", 1e-3),
+        ("released from 3 deg\ntime,theta_rad", 1.0),
+        ("angle in degrees, time in s", math.pi / 180),
+        ("t,Angle (°)", math.pi / 180),
+        ("graded stone\nt,theta", 1.0),
+    ],
+)
+def test_units_of_a_history(tmp_path: Path, heading: str, unit: float) -> None:
+    file = tmp_path / "measured.csv"
+    rows = "\n".join(f"{k},{0.1 * k}" for k in range(10))
+    file.write_text(f"{heading}\n{rows}\n", encoding="utf-8")
+    assert read_history(file)[1][-1] == pytest.approx(0.9 * unit)
+
+
+@pytest.mark.parametrize(("scale", "refused"), [(1 / 3, True), (2.0, True), (1.03, False)])
+def test_a_history_is_of_the_release_of_the_scene(
+    tmp_path: Path, scale: float, refused: bool
+) -> None:
+    """One from another angle falls off in another way, whatever an impact loses."""
+    block, time, angle = measured(0.93)
+    file = tmp_path / "measured.csv"
+    np.savetxt(file, np.column_stack([time, scale * angle]))
+    scene = parse_scene(SCENE)
+    if not refused:
+        assert target_of(f"history={file}", scene, block, 4).peaks
+        return
+    with pytest.raises(SceneError, match="allowed that of a release from 3 as in the scene"):
+        target_of(f"history={file}", scene, block, 4)
+
+
+@pytest.mark.parametrize(
     ("text", "said"),
     [
         ("time,angle\n0,0.05\n1,0.02\n", "2 rows of numbers, allowed 10 or more"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,10 +22,20 @@ from solver.study.damping.restitution import Restitution, geometric_mean
 from solver.types import Array
 
 ALLOWED = "restitution=NUMBER, or history=FILE with times (s) and angles (rad)"
-COLUMNS = "two columns, time (s) and angle (rad; degrees where the heading says deg)"
+COLUMNS = "two columns, time (s) and angle (rad; degrees or mrad where the heading says so)"
 
 SMALLEST_PEAK = 0.05
 """Peaks below this part of the largest are not told from noise."""
+
+RELEASE = 0.05
+"""Largest difference between the release that was measured and that of the scene, over the latter:
+how fast peaks fall off depends on the first one, also where every impact loses the same."""
+
+ANGLES = {"deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180,
+          "°": math.pi / 180, "mrad": 1e-3, "rad": 1.0, "radian": 1.0, "radians": 1.0}  # fmt: skip
+"""Units of angles, rad."""
+
+_ANGLE = re.compile(r"(?<![a-z])(?:mrad|rad(?:ians?)?|deg(?:rees?)?)(?![a-z])|°", re.IGNORECASE)
 
 NEAR_PEAK = 0.9
 """Rows above this part of a peak, through which its parabola goes."""
@@ -88,7 +99,12 @@ def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target
         raise SceneError("--target", shown(word), allowed)
     time, angle = read_history(Path(text))
     peaks = measured_peaks(time, angle)
-    return _of_history(Path(text), block.shape, scene.gravity, peaks, impacts, (time, angle))
+    target = _of_history(Path(text), block.shape, scene.gravity, peaks, impacts, (time, angle))
+    released, tilt = math.degrees(peaks[0]), math.degrees(abs(block.tilt))
+    if abs(released - tilt) > RELEASE * tilt:
+        allowed = f"that of a release from {tilt:.3g} as in the scene, or another block.tilt_deg"
+        raise SceneError(text, f"a history that begins at {released:.3g} degrees", allowed)
+    return target
 
 
 def _of_history(
@@ -132,8 +148,17 @@ def read_history(file: Path) -> tuple[Array, Array]:
     if len(back):
         row = rows[int(back[0]) + 1]
         raise SceneError(f"{file}: line {row.line}", f"time {row.words[0]}", "increasing times")
-    degrees = any("deg" in line.lower() for line in header)
-    return found[:, 0], np.radians(found[:, 1]) if degrees else found[:, 1]
+    return found[:, 0], found[:, 1] * _unit(header)
+
+
+def _unit(header: Sequence[str]) -> float:
+    """Unit of the angles, rad: that in the heading of the second column, or anywhere before it."""
+    for line in reversed(header):
+        _, *others = re.split(r"[,;\t]", line)
+        found = _ANGLE.findall(" ".join(others)) or _ANGLE.findall(line)
+        if found:
+            return ANGLES[found[0].lower()]
+    return ANGLES["rad"]
 
 
 def measured_peaks(time: Array, angle: Array) -> list[float]:
