@@ -15,7 +15,6 @@ from solver.excitation.spectrum import (
     significant_duration,
 )
 from solver.scene.units import G_UNIT
-from solver.types import Array
 
 Lines = list[tuple[str, str]]
 
@@ -37,12 +36,12 @@ def describe_motion(motion: BaseMotion | None, step: float | None) -> Lines:
         return [("", f"PGA {peak}"), ("samples", _samples(motion)), *measures, _met(motion, step)]
     lines = [("", f"peak {peak}")]
     if isinstance(motion, Pulse):
-        times: Array = np.linspace(motion.start, motion.stop, 1001, dtype=np.float64)
-        speeds = motion.velocities(times)
-        left = f"{speeds[-1]:.4g}" if abs(speeds[-1]) > 1e-6 * np.abs(speeds).max() else "0"
         lines += [
-            ("span", f"{motion.start:.4g} to {motion.stop:.4g} s"),
-            ("velocity", f"up to {np.abs(speeds).max():.4g} m/s, {left} m/s in the end"),
+            ("span", f"{motion.start:.4g} to {motion.start + motion.duration:.4g} s"),
+            (
+                "velocity",
+                f"up to {motion.peak_velocity:.4g} m/s, {motion.end_velocity:.4g} m/s in the end",
+            ),
         ]
     return lines
 

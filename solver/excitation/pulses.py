@@ -31,6 +31,18 @@ class Pulse(ABC):
         """From start to stop, s; 0 if it is over before it begins."""
         return max(self.stop - self.start, 0.0)
 
+    @property
+    def peak_velocity(self) -> float:
+        """Largest |v_g|, m/s: where the acceleration changes its sign, or in the end."""
+        times = [tau for tau in self._reversals if 0 < tau < self.duration]
+        return max(abs(self._v(tau)) for tau in (*times, self.duration))
+
+    @property
+    def end_velocity(self) -> float:
+        """v_g once it is over, m/s; what is round-off beside the largest counts as 0."""
+        end = self._v(self.duration)
+        return end if abs(end) > 1e-6 * self.peak_velocity else 0.0
+
     def acceleration(self, time: float) -> float:
         """Acceleration of the ground a_g, m/s^2."""
         return self._a(time - self.start) if self.start <= time <= self.stop else 0.0
@@ -52,6 +64,11 @@ class Pulse(ABC):
     def velocities(self, times: Array) -> Array:
         """Velocities of the ground at many times, m/s."""
         return np.array([self.velocity(float(time)) for time in times])
+
+    @property
+    @abstractmethod
+    def _reversals(self) -> tuple[float, ...]:
+        """Where the acceleration changes its sign, s; of periodic ones the first."""
 
     @abstractmethod
     def _a(self, tau: float) -> float: ...
@@ -75,6 +92,10 @@ class Sine(Pulse):
         """Largest |a_g|, m/s^2."""
         return abs(self._a(min(self.duration, self.period / 4)))
 
+    @property
+    def _reversals(self) -> tuple[float, ...]:
+        return (self.period / 2,)
+
     def _a(self, tau: float) -> float:
         return self.amplitude * math.sin(2 * math.pi / self.period * tau)
 
@@ -95,6 +116,10 @@ class Rectangular(Pulse):
     def peak(self) -> float:
         """Largest |a_g|, m/s^2."""
         return abs(self.amplitude)
+
+    @property
+    def _reversals(self) -> tuple[float, ...]:
+        return ()
 
     def _a(self, tau: float) -> float:
         return self.amplitude
@@ -121,6 +146,11 @@ class Ricker(Pulse):
     def peak(self) -> float:
         """Largest |a_g|, m/s^2."""
         return abs(self.amplitude)
+
+    @property
+    def _reversals(self) -> tuple[float, ...]:
+        apart = 1 / (math.sqrt(2) * math.pi * self.frequency)
+        return tuple(self.duration / 2 + s for s in (-apart, apart))
 
     def _decay(self, tau: float) -> tuple[float, float, float]:
         """b, s and exp(-b s^2)."""

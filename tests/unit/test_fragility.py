@@ -65,6 +65,14 @@ def test_samples_that_no_curve_goes_through() -> None:
     assert fitted([0.1, 0.2, 0.3], [1, 4, 8], [9, 9, 9]) is not None
 
 
+def test_as_many_overturn_at_all_levels() -> None:
+    """The slope is round-off then, of either sign, and no median is to be told."""
+    assert fitted([0.3, 0.4], [1, 1], [2, 2]) is None
+    assert fitted([0.3, 0.4, 0.5], [5, 5, 5], [10, 10, 10]) is None
+    assert fitted([0.3, 0.4, 0.5], [2, 2, 2], [10, 10, 10]) is None
+    assert fitted([0.2, 0.4], [3, 3], [30, 30]) is None
+
+
 def test_intervals_of_probabilities() -> None:
     """Clopper and Pearson's: closed forms where none or all overturn."""
     low, high = interval(0, 20)

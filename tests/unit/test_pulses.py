@@ -37,6 +37,23 @@ def pulse(spec: Any) -> Any:
     return found
 
 
+@pytest.mark.parametrize(
+    "spec",
+    [
+        *SPECS.values(),
+        SineSpec(amplitude_g=0.2, period=0.02, cycles=1000),
+        SineSpec(amplitude_g=-0.2, period=0.5, cycles=0.3),
+    ],
+)
+def test_largest_and_last_velocity(spec: Any) -> None:
+    """Against 2000 samples a period: a sine of 0.2 g and 0.02 s reaches A T/pi."""
+    motion = pulse(spec)
+    time = np.linspace(motion.start, motion.stop, 200001)
+    speeds = motion.velocities(time)
+    assert motion.peak_velocity == pytest.approx(np.abs(speeds).max(), rel=1e-4)
+    assert motion.end_velocity == pytest.approx(speeds[-1], abs=1e-6 * motion.peak_velocity)
+
+
 @pytest.mark.parametrize("name", SPECS)
 def test_velocity_and_displacement_are_the_integrals(name: str) -> None:
     motion = pulse(SPECS[name])

@@ -13,6 +13,9 @@ from solver.types import Array
 CONFIDENCE = 0.95
 """Probability that an interval holds what it is for."""
 
+LARGEST_LOGARITHM = 700.0
+"""Magnitude of logarithms of numbers that floating point has, with something to spare."""
+
 
 @dataclass(frozen=True, slots=True)
 class Lognormal:
@@ -57,7 +60,7 @@ def fitted(
 
     With P = Phi(b ln x - a) the logarithm of the likelihood is concave in a and b (a probit
     regression). It has a maximum where some motion overturns at a level below one at which another
-    does not; None where there is none such, and where probabilities do not rise.
+    does not; None where there is none such, and where probabilities do not rise to speak of.
 
     Args:
         levels: Intensities > 0.
@@ -91,6 +94,8 @@ def fitted(
     slope = spread * np.array([1 / b, -a / b**2])  # of ln(median) by a and b
     error = math.sqrt(float(slope @ covariance @ slope))
     centre, wide = middle + spread * a / b, float(norm.ppf(0.5 + CONFIDENCE / 2)) * error
+    if not abs(centre) + wide < LARGEST_LOGARITHM:
+        return None  # as many overturn at all levels
     return Lognormal(
         median=math.exp(centre),
         beta=float(spread / b),
