@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
 from solver.errors import SceneError, not_applicable
-from solver.scene.checking import Checked, Number, exactly_one, shown
+from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
 from solver.scene.ranges import Count, Finite, NotNegative, Positive
 from solver.scene.units import G_UNIT
 
 SHORTEST_PERIOD_OF_RECORDS = 0.1
 """Period below which the ground's motion in earthquakes hardly moves a block, s."""
+
+COMPONENTS = {"second": 2, "vertical": 3}
+"""Components of synthetic motions beside that along x, which is the first."""
 
 Units: TypeAlias = Literal["g", "m/s2", "cm/s2", "mm/s2", "mg", "ft/s2", "in/s2"]
 """Units of accelerations in files."""
@@ -44,6 +47,9 @@ class Motion(Checked):
         for direction, motion in self.beside():
             for below, _ in motion.beside():
                 raise not_applicable(f"{direction}.{below}", "[motion] itself only")
+            if isinstance(motion, SyntheticSpec) and is_open(motion.component):
+                other = replace(motion, component=COMPONENTS[direction])
+                object.__setattr__(self, direction, other)
 
     @property
     def known_peak(self) -> float | None:
@@ -245,9 +251,9 @@ class SyntheticSpec(Motion):
     kind: Literal["synthetic"] = "synthetic"
     seed: Annotated[int, Number(at_least=0)] = 1
     """One seed stands for one earthquake and one site."""
-    component: Count = 1
+    component: Count = OPEN
     """Which of the directions of that earthquake at that site: the same amplitudes, other noise.
-    `[motion.second]` and `[motion.vertical]` take 2 and 3, lest they repeat the first one."""
+    Default: 1; `[motion.second]` 2, `[motion.vertical]` 3, lest they repeat the first one."""
     magnitude: Annotated[float, Number(at_least=4, at_most=8)] = 6.7
     """Moment magnitude M."""
     distance_km: Annotated[float, Number(at_least=0, at_most=200)] = 25.0

@@ -7,6 +7,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 
 from rockslip import parse_scene
 from solver.errors import SceneError
-from solver.excitation.motion import base_motion, ground_motion
+from solver.excitation.motion import base_motion, ground_motion, read_ground
+from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
@@ -268,3 +270,25 @@ def test_what_is_refused(key: str, value: float, allowed: str) -> None:
     with pytest.raises(SceneError, match=key) as caught:
         SyntheticSpec(**{key: value})
     assert allowed in str(caught.value)
+
+
+def test_directions_of_a_scene_do_not_repeat_one_another() -> None:
+    """Without `component` those of one earthquake; with it what is asked for."""
+    motion = {"kind": "synthetic", "vertical": {"kind": "synthetic"}}
+    tables: dict[str, Any] = {
+        "dimension": 3,
+        "block": [{"width": 0.3, "height": 1.0, "mass": 100.0, "model": "rigid"}],
+        "motion": motion | {"second": {"kind": "synthetic"}},
+        "time": {"end": 1.0},
+    }
+    ground = read_ground(parse_scene(tables))
+    along, second, up = ground.parts
+    assert isinstance(along, SampledMotion)
+    for other, number in ((second, 2), (up, 3)):
+        assert isinstance(other, SampledMotion)
+        assert np.array_equal(other.value, acceleration(SyntheticSpec(component=number)))
+        assert abs(np.corrcoef(along.value, other.value)[0, 1]) < 0.1
+    tables["motion"] = motion | {"second": {"kind": "synthetic", "component": 1}}
+    along, second, _ = read_ground(parse_scene(tables)).parts
+    assert isinstance(second, SampledMotion) and isinstance(along, SampledMotion)
+    assert np.array_equal(second.value, along.value)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.synthetic.point_source import duration, fourier_amplitude
+from solver.scene.checking import is_open
 from solver.scene.motion import SyntheticSpec
 from solver.types import Array
 
@@ -48,7 +49,8 @@ def acceleration(spec: SyntheticSpec) -> Array:
     """Samples before `spec.scale`, m/s^2: zero at both ends, which the ground is at rest at."""
     nominal = LENGTH * duration(spec.magnitude, spec.distance_km)
     times = np.arange(0.0, math.ceil(CODA * nominal) + spec.dt / 2, spec.dt)
-    noise = _envelope(times / nominal) * _normals(spec.seed, (NOISE, spec.component), times.size)
+    component = 1 if is_open(spec.component) else spec.component
+    noise = _envelope(times / nominal) * _normals(spec.seed, (NOISE, component), times.size)
     # A power of two, long enough that nothing comes round to the beginning.
     size = 2 ** math.ceil(math.log2(times.size + SETTLE / spec.dt))
     white = np.fft.rfft(noise, size)
