@@ -15,7 +15,6 @@ from solver.errors import of_file
 from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
-from solver.results.carried import rated_against_carrier
 from solver.results.cautions import (
     cautions_of_impacts,
     cautions_of_run,
@@ -23,6 +22,7 @@ from solver.results.cautions import (
     loss_shares,
 )
 from solver.results.endings import fell_at, overturned_at
+from solver.results.impact_rates import rated_by_velocities
 from solver.results.motion import BlockMotion, block_motion, lean_over_alpha
 from solver.results.overlaps import overlaps
 from solver.results.upright import gravity_above_upright
@@ -96,7 +96,7 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
         gives_way=scene.carrier_moves,
         aside=motion.aside,
     )
-    impacts = rated_against_carrier(scene, history, block, impacts)
+    impacts = rated_by_velocities(scene, history, block, impacts)
     over, off = overturned_at(history, block), fell_at(scene, history, block)
     fell = motion.fell or off is not None
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)

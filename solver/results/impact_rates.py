@@ -1,4 +1,8 @@
-"""Impacts of a block on another one that moves: read from the velocities of both."""
+"""Restitution by the angular velocities in the rows beside an impact.
+
+Peaks, and the motion of a rigid block that rocks about a corner, tell nothing of an impact where
+the block slides on ground that moves, or where what carries it is a block that moves.
+"""
 
 from __future__ import annotations
 
@@ -8,36 +12,63 @@ from dataclasses import replace
 import numpy as np
 
 from solver.history.history import History
-from solver.results.motion import block_motion, is_spatial
-from solver.results.rocking import SMALLEST_SWING, Impact
+from solver.results.angular_velocity import WINDOW
+from solver.results.motion import angular_velocity, block_motion, is_spatial, leaning
+from solver.results.rocking import SMALLEST_SLIP, SMALLEST_SWING, Impact
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
 HELD = 1e-4
-"""Slip of a block, over its width, up to which it counts as ground for the block on it."""
+"""Slip of a block, over its width, up to which it holds: as ground for the block on it, and where
+it rocks itself."""
 
 BESIDE = 3
 """Rows on either side of an impact whose angular velocities are taken, without the nearest one."""
 
 
-def rated_against_carrier(
+def rated_by_velocities(
     scene: Scene, history: History, block: BlockSpec, impacts: list[Impact]
 ) -> list[Impact]:
-    """The impacts of a block with the restitution that angular velocities against its carrier give.
+    """The impacts of a block, with the restitution that angular velocities give where needed.
 
-    Where what carries it holds, they stay as they are: it is ground, or a base like the ground's.
-    Else energies between peaks mean nothing. Of rigid blocks in the plane the columns tell how fast
-    both turn beside an impact; vibration hides it in others, and they have no restitution.
+    On what holds they stay as they are, but for those of a block that slides meanwhile on a base
+    that moves, or down an incline. Of rigid blocks the columns tell how fast they turn beside an
+    impact; vibration hides it in others, and they have no restitution. Neither have blocks in space
+    on one that moves.
     """
     carrier = scene.carrier_of(block)
     if carrier is None or _holds(scene, history, carrier):
-        return impacts
+        return _rated_where_it_slides(scene, history, block, impacts)
     if is_spatial(history, block.name) or "elastic" in (block.model, carrier.model):
         return [replace(impact, restitution=None) for impact in impacts]
     names = [f"{each.name}.angular_velocity_rad_s" for each in (block, carrier)]
     rate, time = history[names[0]] - history[names[1]], history["time_s"]
     times = [impact.time_s for impact in impacts]
     return [replace(i, restitution=_ratio(time, rate, i.time_s, times)) for i in impacts]
+
+
+def _rated_where_it_slides(
+    scene: Scene, history: History, block: BlockSpec, impacts: list[Impact]
+) -> list[Impact]:
+    """The impacts of a block on a base, on which it may slide."""
+    motion = block_motion(scene, history, block)
+    if motion.base is None or scene.gravity == 0:
+        return impacts  # by peaks: friction counts as loss
+    least = (HELD if block.model == "rigid" else SMALLEST_SLIP) * block.width
+    window = WINDOW / motion.shape.frequency(scene.gravity)
+    rate = angular_velocity(history, block.name, leaning(history, block).direction)
+    times = [impact.time_s for impact in impacts]
+    found = []
+    for impact in impacts:
+        near = np.abs(motion.time - impact.time_s) <= window
+        slides = near.any() and np.ptp(motion.slip[near], axis=0).max() > least
+        if slides and impact.restitution is not None:
+            known = None
+            if block.model == "rigid":
+                known = _ratio(motion.time, rate, impact.time_s, times)
+            impact = replace(impact, restitution=known)
+        found.append(impact)
+    return found
 
 
 def _holds(scene: Scene, history: History, block: BlockSpec | None) -> bool:
