@@ -36,8 +36,16 @@ def has_expected_mode(scene: Scene) -> bool:
     moves = [*block.velocity[1:], *_numbers(block.angular_velocity)]
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
-    firm_and_alone = len(scene.blocks) == 1 and scene.gravity > 0 and not scene.carrier_moves
-    return firm_and_alone and in_plane and not any(moves)
+    firm = scene.gravity > 0 and not scene.carrier_moves and not _sways(scene)
+    return firm and len(scene.blocks) == 1 and in_plane and not any(moves)
+
+
+def _sways(scene: Scene) -> bool:
+    """Whether what carries the blocks is a mesh that is higher than wide: it moves by itself."""
+    foundation = scene.foundation
+    if not foundation.is_meshed or foundation.top is None or foundation.depth is None:
+        return False
+    return foundation.depth > foundation.top[0]
 
 
 def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:

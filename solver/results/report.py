@@ -46,11 +46,15 @@ def report(summary: Mapping[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+PERTURBED = {"motion": "motion", "start": "tilt and velocity at the start"}
+"""What a twin has more of, in words."""
+
+
 def _horizon(found: Mapping[str, Any]) -> str:
     """Up to when a run and its twin are the same."""
     if found["status"] != "completed":
         return f"horizon: not known, the twin is {found['status']}"
-    more = f"{found['perturbation']:g} more motion"
+    more = f"{found['perturbation']:g} more {PERTURBED[found['perturbed']]}"
     if found["time_s"] is None:
         return f"horizon: {more} changes nothing up to the end"
     beyond = f"{more} makes a difference of {found['apart']:g} alpha there"

@@ -45,17 +45,19 @@ def twin_of(scene: Scene, perturbation: float = PERTURBATION) -> Scene:
     return replace(scene, blocks=blocks, output=output)
 
 
-def refuse_without_twin(scene: Scene) -> None:
-    """Refuse a scene whose perturbed twin is no valid scene.
+def refuse_without_twin(scene: Scene, where: str = "output.twin") -> None:
+    """Refuse a scene that has nothing to perturb, or whose perturbed twin is no valid scene.
 
     Raises:
-        Statement: Before the scene itself is run.
+        Statement: Before the scene itself is run; it names what asks for a twin.
     """
+    if scene.motion is None and all(block.begins_at_rest for block in scene.blocks):
+        raise Statement(where, "needs something to perturb: a motion, a tilt or a velocity")
     try:
         twin_of(scene)
     except SceneError as error:
         raise Statement(
-            "output.twin",
+            where,
             f"needs a twin, and the scene perturbed by a millionth is no valid one: {error}",
         ) from None
 
@@ -113,7 +115,8 @@ def horizon_beside(
     scene: Scene, history: History, run_twin: Callable[[], TwinRun]
 ) -> dict[str, Any]:
     """What a summary says of the time up to which a run and its twin, run now, are the same."""
-    known: dict[str, Any] = {"perturbation": PERTURBATION, "apart": APART}
+    perturbed = "start" if scene.motion is None else "motion"
+    known: dict[str, Any] = {"perturbed": perturbed, "perturbation": PERTURBATION, "apart": APART}
     try:
         beside = run_twin()
     except RockslipError as error:  # the run itself is done

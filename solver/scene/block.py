@@ -200,6 +200,13 @@ class BlockSpec(Checked):
         return math.radians(self.tilt_deg)
 
     @property
+    def begins_at_rest(self) -> bool:
+        """Whether it begins upright and at rest."""
+        turns = self.angular_velocity
+        spin = turns if isinstance(turns, tuple) else (turns,)
+        return not (self.tilt_deg or any(self.velocity) or any(spin))
+
+    @property
     def tilt_direction(self) -> float:
         """`tilt_direction_deg` in rad."""
         return math.radians(self.tilt_direction_deg)

@@ -291,3 +291,12 @@ def test_check_tells_the_restitution_on_what_carries_the_block(
     arguments = ["check", "granite.toml", *(["--set", carrier] if carrier else [])]
     assert main(arguments) == 0
     assert words in " ".join(capsys.readouterr().out.split())
+
+
+def test_no_mode_is_expected_on_a_foundation_that_sways(granite: Path, capsys: Captured) -> None:
+    """A meshed one that is higher than wide; a slab is firm ground."""
+    slab = "kind='elastic', support='bottom', width=3.0, density=2000.0, young=2e8, poisson=0.2"
+    motion = "motion={kind='half_sine', amplitude_g=0.05, duration=0.5}"
+    for height, expected in ((1.0, True), (6.0, False)):
+        text = checked(capsys, f"foundation={{{slab}, height={height}}}", motion)
+        assert ("expected mode" in text) == expected

@@ -110,12 +110,20 @@ def test_a_scene_without_a_twin_is_refused_before_it_runs(tmp_path: Path) -> Non
     assert not (tmp_path / "out").exists()
 
 
+def test_a_scene_in_which_nothing_can_be_perturbed_has_no_twin(tmp_path: Path) -> None:
+    scene = parse_scene("gravity_tilt_deg = 15.0\n" + text(tilt=0.0, twin="true"))
+    with pytest.raises(Statement, match="needs something to perturb: a motion, a tilt or a"):
+        simulate(scene, folder=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_twin_that_fails_leaves_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: Any, **__: Any) -> Any:
         raise SceneError("time", "this", "that")
 
     monkeypatch.setattr("solver.run.simulate._twin", refused)
     summary = simulate(parse_scene(text(twin="true")), folder=tmp_path / "out").summary
+    assert summary["horizon"]["perturbed"] == "start"
     assert summary["status"] == "completed"
     assert summary["horizon"]["status"] == "refused: time: got this, allowed that"
     assert summary["horizon"]["time_s"] is None

@@ -129,6 +129,8 @@ def test_cells_are_all_combinations() -> None:
         (["-j", "0"], "a whole number > 0"),
         (["--set", "contact.friction.static=0.2", "contact.friction.decay=1"], "contact.friction"),
         (["--set", "foundation={kind='rigid'}"], "foundation.kind"),
+        (["--set", "block.velocity=[0.3, 0.0]"], "starts with a tilt or a velocity"),
+        (["--set", "block.tilt_deg=1.0"], "starts with a tilt or a velocity"),
     ],
 )
 def test_it_refuses(words: list[str], said: str, tmp_path: Path, capsys: Captured) -> None:

@@ -63,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
 def prepare(options: argparse.Namespace) -> Plan:
     """Look at everything that can be refused before anything is run, and claim the folder."""
     from solver import VERSION
+    from solver.run.twin import refuse_without_twin
     from solver.scene import read_text, set_values
     from solver.scene.overrides import read_toml
     from solver.study.folder import finished
@@ -95,7 +96,11 @@ def prepare(options: argparse.Namespace) -> Plan:
         for engine in engines
         for scale in scales
     )
-    scenes = {case.name: case.scene().to_dict() for case in cases}
+    scenes = {}
+    for case in cases:
+        scene = case.scene()
+        refuse_without_twin(scene, "study horizon")
+        scenes[case.name] = scene.to_dict()
     folder = options.output or Path(path.stem + ".horizon")
     settings = {"version": VERSION, "scenes": scenes, "differences": differences}
     FOLDER.claim(folder, settings, force=options.force, resume=options.resume)

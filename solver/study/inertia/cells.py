@@ -119,6 +119,8 @@ def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
         raise Statement("contact.friction", "needs to be positive, without decay and cohesion here")
     if scene.gravity_vector[0]:
         raise Statement("scene", "is inclined, for which the study has no closed form")
+    if not all(block.begins_at_rest for block in scene.blocks):
+        raise Statement("scene", "starts with a tilt or a velocity; the study starts all at rest")
     structure = Structure(
         mass_ratio=scene.carried_mass / platform.mass,
         period=platform.period,
