@@ -179,7 +179,8 @@ TABLE = (
     Column(
         "energy.gravity_J",
         "J",
-        "Potential energy of gravity, 0 at level 0; on an incline 0 at the origin.",
+        "Potential energy of gravity, 0 at level 0, of plates and frames 0 where they are not"
+        " deformed; on an incline 0 at the origin.",
         energy="stored",
     ),
     Column("energy.spring_J", "J", "Energy in the spring of the platform.", energy="stored"),

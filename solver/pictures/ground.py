@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from solver.errors import SceneError
-from solver.excitation.motion import read_ground
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     DAMPING,
@@ -55,6 +55,14 @@ def add_ground(axes: Any, run: Run) -> None:
     zero_line(axes)
 
 
+def ground_of(run: Run) -> GroundMotion | None:
+    """The motion of the ground in a run; None where its file is no longer there."""
+    try:
+        return read_ground(run.scene)
+    except SceneError:
+        return None
+
+
 def sampled_motions(run: Run) -> list[tuple[str, str, SampledMotion]]:
     """The ground's sampled motions, with their names and colours.
 
@@ -63,10 +71,10 @@ def sampled_motions(run: Run) -> list[tuple[str, str, SampledMotion]]:
     spec = run.scene.motion
     if spec is None or spec.kind not in SAMPLED:
         return []
-    try:
-        parts = read_ground(run.scene).parts
-    except SceneError:
+    ground = ground_of(run)
+    if ground is None:
         return []
+    parts = ground.parts
     named = [DIRECTIONS[0], DIRECTIONS[2]] if len(parts) == 2 else list(DIRECTIONS)
     return [
         (name, hue, part)

@@ -15,7 +15,7 @@ from solver.pictures.deformed import deformed_figure
 from solver.pictures.energy import draw_energy
 from solver.pictures.floors import draw_floors, write_floors
 from solver.pictures.forces import draw_forces, draw_platform
-from solver.pictures.ground import draw_motion, sampled_motions
+from solver.pictures.ground import draw_motion, ground_of, sampled_motions
 from solver.pictures.style import save_as
 from solver.reference.answer import reference_history, reference_name
 from solver.results.floor_spectra import floor_spectra
@@ -39,7 +39,7 @@ def picture_run(
     figures["forces"] = lambda: draw_forces(run)
     if np.all(np.isfinite(run.history["energy.ledger_error_J"])):
         figures["energy"] = lambda: draw_energy(run)
-    spectra = floor_spectra(run.history)
+    spectra = floor_spectra(run.history, ground_of(run))
     if spectra:
         figures["floors"] = lambda: draw_floors(spectra)
     motions = sampled_motions(run)
@@ -56,7 +56,7 @@ def picture_run(
 
 def tables_of_run(run: Run, folder: Path | None = None) -> list[Path]:
     """Write what pictures of a run show and its history does not have, as tables."""
-    spectra = floor_spectra(run.history)
+    spectra = floor_spectra(run.history, ground_of(run))
     return [write_floors(spectra, folder or run.folder)] if spectra else []
 
 

@@ -1,7 +1,7 @@
 """Floor response spectra: what stands on a floor of a structure feels of its acceleration.
 
 The absolute acceleration of a floor is taken from increments of its velocity, so that none is lost
-where rows of a history are far apart, and from the acceleration of the ground at the rows.
+where rows of a history are far apart, and of that of the ground.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from solver.excitation.motion import GroundMotion
 from solver.excitation.spectrum import PERIODS, longest_spacing, response_spectrum
 from solver.history.history import History
 from solver.types import Array
@@ -18,11 +19,12 @@ ALONG_Y = " along y"
 """How the names of spectra along y end, in space."""
 
 
-def floor_spectra(history: History) -> dict[str, Array]:
+def floor_spectra(history: History, ground: GroundMotion | None = None) -> dict[str, Array]:
     """Pseudo-spectral accelerations (m/s2) of ground and floors at `PERIODS`, by their names.
 
-    The floors are the storeys of a frame, from the lowest upwards, or else the platform; empty
-    where nothing moves that carries blocks, or where the history has one row.
+    Where the motion of the ground is not given, it is linear between its rows. The floors are the
+    storeys of a frame, from the lowest upwards, or else the platform; empty where nothing moves
+    that carries blocks, or where the history has one row.
     """
     floors = list(_velocities(history))
     time = history["time_s"]
@@ -34,24 +36,27 @@ def floor_spectra(history: History) -> dict[str, Array]:
     if "base.second_acceleration_m_s2" in history:
         grounds.append((f"ground{ALONG_Y}", "second_", None))
     for name, way, velocity in (*grounds, *floors):
-        if f"base.{way}acceleration_m_s2" in history:
-            absolute = _ground_velocity(history, way)
-        else:
-            absolute = np.zeros(len(time))
-        if velocity is not None:
-            absolute = absolute + history[velocity]
         grid = np.arange(time[0], time[-1] + step / 2, step)
-        samples = np.diff(np.interp(grid, time, absolute)) / step
+        absolute = _ground_velocity(history, ground, way, grid)
+        if velocity is not None:
+            absolute = absolute + np.interp(grid, time, history[velocity])
+        samples = np.diff(absolute) / step
         found[name] = response_spectrum(samples, step, PERIODS)
     return found
 
 
-def _ground_velocity(history: History, way: str) -> Array:
-    """Velocity of the ground at the rows, m/s; its acceleration is linear between them."""
-    time, gained = history["time_s"], history[f"base.{way}acceleration_m_s2"]
+def _ground_velocity(
+    history: History, ground: GroundMotion | None, way: str, times: Array
+) -> Array:
+    """Velocity of the ground at some times, m/s."""
+    column = f"base.{way}acceleration_m_s2"
+    if column not in history:
+        return np.zeros(len(times))
+    if ground is not None:
+        return np.asarray(ground.velocities(times)[:, 1 if way else 0])
+    time, gained = history["time_s"], history[column]
     parts = np.diff(time) * (gained[1:] + gained[:-1]) / 2
-    moved: Array = np.concatenate([[0.0], np.cumsum(parts)])
-    return moved
+    return np.interp(times, time, np.concatenate([[0.0], np.cumsum(parts)]))
 
 
 def _velocities(history: History) -> Iterator[tuple[str, str, str]]:
