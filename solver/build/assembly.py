@@ -283,9 +283,9 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
                 state = stepper.static_start(u, glued=glued)
                 return stepper.launch(state, v) if v.any() else state, remark
             except StepFailed as trouble:
-                remark = f"no static equilibrium ({trouble}): starting unstressed"
+                remark = f"no equilibrium at the start ({trouble}): it begins without stress"
                 if not glued:
-                    remark = f"friction does not hold the start ({trouble}): let go from glue"
+                    remark = "friction does not hold the blocks at the start: they are let go there"
     return stepper.start(u, v), remark
 
 

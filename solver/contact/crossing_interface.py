@@ -52,6 +52,7 @@ class CrossingInterface(Interface):
             may_touch=self.crossings.present.copy(),
             past=new_pasts(self.count),
             compression=np.zeros(self.count),
+            rest=np.zeros(self.count),
         )
 
     def _observed(

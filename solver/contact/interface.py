@@ -174,6 +174,7 @@ class Interface:
             may_touch=self.may_touch(rotation, kinematics),
             past=new_pasts(self.count),
             compression=np.zeros(self.count),
+            rest=np.zeros(self.count),
         )
 
     def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
@@ -339,7 +340,8 @@ class Interface:
             after = self._gamma_column * surface.traction
             ends = _work(force, after, kinematics) + _work(old.force, before, old.kinematics)
             contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, kinematics))
-        memory = Memory(surface, kinematics, force, anchor, old.may_touch, past, compression)
+        kept = old.may_touch, past, compression, old.rest
+        memory = Memory(surface, kinematics, force, anchor, *kept)
         return memory, Dissipation(friction, contact, damping)
 
 

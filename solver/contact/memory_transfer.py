@@ -12,16 +12,38 @@ from solver.types import Array, Mask
 SUNK_IN = 1e-9
 """Part of a face's length: points deeper than closed ones by more have sunk in elsewhere."""
 
+HELD_DEPTH = 1e-3
+"""Part of a face's length: points that are deeper beyond its edge have fallen beside it, and are
+ignored until they separate; less is the lean of a block that stands."""
 
-def _ignored_until_open(interface: Interface, memory: Memory) -> Mask | None:
+
+def _rest(interface: Interface, memory: Memory, beyond: Mask | None) -> Array:
+    """The rest gaps of a coming step, m; `beyond`: points beyond an edge of the carrier.
+
+    Beyond the edge nothing keeps a point from going below the surface, by a block that leans a
+    little. Once back over the carrier it is held where it is, and follows where it rises.
+    """
+    place, rest = memory.kinematics.place[:, 0], memory.rest
+    if rest.any():
+        rest = np.maximum(rest, np.minimum(place, 0.0))
+    if beyond is None or not np.count_nonzero(beyond):
+        return rest
+    below = beyond & penetrating(interface, memory._replace(rest=np.zeros_like(rest)))
+    below &= place > -HELD_DEPTH * _length(interface)
+    if not (below.any() or rest.any()):
+        return rest
+    return np.where(beyond, np.where(below, place, 0.0), rest)
+
+
+def _ignored_until_open(interface: Interface, memory: Memory, beyond: Mask | None) -> Mask | None:
     """Points that sank in elsewhere: until they are out again contact would throw them out.
 
-    They did so beside a face, or before the face that they are on joined: Gauss points of one
-    face do not keep another from sinking in at an edge between them. None where there are none.
+    They did so far below a face and beside it, or before the face that they are on joined: Gauss
+    points of one face do not keep another from sinking in at an edge between them. None where there
+    are none. `beyond`: points beyond an edge of the carrier.
     """
     may_touch, corners = memory.may_touch, interface.corners
     outside = ~may_touch if corners is None else corners.closed_to_all(may_touch)
-    beyond = interface.carrier.beyond_edge(memory.kinematics)
     if beyond is not None:
         outside = beyond if outside is None else outside | beyond
     if outside is None or not np.count_nonzero(outside):
@@ -29,12 +51,17 @@ def _ignored_until_open(interface: Interface, memory: Memory) -> Mask | None:
     return outside & penetrating(interface, memory)
 
 
+def _length(interface: Interface) -> float:
+    """Length of what carries an interface's points, or their body's size on a plane, m."""
+    return interface.carrier.length if isinstance(interface.carrier, Face) else interface.size
+
+
 def penetrating(interface: Interface, memory: Memory) -> Mask:
-    """Points deeper in the carrier than closed ones are pressed."""
-    length = interface.carrier.length if isinstance(interface.carrier, Face) else interface.size
+    """Points deeper in the carrier, below their rest gaps, than closed ones are pressed."""
     pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
     pressed += float(np.max(memory.compression, initial=0.0))
-    deeper: Mask = memory.kinematics.place[:, 0] < -pressed - SUNK_IN * length
+    depth = memory.kinematics.place[:, 0] - memory.rest
+    deeper: Mask = depth < -pressed - SUNK_IN * _length(interface)
     return deeper
 
 
@@ -59,8 +86,12 @@ def rotate_frame(
     exchanged = 0.0
     if isinstance(interface.carrier, Face) and carrier_rotation is not None:
         memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
+    beyond = interface.carrier.beyond_edge(memory.kinematics)
+    rest = _rest(interface, memory, beyond)
+    if rest is not memory.rest:
+        memory = memory._replace(rest=rest)
     may_touch = interface.may_touch(rotation, memory.kinematics)
-    ignored = _ignored_until_open(interface, memory)
+    ignored = _ignored_until_open(interface, memory, beyond)
     if ignored is not None:
         may_touch &= ~ignored
     if may_touch.tobytes() == memory.may_touch.tobytes():

@@ -27,7 +27,7 @@ from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene, scene_to_toml
 from solver.scene.output import CheckpointSpec
 
-FORMAT = 9
+FORMAT = 10
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"

@@ -89,8 +89,7 @@ class MeshedRun:
         self.assembly: Assembly = build(scene, ground, petsc_options=petsc_options, comm=comm)
         self._stepper = self.assembly.stepper
         self.state, remark = initial_state(scene, self.assembly)
-        if remark:
-            log(remark)
+        self.remarks: Sequence[str] = [remark] if remark else []
         self._observer = Observer(self.assembly, self.state, scene_columns(scene))
         self._steps = self._rejected = self._iterations = 0
         self._damped = self._coarse = 0

@@ -37,6 +37,8 @@ STEPS_AT_ONCE = {True: 5000, False: 200}
 class RigidRun:
     """The engine of scenes with rigid bodies alone."""
 
+    remarks: Sequence[str] = ()
+
     def __init__(
         self,
         scene: Scene,

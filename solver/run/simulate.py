@@ -86,7 +86,6 @@ class RunContext:
     """Looks for blocks that overturn or fall, where that ends the run."""
     progress: ProgressReport | None
     """A display."""
-
     ground: GroundMotion
     """Motion of the ground, which checkpoints belong to."""
 
@@ -148,6 +147,8 @@ class Engine(Protocol):
 
     description: str
     """Size of the problem, for the log."""
+    remarks: Sequence[str]
+    """What could not begin as asked, in words."""
 
     def first_row(self) -> Sequence[float] | NDArray[np.float64]:
         """The row of the history at t = 0."""
@@ -258,7 +259,7 @@ def simulate(
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
         desk = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
-        cautions = cautions_of_input(scene, ground)
+        cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
         until = None if seconds is None else began + seconds
         twin = partial(_twin, comm=comm, many=many, until=until, petsc_options=petsc_options)
         status, summary = _run(engine, desk, began, cautions, resumed, compiling, twin)

@@ -17,7 +17,7 @@ from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.delassus import LastDelassus, Softening
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
-from solver.stepping.point_table import PointTable
+from solver.stepping.point_table import PointTable, copied, joined
 from solver.stepping.reach import Reach
 from solver.stepping.resuming import repeat_compliances, saved_compliances
 from solver.stepping.step_contact import compile_law
@@ -84,6 +84,9 @@ class ContactSolve:
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""
         self._solves += 1
+        reach = self._model.reach
+        if reach.holding and not balance.static:
+            reach.meet_again(reach.met)
         problem = StepProblem(
             self._model,
             self._tangents_for(tuple(balance.weights)),
@@ -94,7 +97,7 @@ class ContactSolve:
         )
         tolerance = balance.tolerance(self._model.system, guess)
         u, outcome = self._solver.solve(problem, guess, tolerance)
-        if not outcome.converged and self._restiffens(balance):
+        if not outcome.converged and (self._restiffens(balance) or self._holds_on(balance)):
             return self.solve(balance, guess)
         while outcome.converged and problem.continues(u):
             before = outcome.iterations
@@ -117,6 +120,25 @@ class ContactSolve:
             self._tangents.clear()
             self._stiffness += 1
         return any(changed)
+
+    def _holds_on(self, balance: Balance) -> bool:
+        """Look for an equilibrium that was not found with all points that touch, once.
+
+        Nothing but contact holds the bodies of a stack. As long as only the lowest points are known
+        to be near, those above fall far beyond anything that makes sense.
+        """
+        reach = self._model.reach
+        if not balance.static or reach.holding:
+            return False
+        memories = balance.contact
+        may_touch = copied([memory.may_touch for memory in memories])
+        points = self._model.points
+        for own, memory, carrier in zip(points.own, memories, points.carriers, strict=True):
+            beyond = carrier.beyond_edge(memory.kinematics)
+            if beyond is not None:
+                may_touch[own] &= ~beyond
+        reach.hold(joined([memory.kinematics.place[:, 0] for memory in memories]), may_touch)
+        return True
 
     def _was_strained_at(self, start: Array) -> bool:
         """Whether the stiffness was made anew at this very displacement; collective."""

@@ -27,17 +27,24 @@ class Reach:
     Attributes:
         distance: The gaps, (points,), m.
         met: Points that were near in a correction before, (points,).
+        holding: Whether some points count wherever they are.
     """
 
     def __init__(self, size: Array):
         """Begin with points that were never near, by the sizes of their bodies, (points,), m."""
-        self._size = size
+        self._size, self.holding = size, False
         self.meet_again(np.zeros(len(size), dtype=np.bool_))
 
     def meet_again(self, met: Mask) -> None:
         """Let these points, and no others, have been near before, (points,)."""
-        self.met = met.copy()
+        self.met, self.holding = met.copy(), False
         self.distance: Array = np.where(met, REACH, FIRST_REACH) * self._size
+
+    def hold(self, gaps: Array, may_touch: Mask) -> None:
+        """Let all points that touch by these gaps (m) count, wherever corrections lead them."""
+        touching = may_touch & (gaps <= FIRST_REACH * self._size)
+        self.holding = True
+        self.distance = np.where(touching, np.inf, self.distance)
 
     def meet(self, near: Indices) -> None:
         """Take note that points are near, by their numbers."""

@@ -74,6 +74,7 @@ class StepContact:
         force: Point forces f of the present iterate, (points, d), N.
         friction: Bounds of friction.
         beds: How the beds below all points give way; None where there are none.
+        rest: Gaps from which points are not pushed out, (points,), m; None where all are 0.
         softening: How rigid points give way; None where there are none. It acts on what forces
             differ by from those at the start; in equilibrium, from those before each correction.
         largest: Largest norm of the contact forces so far, N.
@@ -92,6 +93,9 @@ class StepContact:
         if model.softening is not None and not balance.static:
             self.softening = model.softening.in_step(model.system, points, balance.load)
             held = STEADYING * self.force
+        self.rest: Array | None = None
+        if any(memory.rest.any() for memory in memories):
+            self.rest = joined([memory.rest for memory in memories])
         self.beds = points.beds(memories, balance.step)
         bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0

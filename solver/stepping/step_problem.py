@@ -214,13 +214,15 @@ class StepProblem:
         return found
 
     def _positions(self) -> Array:
-        """Augmented positions of all points at the iterate, with what is left of beds' compression.
+        """Augmented positions of all points at the iterate, from their rest gaps.
 
-        A copy: it is written to.
+        With what is left of beds' compression. A copy: it is written to.
         """
         y: Array = copied([seen.augmented for _, seen in self._iterate.seen])
         if self.contact.beds is not None:
             y[:, 0] += self.contact.beds.offset
+        if self.contact.rest is not None:
+            y[:, 0] -= self.contact.rest
         return y
 
     def _points_beyond(self) -> Mask | None:
