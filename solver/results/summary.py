@@ -22,16 +22,13 @@ from solver.results.cautions import (
     loss_shares,
 )
 from solver.results.endings import fell_at, overturned_at
+from solver.results.felt_mass import friction_mass_ratio
 from solver.results.impact_rates import rated_by_velocities
 from solver.results.motion import BlockMotion, block_motion, lean_over_alpha
 from solver.results.overlaps import overlaps
 from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
-from solver.scene.units import G_UNIT
 from solver.types import Array
-
-#: Acceleration that is round-off, g.
-STILL = 1e-9
 
 #: Version of the layout of summary.json.
 SCHEMA = 1
@@ -119,7 +116,7 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     if motion.slip.shape[1] == 2:
         known["residual_slip_second_m"] = float(motion.slip[-1, 1])
     if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
-        known["friction_mass_ratio"] = _friction_mass_ratio(block, scene, history)
+        known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
         "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
@@ -131,22 +128,6 @@ def _free_acceleration(motion: BlockMotion) -> Array | None:
     if motion.base is None:
         return None
     return rocking_acceleration(motion.angle, motion.shape, motion.base[:, 0], motion.base[:, 1])
-
-
-def _friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> float:
-    """The mass whose inertia force is nearest to a block's friction, over that of all it carries.
-
-    The block itself is part of that. Nearest in the mean square over time, if it moved with the
-    platform: 1 where all of it sticks.
-    It is no measure of drift, and not the lambda of `rockslip study inertia`.
-    """
-    acceleration = history["base.acceleration_m_s2"] + history["platform.acceleration_m_s2"]
-    if np.abs(acceleration).max() <= STILL * G_UNIT:
-        return math.nan
-    mass, step = scene.stacked_mass(block), history["step_s"]
-    inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
-    square = mass * float(np.sum(step * acceleration**2))
-    return float(np.sum(step * inertial * acceleration)) / square
 
 
 def _platform(history: History) -> dict[str, float]:

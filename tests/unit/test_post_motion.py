@@ -144,9 +144,10 @@ def test_platform_and_the_mass_that_it_feels() -> None:
     """A sticking block is felt with all its mass, one that slides with the part that rubs."""
     scene = scene_of("", rest=OSCILLATOR)
     t = np.linspace(0, 1, 2001)
-    drift = -0.03 * np.sin(2 * math.pi * t) * np.exp(-t)
+    drift = -3.0 / 49 * np.sin(7 * t)
     ground, relative = 0.4 * np.cos(5 * t), 3.0 * np.sin(7 * t)
     together = ground + relative
+    together = 0.5 * (together + np.append(together[:1], together[:-1]))  # forces are of steps
     moving = {
         "platform__drift_m": drift,
         "platform__acceleration_m_s2": relative,
@@ -161,7 +162,7 @@ def test_platform_and_the_mass_that_it_feels() -> None:
             **moving,
         )
         summary = summary_of(scene, history)
-        assert summary["blocks"]["block"]["friction_mass_ratio"] == pytest.approx(ratio)
+        assert summary["blocks"]["block"]["friction_mass_ratio"] == pytest.approx(ratio, rel=1e-4)
         # on an incline friction holds the block against gravity as well
         incline = parse_scene(scene.to_dict() | {"gravity_tilt_deg": 5.0})
         columns = history["block.friction_force_N"] - 100 * incline.gravity_vector[0]
@@ -169,13 +170,13 @@ def test_platform_and_the_mass_that_it_feels() -> None:
             incline, t, block__centre_y_m=0.5, block__friction_force_N=columns, **moving
         )
         on_incline = summary_of(incline, held)["blocks"]["block"]["friction_mass_ratio"]
-        assert on_incline == pytest.approx(ratio)
+        assert on_incline == pytest.approx(ratio, rel=1e-4)
     stack = scene_of("name = 'block'", "name = 'up'\non = 'block'", rest=OSCILLATOR)
     stack = parse_scene(stack.to_dict() | {"gravity_tilt_deg": 5.0})
     held = 200 * (together - stack.gravity_vector[0])
     history = history_of(stack, t, block__centre_y_m=0.5, block__friction_force_N=held, **moving)
     known = summary_of(stack, history)["blocks"]
-    assert known["block"]["friction_mass_ratio"] == pytest.approx(1.0)
+    assert known["block"]["friction_mass_ratio"] == pytest.approx(1.0, rel=1e-4)
     assert "friction_mass_ratio" not in known["up"]
     assert summary["platform"]["peak_drift_m"] == pytest.approx(np.max(np.abs(drift)))
     assert summary["platform"]["residual_drift_m"] == pytest.approx(drift[-1])

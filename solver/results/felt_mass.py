@@ -1,0 +1,62 @@
+"""How much of a block a platform feels: the mass that, moved with it, asks for the same friction.
+
+Where a block lands or topples, the accelerations of rows beside the impact are as large as steps
+are short, and in meshed structures they swing to and fro from row to row. Motion and force are
+therefore compared as means over a while, both with the same weights: from displacements, and from
+what forces have added up to.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solver.history.history import History
+from solver.scene import BlockSpec, Scene
+from solver.scene.units import G_UNIT
+from solver.types import Array
+
+WINDOW = 0.05
+"""The while, over the time scale of rocking 1/p."""
+
+PARTS = 4
+"""Means that begin within the while of one."""
+
+STILL = 1e-9
+"""Acceleration that is round-off, g."""
+
+
+def friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> float:
+    """The mass whose inertia force is nearest to a block's friction, over that of all it carries.
+
+    The block itself is part of that. Nearest in the mean square over time, if it moved with the
+    platform: 1 where all of it sticks. Not a number where the platform does not move, or not for
+    two windows. It is no measure of drift, and not the lambda of `rockslip study inertia`.
+    """
+    time, mass = history["time_s"], scene.stacked_mass(block)
+    frequency = block.shape.frequency(scene.gravity)
+    window = WINDOW / frequency if frequency > 0 else 0.0
+    if not 0 < 2 * window < time[-1] - time[0]:
+        return math.nan
+    ground = _added_up(time, _added_up(time, history["base.acceleration_m_s2"]))
+    inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
+    impulse = np.cumsum(np.diff(time, prepend=time[:1]) * inertial)  # forces are means of steps
+    moved = _means(time, history["platform.drift_m"] + ground, window)
+    pushed = _means(time, _added_up(time, impulse), window)
+    if np.abs(moved).max() <= STILL * G_UNIT:
+        return math.nan
+    return float(pushed @ moved) / (mass * float(moved @ moved))
+
+
+def _added_up(time: Array, values: Array) -> Array:
+    """Integral over time of what is linear between rows."""
+    parts = np.diff(time) * (values[1:] + values[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+def _means(time: Array, twice: Array, window: float) -> Array:
+    """Means of what adds up, twice, to these values: over two windows, most in their middle."""
+    begin = np.arange(time[0], time[-1] - 2 * window, window / PARTS)
+    first, middle, last = (np.interp(begin + k * window, time, twice) for k in range(3))
+    return np.asarray((last - 2 * middle + first) / window**2)
