@@ -355,3 +355,14 @@ def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) ->
     Tally(1, rank=1).add("a")
     Tally(1, quiet=True).add("a")
     assert capsys.readouterr().err == ""
+
+
+def test_a_folder_gives_its_horizontal_components(tmp_path: Path) -> None:
+    """As the names of databases have them; a file that is named itself is taken as it is."""
+    names = ("RSN1_A_B-UP.csv", "DLTDWN.csv", "x_V.csv", "q-UD.csv", "startup.csv", "B090.csv")
+    for name in names:
+        write_motion(tmp_path / name, 0.1)
+    found = find_motions([str(tmp_path)], None, count=None, seed=None)
+    assert [motion.name for motion in found] == ["B090", "startup"]
+    (named,) = find_motions([str(tmp_path / names[0])], None, count=None, seed=None)
+    assert named.name == "RSN1_A_B-UP"

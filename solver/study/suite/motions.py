@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -21,6 +22,9 @@ MOTION_SUFFIXES = (".at2", ".txt", ".csv", ".dat", ".acc")
 
 #: Files of a folder that are no motions whatever their ending: descriptions of the others.
 IGNORED_NAMES = ("readme", "index", "license", "licence")
+
+#: How the names of vertical components end, which a folder holds beside the horizontal ones.
+VERTICAL = re.compile(r"(?:[-_.](?:up|ver|vert|ud|v)|dwn)$", re.IGNORECASE)
 
 #: Kinds of motions of a scene of which a suite changes the file alone.
 KINDS_WITH_FILE = ("record", "table")
@@ -118,8 +122,8 @@ def _files(word: str) -> list[Path]:
 
 
 def _is_motion(file: Path) -> bool:
-    """Whether a file of a folder looks like a motion."""
-    described = file.stem.lower() in IGNORED_NAMES
+    """Whether a file of a folder looks like a horizontal motion."""
+    described = file.stem.lower() in IGNORED_NAMES or VERTICAL.search(file.stem)
     return file.suffix.lower() in MOTION_SUFFIXES and not described and not file.is_dir()
 
 
