@@ -14,15 +14,22 @@ from solver.fields.function_arrays import at_nodes, in_cells
 from solver.fields.piece import Values
 
 
-def cauchy_stress(displacement: fem.Function, moduli: Moduli) -> Any:
+def cauchy_stress(
+    displacement: fem.Function, moduli: Moduli, about: fem.Function | None = None
+) -> Any:
     """The Cauchy stress F S F^T / det F, with S of St. Venant-Kirchhoff, in UFL, (3, 3), Pa.
 
-    In plane strain it has the out-of-plane part lambda tr(E) / det F; in plane stress none.
+    Of a body that is linear about a displacement, F and the derivative of E are those there: its
+    rotations are small, but E would count their squares as strain. In plane strain it has the
+    out-of-plane part lambda tr(E) / det F; in plane stress none.
     """
     gradient, (lame, shear, plane) = ufl.grad(displacement), moduli
     dimension = displacement.function_space.mesh.geometry.dim
     identity = ufl.Identity(dimension)
     strain = green_strain(gradient)
+    if about is not None:
+        change, gradient = gradient - ufl.grad(about), ufl.grad(about)
+        strain = green_strain(gradient) + ufl.sym((identity + gradient).T * change)
     second = lame * ufl.tr(strain) * identity + 2 * shear * strain
     deformation = identity + gradient
     volume = ufl.det(deformation)
@@ -67,12 +74,17 @@ class BodyFunctions:
     """The fields of a meshed body as functions: those at the nodes as given, and its stress."""
 
     def __init__(
-        self, nodal: Mapping[str, fem.Function], moduli: Moduli | None, thickness: float = 1.0
+        self,
+        nodal: Mapping[str, fem.Function],
+        moduli: Moduli | None,
+        thickness: float = 1.0,
+        about: fem.Function | None = None,
     ):
         """Take the functions at the nodes, all of one degree, by the names of their fields.
 
         Their `displacement` (m) is place in the ground frame minus mesh position. The thickness (m)
-        is what the moduli are times; without moduli there is no stress.
+        is what the moduli are times; without moduli there is no stress. A linear body is so about a
+        displacement.
         """
         displacement = nodal["displacement"]
         self.space = displacement.function_space
@@ -83,7 +95,8 @@ class BodyFunctions:
         self.means: list[CellMean] = []
         if moduli is not None:
             degree = self.space.element.basix_element.degree
-            stress, rule = cauchy_stress(displacement, moduli), {"quadrature_degree": 2 * degree}
+            stress = cauchy_stress(displacement, moduli, about)
+            rule = {"quadrature_degree": 2 * degree}
             named = {"von_mises": von_mises_stress(stress), "stress": stress}
             self.means = [
                 CellMean(name, each, self.mesh, times=thickness, rule=rule)

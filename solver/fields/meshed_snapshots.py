@@ -143,7 +143,7 @@ class MeshedFields:
             "friction": self._friction,
             "contact_state": self._state,
         }
-        functions = BodyFunctions(nodal, body.moduli, body.thickness)
+        functions = BodyFunctions(nodal, body.moduli, body.thickness, self._linear_about())
         self._writer = files.meshed(body.name, functions)
 
     def write(self, taken: Taken) -> None:
@@ -154,6 +154,10 @@ class MeshedFields:
             function.x.scatter_forward()
         self._fill_contact(taken)
         self._writer.write(taken.time)
+
+    def _linear_about(self) -> fem.Function | None:
+        """The displacement about which the body is linear; None where it is not."""
+        return None
 
     def _on_mesh(self, values: Array) -> Array:
         """Owned nodal values, from the unknowns of the run."""
@@ -188,6 +192,14 @@ class ReducedFields(MeshedFields):
         """Make the functions that the files hold."""
         super().__init__(run, number, parts.mesh, files)
         self._shapes = parts.shapes
+
+    def _linear_about(self) -> fem.Function | None:
+        """Its equilibrium under weight."""
+        found, weighed = fem.Function(self._body.space), self._body.strained_at
+        assert weighed is not None
+        found.x.array[: self._body.size] = weighed
+        found.x.scatter_forward()
+        return found
 
     def _on_mesh(self, values: Array) -> Array:
         """Nodal values, from the reduced unknowns."""
