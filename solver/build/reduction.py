@@ -21,6 +21,7 @@ from solver.bodies.reduced.matrices import Shapes, reduced_matrices
 from solver.bodies.reduced.reduction import Reduction
 from solver.build.support import Foot, FoundationBody, Storeys
 from solver.contact.carrier_surface import Facets
+from solver.errors import NotConverged, SceneError
 from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion
 from solver.parallel import on_first_rank
@@ -102,7 +103,11 @@ def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduce
     assert isinstance(body, ElasticBody) and surface is not None
     d, prints, top = body.dimension, _footprints(scene), surface.layer.nodes
     loaded = [top[_below(surface, each)] for each in prints]
-    about = linearised(body, _weight(body, np.array(scene.gravity_vector), prints, loaded))
+    try:
+        about = linearised(body, _weight(body, np.array(scene.gravity_vector), prints, loaded))
+    except NotConverged as buckled:
+        allowed = "one that carries its weight and that of the blocks (young in Pa, density)"
+        raise SceneError("foundation", str(buckled), allowed) from None
     bounces = (_bounce(body, each.mass, own) for each, own in zip(prints, loaded, strict=True))
     frequency = max(highest_frequency(ground, scene.time.end), *bounces)
     touched = _touched(surface, prints)

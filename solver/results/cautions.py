@@ -75,6 +75,17 @@ def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def cautions_of_end(scene: Scene, end: float, blocks: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Cautions about a run that a block ended by falling, before others were through, s."""
+    fell = [name for name, entry in blocks.items() if entry["fell_at_s"] is not None]
+    if not fell or len(blocks) == 1 or end >= scene.time.end * (1 - 1e-9):
+        return []
+    return [
+        f"the run ends at {end:.4g} of {scene.time.end:g} s, as {fell[0]} fell: what it tells of "
+        "other blocks is up to then"
+    ]
+
+
 def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Cautions about impacts from which a block came faster, by the entries of a summary.
 

@@ -16,6 +16,7 @@ from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
 from solver.results.cautions import (
+    cautions_of_end,
     cautions_of_impacts,
     cautions_of_run,
     cautions_of_steps,
@@ -56,7 +57,9 @@ def summarise(
     balance = _energy(scene, history) if len(history) else {}
     found = cautions_of_steps(scene, cost)
     found += cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
-    found += cautions_of_impacts(scene, blocks) if blocks else []
+    if blocks:
+        found += cautions_of_impacts(scene, blocks)
+        found += cautions_of_end(scene, float(history["time_s"][-1]), blocks)
     return {
         "schema": SCHEMA,
         "title": scene.title,

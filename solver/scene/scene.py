@@ -47,7 +47,8 @@ class Scene(Checked):
     gravity: NotNegative = 9.81
     """g, m/s²."""
     gravity_tilt_deg: Tilt = 0.0
-    """Turns gravity towards +x, degrees: an incline that falls towards +x."""
+    """Turns gravity towards +x, degrees: an incline that falls towards +x. Axes and motions stay
+    those of the ground: along the incline and across it."""
     blocks: tuple[BlockSpec, ...] = field(metadata={"key": "block"})
     """`[[block]]`, below."""
     foundation: FoundationSpec = field(default_factory=RigidSpec)

@@ -13,6 +13,7 @@ import pytest
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.cli import main
 from solver.errors import Statement
+from solver.results.cautions import cautions_of_end
 from solver.results.report import report
 
 ENGINES = ("plane", "space", "meshed")
@@ -170,3 +171,24 @@ def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     two.write_text(block.format("a") + block.format("b") + time)
     assert main(["check", str(two)]) == 2
     assert "blocks a and b overlap by 0.3 m at the start" in capsys.readouterr().err
+
+
+def test_a_run_that_a_fall_ends_says_so_of_the_other_blocks() -> None:
+    entries = {"a": {"fell_at_s": 2.5}, "b": {"fell_at_s": None}}
+    scene = parse_scene(
+        {
+            "block": [
+                {"name": "a", "width": 0.2, "height": 1.0, "mass": 10.0, "model": "rigid"},
+                {
+                    **{"name": "b", "width": 0.2, "height": 1.0, "mass": 10.0, "model": "rigid"},
+                    "offset": 1.0,
+                },
+            ],
+            "time": {"end": 10.0},
+        }
+    )
+    (caution,) = cautions_of_end(scene, 2.6, entries)
+    assert caution.startswith("the run ends at 2.6 of 10 s, as a fell")
+    assert not cautions_of_end(scene, 10.0, entries)
+    assert not cautions_of_end(scene, 2.6, {"a": entries["a"]})
+    assert not cautions_of_end(scene, 2.6, {"a": entries["b"], "b": entries["b"]})

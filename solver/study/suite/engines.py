@@ -56,7 +56,8 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
 
     along = ground.along
     if not isinstance(along, SampledMotion) or any(ground.parts[1:]):
-        raise SceneError("motion", "another one", "samples along x alone for Housner's equation")
+        got = "more directions" if isinstance(along, SampledMotion) else "no samples"
+        raise SceneError("motion", got, "samples along x alone for Housner's equation (ode)")
     block, began = scene.blocks[0], time.perf_counter()
     end, alpha = scene.time.end, block.shape.slenderness
 
