@@ -134,14 +134,16 @@ def _blind_steps(scene: Scene) -> list[str]:
     seen = [(spec.shortest_period, _shown_motion(where, spec)) for where, spec in scene.motions]
     seen += [(_quarter_period(scene, block), f"a swing of {block.name}") for block in scene.blocks]
     shortest, what = min(seen)
-    if longest <= shortest / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
+    # The longest of adaptive steps is taken only where the error allows it.
+    fewest = FEWEST_STEPS_A_PERIOD / (2 if span.adaptive else 1)
+    if longest <= shortest / fewest * (1 + 1e-9):
         return []
     better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
     key = "time.largest" if span.adaptive else "time.step"
     return [
         f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
-        f"not see it: {key} = {better:g} does, in {span.end / better:.3g} steps instead of "
-        f"{span.end / longest:.3g}"
+        f"not see it: {key} = {better:g} does, in {span.end / better:.0f} steps instead of "
+        f"{span.end / longest:.0f}"
     ]
 
 

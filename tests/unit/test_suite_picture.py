@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solver.study.suite.picture import _panels
+from solver.study.suite.table import as_text
+
 pytest.importorskip("matplotlib")
 
 ROWS: list[dict[str, Any]] = [
@@ -42,3 +45,12 @@ def test_every_run_is_a_mark(tmp_path: Path) -> None:
     assert suite_picture(ROWS, ["contact.friction"], file) == file
     assert file.stat().st_size > 10_000
     assert suite_picture(ROWS[-1:], [], file) is None
+
+
+def test_round_off_is_neither_drawn_nor_told() -> None:
+    rows = [{"motion": "m", "status": "completed", "reason": "", "pga_g": 0.1, "wall_s": 1.0,
+             "block.peak_slip_m": 0.01, "block.residual_slip_m": -1e-12,
+             "block.peak_angle_rad": 6.7e-17, "block.mode": "slide", "cautions": ""}]  # fmt: skip
+    assert [name for name, _, _ in _panels(rows)] == ["block.peak_slip_m"]
+    line = as_text(rows, ()).splitlines()[1]
+    assert "e-17" not in line and "-0.000" not in line and " 10.000 " in line

@@ -71,7 +71,7 @@ def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> No
     assert demo.show(folder, []) == 0
     output = capsys.readouterr()
     assert output.err == ""
-    # status, three impacts, spread, material, gain, ledger, slip
+    # status, three impacts, spread, damping, gain, ledger, slip
     assert output.out.count("holds:") == 9
     assert "0.1916" in output.out
     names = {file.name for file in folder.iterdir()}
@@ -133,7 +133,7 @@ def test_each_check_can_fail(
 ) -> None:
     """One clear line, and an exit code that is not zero."""
     run = demo.read_run(folder)
-    matched = demo.rigid(run.scene, demo.mean_restitution(run))
+    matched = demo.rigid(run.scene, demo.MEASURED)
     spoil(run.summary)
     assert demo.verdict("free_rocking", demo.checks(run, matched)) == 1
     line = capsys.readouterr().err

@@ -64,7 +64,7 @@ def words(table: Sequence[Mapping[str, Any]], sweep: Sweep, impacts: int) -> lis
     numbers = range(1, impacts + 1)
     at = [] if sweep.at is None else [sweep.at.name]
     heading = ["axis", "value", *at, "restitution", "± error"]
-    heading += [*(f"impact {k}" for k in numbers), "material", "unresolved", "steps", "wall s"]
+    heading += [*(f"impact {k}" for k in numbers), "damping", "unresolved", "steps", "wall s"]
     found = [heading]
     for row in table:
         unresolved = _sum(row, "loss.contact", "loss.numerical")

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.pictures.style import GREY, colour, legend_above, new_figure, save
+from solver.results.report import ROUND_OFF
 from solver.study.tables import Row
 
 MEASURES = (
@@ -42,7 +43,7 @@ def _panels(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
             of_block = name.endswith(ending) and not name.startswith(("reference.", "platform."))
             if name == ending or (ending.startswith(".") and of_block):
                 owner = name.removesuffix(ending)
-                if any(row.get(name) for row in rows):
+                if any(factor * abs(row.get(name) or 0.0) > ROUND_OFF for row in rows):
                     found.append((name, f"{owner} {label}".strip(), factor))
     return found
 

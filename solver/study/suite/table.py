@@ -6,6 +6,7 @@ import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from solver.results.report import ROUND_OFF
 from solver.study import tables
 from solver.study.tables import Row, column_names, in_columns
 
@@ -89,10 +90,13 @@ def _is_of_block(name: str, ending: str) -> bool:
 
 
 def _cell(value: Any, factor: float | None, form: str) -> str:
-    """A value as text."""
+    """A value as text; round-off is 0."""
     if value is None:
         return "-"
-    return str(value) if factor is None else format(factor * value, form)
+    if factor is None:
+        return str(value)
+    shown = format(factor * value, form)
+    return shown if abs(factor * value) > ROUND_OFF else format(0.0, form)
 
 
 def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
