@@ -30,6 +30,12 @@ MOST_LINES = 6
 DARK = 0.55
 """Above it the numbers of a map are white."""
 
+NAMES = {"period": "T =", "friction": "μ =", "friction_over_pga": "μ g/PGA =", "aspect": "H/B =",
+         "mass_ratio": "mass ratio", "damping_ratio": "ξ ="}  # fmt: skip
+"""What the axes are called in legends."""
+
+UNITS = {"period": " s"}
+
 Value = Callable[[Finding], tuple[float, float, float] | None]
 """A value of a cell and the ends of its interval; None: there is none."""
 
@@ -59,6 +65,7 @@ def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
     names = [name for name, _ in findings[0].cell.values]
     first = names[0] if len(names) > 1 else None
     heights = dict.fromkeys(f.cell.values[0][1] if first else None for f in findings)
+    unit = UNITS.get(first or "", "")
     for place, height in enumerate(heights):
         for by in dict.fromkeys(f.by for f in findings):
             chosen = [
@@ -66,8 +73,10 @@ def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
                 for f in findings
                 if f.by == by and (height is None or f.cell.values[0][1] == height)
             ]
-            word = f"{first} {height:g}" if height is not None else by
-            _curve(axes, chosen, value, place, word if by == CLOSED or height is None else None)
+            word = f"{NAMES.get(first or '', first)} {height:g}{unit}" if height is not None else by
+            beside = place - (len(heights) - 1) / 2
+            named = by == CLOSED or height is None
+            _curve(axes, chosen, value, colour(place), beside, word if named else None)
     if value is of_lambda:
         _code_lines(axes)
         zero_line(axes)
@@ -79,19 +88,29 @@ def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
     return figure
 
 
-def _curve(axes: Axes, chosen: Sequence[Finding], value: Value, place: int, label: Any) -> None:
-    """One curve with its intervals; engines besides the closed form are rings."""
+def _curve(
+    axes: Axes,
+    chosen: Sequence[Finding],
+    value: Value,
+    tint: str,
+    beside: float,
+    label: str | None,
+) -> None:
+    """One curve with its intervals; engines besides the closed form are rings.
+
+    Bars of several curves stand side by side: `beside` numbers them from the middle.
+    """
     known = [(f.cell.values[-1][1], found) for f in chosen if (found := value(f)) is not None]
     if not known:
         return
     at = np.array([x for x, _ in known])
     middle, low, high = np.array([found for _, found in known]).T
     closed = chosen[0].by == CLOSED
-    at = at * (1 + 0.006 * (place - 2.5))  # bars of several curves stay apart
+    at = at * (1 + 0.006 * beside)
     axes.errorbar(
-        at, middle, yerr=np.array([middle - low, high - middle]), color=colour(place),
+        at, middle, yerr=np.array([middle - low, high - middle]), color=tint,
         linestyle="-" if closed else "none", marker="o", markersize=3 if closed else 7,
-        markerfacecolor=colour(place) if closed else "none",
+        markerfacecolor=tint if closed else "none",
         capsize=2 if closed and np.any(high > low) else 0, elinewidth=0.7 if closed else 0,
         linewidth=1.0, label=label,
     )  # fmt: skip

@@ -31,7 +31,7 @@ from solver.study.overturning.table import LINEAR
 Row = Mapping[str, Any]
 
 COLOURS = {DIRECTLY: BLUE, LATER: ORANGE}
-ORDINATE = "amplitude / (g tan alpha)"
+ORDINATE = r"amplitude / $(g \tan\alpha)$"
 
 
 def overturning_picture(
@@ -64,7 +64,7 @@ def _drawn(rows: Sequence[Row], others: Sequence[Row], title: str, top: float) -
             axes.plot(at, linear, color="black", linestyle=DASHES, linewidth=0.9, label=words)
         axes.set(ylim=(0, top), xlim=(at[0], at[-1]), ylabel=ORDINATE)
         axes.set_title(f"{PULSES[pulse].words}: {title}", loc="left")
-    panels[-1].set_xlabel("frequency of the pulse, omega/p")
+    panels[-1].set_xlabel("frequency of the pulse, ω/p")
     legend_above(figure, columns=2)
     return figure
 
@@ -133,6 +133,8 @@ def _over_restitution(rows: Sequence[Row], title: str) -> Figure:
         axes.set(ylabel=ORDINATE)
         axes.set_title(f"{PULSES[pulse].words}: {title}", loc="left")
     panels[-1].set_xlabel("restitution e")
+    for style, words in (("-", "after an impact"), (DASHES, "without impact")):
+        panels[0].plot([], [], color=GREY, linestyle=style, label=words)
     legend_above(figure, columns=3)
     return figure
 
@@ -140,7 +142,7 @@ def _over_restitution(rows: Sequence[Row], title: str) -> Figure:
 def _curve(axes: Axes, rows: Sequence[Row], tint: str) -> None:
     """The boundaries of one frequency: lines where neighbours have the same kinds, else points."""
     ordered = sorted(rows, key=lambda row: row["restitution"])
-    label = f"omega/p = {ordered[0]['frequency']:g}"
+    label = f"ω/p = {ordered[0]['frequency']:g}"
     for row in ordered:
         at = [edge["amplitude"] for edge in row["boundaries"]]
         axes.plot([row["restitution"]] * len(at), at, ".", color=tint, markersize=3)

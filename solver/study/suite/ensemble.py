@@ -49,7 +49,7 @@ class Ensemble:
     @property
     def axis(self) -> str:
         """The measure with its unit."""
-        return f"{self.intensity.name}, {self.intensity.unit}" if self.intensity else ""
+        return f"{self.intensity.name} ({self.intensity.unit})" if self.intensity else ""
 
     def parts(self) -> Iterator[EnsemblePart]:
         """Every engine at every level."""

@@ -86,7 +86,7 @@ def _distributions(samples: Sequence[Sample], axis: str) -> Figure:
             }
             _steps(line[0], sample.angle, style)
             _steps(line[1], [1e3 * slip for slip in sample.slip], style)
-        line[0].set_ylabel(f"part of the motions, {group[-1][1]}")
+        line[0].set_ylabel(f"fraction of the motions, {group[-1][1]}")
         line[0].set(xlim=(0, 1.05), ylim=(0, 1.02))
         line[1].set_xlim(0, max(LEAST_SLIP, line[1].get_xlim()[1]))  # not round-off
     panels[-1][0].set_xlabel("peak |theta|/alpha; the rest overturned")
