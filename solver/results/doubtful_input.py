@@ -25,6 +25,18 @@ than a smooth surface has."""
 LARGEST_GRAVITY = 30.0
 """Acceleration of gravity that is worth a second look, m/s2: that of Jupiter is less."""
 
+SOFTEST = 1e6
+"""Young's modulus that is worth a second look, Pa: soft rubber has that."""
+
+LONGEST_PERIOD = 20.0
+"""Period of a platform that is worth a second look, s."""
+
+LARGEST_DAMPING = 1.0
+"""Damping ratio of a platform that is worth a second look: beyond it, it does not swing."""
+
+HEAVIEST_LOAD = 50.0
+"""Mass of all blocks over that of their platform that is worth a second look."""
+
 COARSEST_RECORD = 0.1
 """Time between samples of a recorded motion that is worth a second look, s: accelerographs take
 fifty or more a second."""
@@ -38,6 +50,8 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
     """Cautions about input that looks like a mistake, which runs repeat."""
     return [
         *_strange_densities(scene),
+        *_soft_materials(scene),
+        *_strange_platforms(scene),
         *_strange_friction(scene),
         *_strange_gravity(scene),
         *_lost_from_the_start(scene),
@@ -77,6 +91,45 @@ def _strange_densities(scene: Scene) -> list[str]:
         for block in scene.blocks
         if not low <= block.shape.density <= high
     ]
+
+
+def _soft_materials(scene: Scene) -> list[str]:
+    """Bodies softer than rubber, and foundations lighter than foam or heavier than metals."""
+    plane = scene.material_plane
+    bodies = {each.name: each.material(plane) for each in scene.blocks if each.model == "elastic"}
+    below = scene.foundation.pressed_material(plane, scene.carried_mass)
+    if below is not None:
+        bodies["the foundation"] = below
+    found = [
+        f"{name} has a Young's modulus of {material.young:.3g} Pa, that of rubber or less: look at "
+        "its unit"
+        for name, material in bodies.items()
+        if material.young < SOFTEST
+    ]
+    low, high = DENSITIES
+    if below is not None and not low <= below.density <= high:
+        found.append(f"the foundation weighs {below.density:.3g} kg/m3: look at the unit of that")
+    return found
+
+
+def _strange_platforms(scene: Scene) -> list[str]:
+    """Platforms on springs that are much lighter than what they carry, slow, or do not swing."""
+    if not scene.has_platform:
+        return []
+    platform, found = scene.platform(), []
+    if scene.carried_mass > HEAVIEST_LOAD * platform.mass:
+        found.append(
+            f"the platform has {platform.mass:.4g} kg and carries {scene.carried_mass:.4g} kg: "
+            "look at the unit of its mass"
+        )
+    if platform.period > LONGEST_PERIOD:
+        found.append(f"the platform has a period of {platform.period:.4g} s: look at its unit")
+    if platform.damping_ratio > LARGEST_DAMPING:
+        found.append(
+            f"the platform has a damping ratio of {platform.damping_ratio:g}, at 1 of which it no "
+            "longer swings: a part of 1 is meant, not percent"
+        )
+    return found
 
 
 def _lost_from_the_start(scene: Scene) -> list[str]:

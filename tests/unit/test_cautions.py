@@ -241,3 +241,41 @@ def test_of_steps_that_may_not_be_short_enough() -> None:
     assert cautions_of_steps(asked, {"steps": 100}) == []
     (text,) = cautions_of_steps(asked, {"steps": 100, "coarse_steps": 2})
     assert text.startswith("2 of 100 steps miss time.tolerance, since time.smallest = 0.0001 s")
+
+
+@pytest.mark.parametrize(
+    ("foundation", "said"),
+    [
+        ({"mass": 1.0}, "carries 500 kg"),
+        ({"period": 600.0}, "a period of 600 s"),
+        ({"damping_ratio": 5.0}, "a damping ratio of 5"),
+        ({}, None),
+    ],
+)
+def test_units_of_platforms(foundation: dict[str, float], said: str | None) -> None:
+    platform = {"kind": "oscillator", "mass": 1000.0, "period": 0.5, **foundation}
+    scene = parse_scene(
+        {
+            "block": [
+                {"width": 0.3, "height": 1.0, "mass": 500.0, "model": "rigid", "tilt_deg": 1}
+            ],
+            "foundation": platform,
+            "time": {"end": 1.0, "step": 1e-3},
+        }
+    )
+    found = cautions_of_input(scene, read_ground(scene))
+    assert len(found) == (said is not None)
+    assert said is None or said in found[0]
+
+
+def test_units_of_materials() -> None:
+    plate = {
+        **{"kind": "elastic", "support": "bottom", "width": 3.0, "height": 0.5},
+        **{"density": 2.5, "young": 3e5, "poisson": 0.2},
+    }
+    block = {"width": 0.3, "height": 0.2, "mass": 50.0, "young": 210000.0, "poisson": 0.2}
+    scene = parse_scene({"block": [block], "foundation": plate, "time": {"end": 1.0, "step": 1e-3}})
+    found = cautions_of_input(scene, read_ground(scene))
+    assert [text.split(" has ")[0] for text in found[:2]] == ["block", "the foundation"]
+    assert "210000" not in found[0] and "2.1e+05 Pa" in found[0]
+    assert "the foundation weighs 2.5 kg/m3" in found[2]
