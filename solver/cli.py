@@ -142,9 +142,8 @@ def build_parser() -> Parser:
         )
         writing.add_argument("--force", action="store_true", help="write over an earlier run")
         writing.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
-    run.add_argument(
-        "--resume", metavar="DIR", type=Path, help="go on from the checkpoint of a run in DIR"
-    )
+    again = "go on from the checkpoint of a run in DIR, also to a later time.end (--set)"
+    run.add_argument("--resume", metavar="DIR", type=Path, help=again)
     run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
     scale = command("scale", scale_scene, "a scene at another scale, such as a 1:15 model of it")
     add_scene(scale)
@@ -248,9 +247,11 @@ def run_scene(options: argparse.Namespace) -> int:
 
 
 def _resumed_scene(options: argparse.Namespace) -> Path:
-    """The scene in the folder of a run that goes on, as it was run: nothing of it may change."""
-    given = {"SCENE": options.scene, "-o": options.output, "--set": options.overrides}
-    given["--force"] = options.force
+    """The scene in the folder of a run that goes on, as it was run, but for a later end."""
+    given = {"SCENE": options.scene, "-o": options.output, "--force": options.force}
+    given["--set of other keys than time.end"] = [
+        text for text in options.overrides if text.partition("=")[0].strip() != "time.end"
+    ]
     for name, value in given.items():
         if value:
             raise not_applicable(name, "runs that begin, not to --resume DIR")

@@ -24,7 +24,7 @@ from solver import VERSION
 from solver.errors import SceneError, of_file
 from solver.excitation.motion import GroundMotion
 from solver.parallel import Comm, Single, any_rank
-from solver.scene import Scene, scene_to_toml
+from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 
 FORMAT = 10
@@ -165,17 +165,20 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
         raise SceneError(where, f"{file}, which is damaged", "a checkpoint as it was written")
     expected = {"format": FORMAT, "rockslip": VERSION, "scene": _digest(scene, ground)}
     words = {"format": "in another format", "rockslip": "of another version of rockslip"}
+    reached = float(header.get("time", 0.0))
     for key, value in expected.items():
         if header.get(key) != value:
             got = f"{file}, {words.get(key, 'of another scene or motion')}"
             raise SceneError(where, got, "that of this run")
+    if scene.time.end < reached * (1 - 1e-12):
+        raise SceneError("time.end", f"{scene.time.end:g}", f"time.end >= {reached:g}, as before")
     same = len(parts) == comm.size
     saved = _loaded(parts[comm.rank : comm.rank + 1] if same else parts)
     if any_rank(comm, saved is None):
         got = f"{file}, which holds what no run has saved"
         raise SceneError(where, got, "a checkpoint as it was written")
     counts = int(header["rows"]), int(header["part"]) + 1
-    return Checkpoint(float(header["time"]), *counts, saved or [], same)
+    return Checkpoint(reached, *counts, saved or [], same)
 
 
 def _loaded(parts: Sequence[bytes]) -> list[Any] | None:
@@ -197,8 +200,14 @@ class _Reader(pickle.Unpickler):
 
 
 def _digest(scene: Scene, ground: GroundMotion) -> str:
-    """What tells a scene from all others, the samples of its motions included."""
-    found = hashlib.sha256(scene_to_toml(scene).encode())
+    """What tells a scene from all others but for its end, the samples of its motions included.
+
+    Modes that a foundation is reduced to by itself depend on what the ground does up to the end.
+    """
+    tables = scene.to_dict()
+    if scene.foundation.reduced_modes != "auto":
+        tables["time"] = {key: value for key, value in tables["time"].items() if key != "end"}
+    found = hashlib.sha256(json.dumps(tables, sort_keys=True, default=str).encode())
     for part in ground.parts:
         for samples in (getattr(part, "time", None), getattr(part, "value", None)):
             found.update(b"none" if samples is None else np.ascontiguousarray(samples).tobytes())

@@ -79,9 +79,8 @@ class RunFiles:
         hold_folder(self._folder)
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            if self._resumed is None:
-                text = scene_to_toml(self._scene)
-                (self._folder / "scene.toml").write_text(text, encoding="utf-8")
+            text = scene_to_toml(self._scene)  # a run that goes on may have another end
+            (self._folder / "scene.toml").write_text(text, encoding="utf-8")
             log = self._folder / "run.log"
             if self._resumed is None:
                 self._log = log.open("w", encoding="utf-8", buffering=1)

@@ -148,6 +148,7 @@ class MeshedRun:
         self.state = saved["state"]
         self._stepper.resume(saved["stepper"])
         self._ladder = saved["ladder"]
+        self._ladder.lead_to(self._scene.time.end)
         if self._judge is not None:
             self._judge.resume(saved["judge"])
         self._observer.resume(saved["observer"])
@@ -213,7 +214,7 @@ class MeshedRun:
         ended = self._make_rows(desk)
         if ended:  # before whatever it was
             return "completed", ended
-        if status == "interrupted":
+        if status != "not converged":
             desk.keep(self, self._steps, self.state.time, ends=True)
         return status, reason
 

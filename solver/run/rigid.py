@@ -123,6 +123,7 @@ class RigidRun:
             if not reason:
                 desk.keep(self, self._steps, self._steps * span.step)
         if not reason:
+            desk.keep(self, self._steps, self._steps * span.step, ends=True)
             status, reason = self._rest(desk)
         if self._row is not None:
             desk.history.append(self._row)

@@ -224,7 +224,7 @@ def simulate(
         comm: Communicator; None: all ranks of the command.
         ground: Motion of the ground, as it was read; None: it is read here, by rank 0, before
             anything is written.
-        resume: Go on from the checkpoint in the folder, which has to be that of this scene.
+        resume: Go on from the checkpoint in the folder, of this scene or one with an earlier end.
         many: Whether this process runs many scenes, so that machine code is worth its import.
 
     Returns:

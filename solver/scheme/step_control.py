@@ -26,12 +26,16 @@ class Ladder:
         self._level = 0 if largest is None else max(0, math.floor(math.log2(largest / step) + 1e-9))
         self.depth = self._level + max(0, math.floor(math.log2(step / smallest) + 1e-9))
         self._tick = step / 2 ** (self.depth - self._level)
-        self._end = math.floor(end / self._tick + 1e-9)
         self._now = 0
+        self.lead_to(end)
         self._wait, self._succeeded = 1, 0
         self._tries = False
         """Whether the next step is the first one after climbing."""
         self.rejected = 0
+
+    def lead_to(self, end: float) -> None:
+        """Let the ladder end at a time, s."""
+        self._end = math.floor(end / self._tick + 1e-9)
 
     @property
     def time(self) -> float:

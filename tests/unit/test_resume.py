@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ import pytest
 from processes import outside_mpirun
 from scenes import BLOCK, OSCILLATOR, UPPER
 
-from rockslip import History, Scene, parse_scene, simulate
+from rockslip import History, Scene, parse_scene, read_run, simulate
 from solver.cli import main
 from solver.errors import SceneError
 from solver.run.checkpoint import FORMAT, NAME, TYPES, Checkpoint, Schedule, write_checkpoint
@@ -81,8 +82,9 @@ def last_checkpoint(folder: Path) -> dict[str, float]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
-def test_to_the_byte(tmp_path: Path, name: str) -> None:
+def test_to_the_byte(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The history, the summary and the times of the fields are those of a run without a break."""
+    monkeypatch.setattr(Schedule, "wanted", False)  # none at the end, as where a run is killed
     scene = scene_of(name, 70)
     whole = simulate(scene, folder=tmp_path / "whole")
     assert whole.status == "completed"
@@ -110,6 +112,7 @@ def test_to_the_byte_from_where_contact_changes(
     """Adaptive steps look ahead there; what they saw is not in the checkpoint."""
     scene = scene_of("meshed, adaptive", 1)
     monkeypatch.setattr(Schedule, "is_due", lambda _, step: step == chosen)
+    monkeypatch.setattr(Schedule, "wanted", False)
     chosen = 0
     closed = simulate(scene).history["contact_points_closed"]
     (changes,) = np.nonzero(np.diff(closed))
@@ -174,6 +177,53 @@ def test_an_interrupted_run_goes_on_from_its_last_step(tmp_path: Path) -> None:
     assert (again.status, whole.status) == ("completed", "completed")
     texts = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "out")]
     assert texts[0] == texts[1]
+
+
+LONGER = {
+    "rigid, plane": (0.2, 0.3),
+    "rigid, plane, stack on platform": (0.2005, 0.3),
+    "rigid, space": (0.2, 0.3),
+    "meshed": (0.1, 0.14),
+    "meshed, adaptive": (0.08, 0.16),
+    "meshed, on a reduced frame": (0.05, 0.1),
+}
+"""Ends of runs that are finished, and of those that go on from there, s."""
+
+
+@pytest.mark.parametrize("name", LONGER)
+def test_a_finished_run_goes_on_to_a_later_end(tmp_path: Path, name: str) -> None:
+    """To the byte as one that went there at once; also beyond a last step that was cut short."""
+    first, last = LONGER[name]
+    scene = scene_of(name, 1000)
+    span = replace(scene.time, end=last)
+    if span.largest is not None:  # a step of both
+        span = replace(span, largest=1e-3, step=2.5e-4, smallest=2.5e-4 / 4096)
+    scene = replace(scene, time=span)
+    whole = simulate(scene, folder=tmp_path / "whole")
+    part = replace(scene, time=replace(span, end=first))
+    folder = tmp_path / "out"
+    assert simulate(part, folder=folder).history["time_s"][-1] == pytest.approx(first)
+    words = ["run", "-q", "--resume", str(folder), "--set", f"time.end={last}"]
+    assert main(words) == 0
+    texts = [(tmp_path / each / "history.csv").read_bytes() for each in ("whole", "out")]
+    assert texts[0] == texts[1]
+    run = read_run(folder)
+    assert run.scene.time.end == last
+    assert run.summary["blocks"] == whole.summary["blocks"]
+    assert main([*words[:-1], f"time.end={first / 2}"]) == 2
+    assert read_run(folder).summary["end_s"] == pytest.approx(last)
+
+
+def test_an_end_that_decides_on_modes_is_no_other_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("dolfinx")
+    text = SCENES["meshed, on a reduced frame"].replace("modes = 4", 'modes = "auto"')
+    text = text.replace("end = 0.1", "end = 0.005")
+    scene = parse_scene(text + "[output]\ncheckpoint = { steps = 100 }\n")
+    simulate(scene, folder=tmp_path)
+    assert main(["run", "-q", "--resume", str(tmp_path), "--set", "time.end=0.01"]) == 2
+    assert "of another scene or motion" in capsys.readouterr().err
 
 
 def test_types_that_runs_save_exist() -> None:
@@ -297,7 +347,8 @@ class TestRefused:
         (done / NAME).unlink()
         assert f"which holds no {NAME}" in self.refusal(done, capsys)
         assert "scene.toml" in self.refusal(tmp_path / "nowhere", capsys)
-        assert "--set applies to runs that begin" in self.refusal(done, capsys, "--set", "a=1")
+        said = self.refusal(done, capsys, "--set", "a=1")
+        assert "--set of other keys than time.end applies to runs that begin" in said
         assert main(["run"]) == 2
         assert "SCENE is required" in capsys.readouterr().err
 
