@@ -59,11 +59,11 @@ def _samples(motion: SampledMotion) -> str:
 def _measures(motion: SampledMotion) -> Lines:
     """Peaks, duration, intensity and spectrum; g is 9.81 m/s^2."""
     values, step = motion.evenly_spaced(longest_spacing(PERIODS))
-    _, speed, moved = peak_ground(values, step)
+    _, _, moved = peak_ground(values, step)
     spectrum = response_spectrum(values, step, PERIODS) / G_UNIT
     pairs = [f"{period:g} s {value:.4f}" for period, value in zip(PERIODS, spectrum, strict=True)]
     return [
-        ("PGV", f"{speed:.4f} m/s"),
+        ("PGV", f"{motion.peak_velocity:.4f} m/s"),
         ("PGD", f"{moved:.4f} m"),
         ("duration D5-95", f"{significant_duration(values, step):.2f} s"),
         ("Arias intensity", f"{arias_intensity(values, step):.4f} m/s"),

@@ -89,6 +89,15 @@ class SampledMotion:
         slope = (self.value[first + 1] - self.value[first]) / length
         return self._speed[first] + since * (self.value[first] + since * slope / 2)
 
+    @property
+    def peak_velocity(self) -> float:
+        """Largest |v_g|, m/s: at a sample, or where the acceleration passes zero between two."""
+        a, b, speed = self.value[:-1], self.value[1:], self._speed
+        turns = a * b < 0
+        since = np.diff(self.time)[turns] * (a / np.where(turns, a - b, 1.0))[turns]
+        between = speed[:-1][turns] + since * a[turns] / 2
+        return float(np.abs(np.concatenate([speed, between])).max())
+
     def evenly_spaced(self, longest: float) -> tuple[Array, float]:
         """Samples at equal times, at most `longest` (s) apart, and the time between them, s.
 

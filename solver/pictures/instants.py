@@ -41,11 +41,12 @@ def instants(run: Run) -> list[Instant]:
         return _after_release(run, most.name, last, end)
     largest = max(found, key=lambda swing: abs(swing.peak_rad))
     lift = Instant(float(motion.time[largest.first]), "lift-off")
-    lost = [overturned_at(run.history, most), fell_at(run.scene, run.history, most)]
-    fall = min((t for t in lost if t is not None), default=math.inf)
+    lost = {"overturned": overturned_at(run.history, most)}
+    lost["off its carrier"] = fell_at(run.scene, run.history, most)
+    fall, how = min(((t, how) for how, t in lost.items() if t is not None), default=(math.inf, ""))
     if fall < math.inf:
         middle = 0.5 * (lift.time_s + fall)
-        return [lift, Instant(middle, "falling"), Instant(fall, "overturned"), Instant(last, "end")]
+        return [lift, Instant(middle, "falling"), Instant(fall, how), Instant(last, "end")]
     top = Instant(largest.peak_s, "largest angle")
     if largest.last + 1 >= len(motion.time):
         return [lift, top, end]

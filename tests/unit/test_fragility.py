@@ -95,6 +95,11 @@ def test_intensities() -> None:
     time = np.arange(0.0, 20.0005, 0.001)
     motion = SampledMotion(time=time, value=2.0 * np.sin(4 * math.pi * time), step=0.001)
     assert Intensity.read("pga").of(motion) == pytest.approx(2 / 9.81)
+    for sign in (1.0, -1.0):  # largest between two samples, both ways
+        kink = SampledMotion(
+            time=np.array([0.0, 0.1, 0.2, 0.3]), value=sign * np.array([0.0, 1.0, -1.0, 0.0])
+        )
+        assert Intensity.read("PGV").of(kink) == pytest.approx(0.075)
     assert Intensity.read("PGV").of(motion) == pytest.approx(2 * 0.5 / math.pi, rel=1e-4)
     assert Intensity.read("PSA:0.5").of(motion) == pytest.approx(2 / 9.81 / (2 * 0.05), rel=0.01)
     assert Intensity.read("PSA:0.5").name == "PSA(0.5 s)"

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rockslip import Result, Scene, parse_scene, simulate
+from rockslip import Result, Scene, parse_scene, read_run, simulate
 from solver.cli import main
 from solver.errors import Statement
+from solver.pictures.instants import instants
 from solver.results.cautions import cautions_of_end
 from solver.results.report import report
 
@@ -89,12 +90,20 @@ def test_the_fields_of_a_run_that_ends_show_its_end(tmp_path: Path) -> None:
     assert centre[1] == pytest.approx(history["leaning.centre_y_m"][-1], abs=1e-6)
 
 
-def thrown(engine: str, end: float = 1.0) -> Result:
+def thrown(engine: str, end: float = 1.0, folder: Path | None = None) -> Result:
     """A block that slides off the one that carries it."""
     velocity = [2.5, 0.0, 0.0] if engine == "space" else [2.5, 0.0]
     low = {"name": "low", "width": 1.0, "height": 0.5}
     top = {"name": "top", "on": "low", "width": 0.4, "height": 0.3, "velocity": velocity}
-    return simulate(scene(engine, low, top, end=end, contact={"friction": 0.2}))
+    return simulate(scene(engine, low, top, end=end, contact={"friction": 0.2}), folder=folder)
+
+
+def test_a_picture_of_a_fall_names_it(tmp_path: Path) -> None:
+    block = thrown("space", folder=tmp_path).summary["blocks"]["top"]
+    assert block["overturned_at_s"] is None
+    found = {instant.name: instant.time_s for instant in instants(read_run(tmp_path))}
+    assert "overturned" not in found
+    assert found["off its carrier"] == block["fell_at_s"]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -56,7 +56,7 @@ class Intensity:
         if self.kind == "PGA":
             return motion.peak / G_UNIT
         if self.kind == "PGV":
-            return float(abs(motion.velocities(motion.time)).max())
+            return motion.peak_velocity
         from solver.excitation.spectrum import longest_spacing, response_spectrum
 
         samples, step = motion.evenly_spaced(longest_spacing(self.period))
