@@ -26,6 +26,7 @@ from solver.excitation.motion import GroundMotion
 from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
+from solver.scene.overrides import differing
 
 FORMAT = 10
 """Version of the layout of the file."""
@@ -119,7 +120,7 @@ def write_checkpoint(
     header = {
         "format": FORMAT,
         "rockslip": VERSION,
-        "scene": _digest(scene, ground),
+        **_origin(scene, ground),
         "ranks": len(parts),
         "time": kept.time,
         "rows": kept.rows,
@@ -163,13 +164,15 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
         damaged, header, parts = True, {}, []
     if damaged:
         raise SceneError(where, f"{file}, which is damaged", "a checkpoint as it was written")
-    expected = {"format": FORMAT, "rockslip": VERSION, "scene": _digest(scene, ground)}
+    expected = {"format": FORMAT, "rockslip": VERSION, **_origin(scene, ground)}
     words = {"format": "in another format", "rockslip": "of another version of rockslip"}
+    words |= {"motion": "of other samples of the motion", "scene": "of another scene"}
     reached = float(header.get("time", 0.0))
     for key, value in expected.items():
         if header.get(key) != value:
-            got = f"{file}, {words.get(key, 'of another scene or motion')}"
-            raise SceneError(where, got, "that of this run")
+            keys = sorted(differing(header.get(key), value)) if key == "scene" else []
+            other = f": {keys[0]}" if keys else ""
+            raise SceneError(where, f"{file}, {words[key]}{other}", "that of this run")
     if scene.time.end < reached * (1 - 1e-12):
         raise SceneError("time.end", f"{scene.time.end:g}", f"time.end >= {reached:g}, as before")
     same = len(parts) == comm.size
@@ -199,16 +202,16 @@ class _Reader(pickle.Unpickler):
         raise pickle.UnpicklingError(f"{module}.{name} is no part of a checkpoint")
 
 
-def _digest(scene: Scene, ground: GroundMotion) -> str:
-    """What tells a scene from all others but for its end, the samples of its motions included.
+def _origin(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
+    """What a checkpoint is made from: the scene but for its end, and a digest of its motions.
 
     Modes that a foundation is reduced to by itself depend on what the ground does up to the end.
     """
-    tables = scene.to_dict()
+    tables = json.loads(json.dumps(scene.to_dict(), default=str))
     if scene.foundation.reduced_modes != "auto":
-        tables["time"] = {key: value for key, value in tables["time"].items() if key != "end"}
-    found = hashlib.sha256(json.dumps(tables, sort_keys=True, default=str).encode())
+        del tables["time"]["end"]
+    found = hashlib.sha256()
     for part in ground.parts:
         for samples in (getattr(part, "time", None), getattr(part, "value", None)):
             found.update(b"none" if samples is None else np.ascontiguousarray(samples).tobytes())
-    return found.hexdigest()
+    return {"scene": tables, "motion": found.hexdigest()}

@@ -74,3 +74,14 @@ def _blocks(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
     entries = tables.get("block")
     entries = entries if isinstance(entries, list) else []
     return {str(entry.get("name", "block")): entry for entry in entries if isinstance(entry, dict)}
+
+
+def differing(one: Any, other: Any, path: str = "") -> set[str]:
+    """Paths of the values that two tables do not share."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        found = set()
+        for key in one.keys() | other.keys():
+            below = f"{path}.{key}" if path else key
+            found |= differing(one.get(key), other.get(key), below)
+        return found
+    return set() if one == other else {path}

@@ -13,6 +13,7 @@ from typing import Any
 
 from solver.errors import SceneError
 from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
+from solver.scene.overrides import differing
 from solver.study.tables import write
 
 SETTINGS, CASES = "settings.json", "cases"
@@ -84,7 +85,7 @@ class StudyFolder:
             got = f"{folder}, which holds no {self.kind}"
             raise SceneError("--resume", got, "its folder") from None
         now = json.loads(json.dumps(held))
-        keys = sorted(_differing(with_contents(earlier, digests), now))
+        keys = sorted(differing(with_contents(earlier, digests), now))
         if keys:
             more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
             got = f"{folder}, made with another {keys[0]}{more}"
@@ -143,14 +144,3 @@ def finished(folder: Path) -> dict[str, dict[str, Any]]:
 def store(folder: Path, name: str, row: Mapping[str, Any]) -> None:
     """Keep the row of a case."""
     write(folder / CASES / f"{name}.json", row)
-
-
-def _differing(one: Any, other: Any, path: str = "") -> set[str]:
-    """Paths of the values that two tables do not share."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        found = set()
-        for key in one.keys() | other.keys():
-            below = f"{path}.{key}" if path else key
-            found |= _differing(one.get(key), other.get(key), below)
-        return found
-    return set() if one == other else {path}

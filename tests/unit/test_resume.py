@@ -223,7 +223,7 @@ def test_an_end_that_decides_on_modes_is_no_other_one(
     scene = parse_scene(text + "[output]\ncheckpoint = { steps = 100 }\n")
     simulate(scene, folder=tmp_path)
     assert main(["run", "-q", "--resume", str(tmp_path), "--set", "time.end=0.01"]) == 2
-    assert "of another scene or motion" in capsys.readouterr().err
+    assert "of another scene: time.end" in capsys.readouterr().err
 
 
 def test_types_that_runs_save_exist() -> None:
@@ -290,7 +290,7 @@ class TestRefused:
         simulate(parse_scene(tables), folder=tmp_path / "out")
         assert main(["run", "--resume", str(tmp_path / "out"), "-q"]) == 0
         record.write_text("0,0\n0.1,0.21\n0.2,0\n")
-        assert "of another scene or motion" in self.refusal(tmp_path / "out", capsys)
+        assert "of other samples of the motion" in self.refusal(tmp_path / "out", capsys)
 
     def test_of_something_else(
         self, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -299,7 +299,7 @@ class TestRefused:
         shutil.copytree(done, other)
         changed = parse_scene((done / "scene.toml").read_text(), overrides=["block.height=1.1"])
         (other / "scene.toml").write_text(scene_to_toml(changed))
-        assert "of another scene or motion" in self.refusal(other, capsys)
+        assert "of another scene: block" in self.refusal(other, capsys)
         with np.load(done / NAME) as table:
             header, own = json.loads(str(table["header"])), table["rank0"]
         for key, value, said in (
