@@ -156,8 +156,8 @@ TABLE = (
     Column(
         "platform.acceleration_m_s2",
         "m/s²",
-        "Acceleration along x relative to the ground, the mean of the step. After impacts on a meshed"
-        " foundation it may swing from row to row: take means over several rows, or floor spectra.",
+        "Acceleration along x relative to the ground, the mean of the step. After impacts on a"
+        " meshed foundation it may swing from row to row: take means over some, or floor spectra.",
         needs="platform",
     ),
     Column(
