@@ -11,6 +11,7 @@ from scenes import BLOCK
 
 from rockslip import History, Scene, parse_scene
 from solver.history.columns import columns
+from solver.results.report import report
 from solver.results.summary import summarise, write_json
 
 SCENE = f"""
@@ -99,3 +100,25 @@ def test_a_run_without_a_row_has_a_summary(tmp_path: Path) -> None:
     write_json(tmp_path / "summary.json", summary)
     assert summary["blocks"] == {}
     assert summary["reason"] == "x"
+
+
+def in_words(slip: dict[str, float], platform: dict[str, float]) -> str:
+    """What is told of a run with these slips and drifts."""
+    block = {"mode": "slide", "peak_angle_rad": 0.0, "peak_slip_m": 0.02, "impacts": []}
+    summary = {
+        "status": "completed", "end_s": 2.0, "reason": "", "blocks": {"stone": block | slip},
+        "platform": platform, "energy": {}, "cost": {},
+    }  # fmt: skip
+    return report(summary)
+
+
+def test_slips_and_drifts_are_told_in_millimetres_with_their_sides() -> None:
+    """In space, where a slip has a direction and no side, how far it is."""
+    drifts = {"peak_drift_m": 0.0234, "residual_drift_m": -0.00456}
+    told = in_words({"residual_slip_m": -0.0123}, drifts)
+    assert "peak slip 20 mm, residual slip -12.3 mm" in told
+    assert "platform: peak drift 23.4 mm, residual drift -4.56 mm\n" in told
+    drifts |= {"peak_drift_second_m": 0.0567, "residual_drift_second_m": 0.00789}
+    told = in_words({"residual_slip_m": -0.003, "residual_slip_second_m": 0.004}, drifts)
+    assert "peak slip 20 mm, residual slip 5 mm" in told
+    assert "peak drift along y 56.7 mm, residual drift along y 7.89 mm\n" in told

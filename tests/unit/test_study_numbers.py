@@ -31,7 +31,6 @@ from solver.study.inertia import runs
 from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.findings import CLOSED, Finding, Line
 from solver.study.inertia.portion import Curve, Portion, grid, resampled
-from solver.study.inertia.report import _difference
 from solver.study.inertia.runs import BlockTask, ClosedTask, run_task
 from solver.study.inertia.table import words as inertia_words
 from solver.study.modes.table import maps_of
@@ -86,8 +85,8 @@ def test_an_engine_that_differs_from_the_closed_form_has_its_own_portion() -> No
         bare=np.stack([size, [0.5, 1.0, 9.0, 0.0], 0 * size], axis=1),
         weights=resampled(4),
     )
-    outcomes = [None if k == 2 else [1.25 * c, 2.0, 0.2, 0.1, 0.0] for k, c in enumerate(size)]
-    outcomes[1][4] = 1.0  # a block fell
+    fell = (0.0, 1.0, 0.0, 0.0)
+    outcomes = [None if k == 2 else [1.25 * c, 2.0, 0.2, 0.1, fell[k]] for k, c in enumerate(size)]
     found = line.finding_by(cell(0.1), "rigid blocks", outcomes)
     assert (found.motions, found.overturned) == (3, 1)
     assert found.arithmetic.value == pytest.approx(0.25, abs=1e-6)
@@ -160,6 +159,9 @@ def test_a_root_is_followed_from_where_the_last_one_was() -> None:
 
 
 def test_the_largest_difference_from_the_closed_form_is_told() -> None:
+    pytest.importorskip("matplotlib")
+    from solver.study.inertia.report import _difference
+
     found = [
         *(finding(mu, CLOSED, value) for mu, value in ((0.1, 0.5), (0.2, 0.6), (0.3, None))),
         *(finding(mu, "rigid blocks", v) for mu, v in ((0.1, 0.51), (0.2, 0.57), (0.3, 0.9))),
@@ -179,7 +181,7 @@ def test_the_table_of_inertia_has_drifts_in_millimetres() -> None:
 def test_differences_that_grow_exponentially_have_their_rate() -> None:
     """Twins whose horizons are t0 - ln(delta)/lambda; one that has none does not count."""
     rate = 4.0
-    twins = [
+    twins: list[dict[str, Any]] = [
         {"perturbation": d, "horizon_s": 0.3 - math.log(d) / rate, "largest": 1.0}
         for d in (1e-10, 1e-8, 1e-5)
     ]
