@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
+import numpy as np
 from dolfinx import fem
 
 from solver.bodies.dense_body import DenseBody
@@ -21,7 +22,7 @@ from solver.contact.body_points import NitschePoints
 from solver.fields.body_functions import BodyFunctions
 from solver.fields.destination import Destination, RigidWriter, open_destination
 from solver.fields.ground import platform_corners
-from solver.fields.nodal_contact import nodal_contact
+from solver.fields.nodal_contact import NodeState, edge_forces, nodal_contact
 from solver.fields.paraview import write_script
 from solver.fields.pvd import FieldsBefore
 from solver.scene import Scene
@@ -168,6 +169,7 @@ class MeshedFields:
         body = self._body
         for function in (self._pressure, self._friction, self._state):
             function.x.array[:] = 0.0
+        area = np.zeros(body.owned)
         for link, memory in zip(taken.links, taken.state.contacts, strict=True):
             contact = link.interface.points
             if link.body != self._number or not isinstance(contact, NitschePoints):
@@ -179,6 +181,29 @@ class MeshedFields:
             layer.add(
                 self._friction.x.array[: body.size].reshape(-1, body.dimension), found.friction
             )
+            layer.add(area, found.area)
+        self._add_edges(taken, area)
+
+    def _add_edges(self, taken: Taken, area: Array) -> None:
+        """What edges do where the body overhangs what carries it, by the area of each node, m2."""
+        body, d = self._body, self._body.dimension
+        forces = np.zeros((body.owned, 2 + d))
+        for link, memory in zip(taken.links, taken.state.contacts, strict=True):
+            if self._number in (link.body, link.carrier):
+                carries = link.carrier == self._number
+                found = edge_forces(link.interface, memory, carries=carries)
+                if found is not None:
+                    found.layer.add(forces, np.hstack([found.normal, found.friction]))
+        pressed = (forces[:, 0] > 0) & (area > 0)
+        own = np.flatnonzero(pressed)
+        acting = forces[own] / area[own, None]
+        self._pressure.x.array[own] += acting[:, 0]
+        friction = self._friction.x.array[: body.size].reshape(-1, d)
+        friction[own] += acting[:, 2:]
+        state = self._state.x.array
+        slips = 2 * forces[own, 1] >= forces[own, 0]
+        touched = np.where(slips, float(NodeState.SLIPS), float(NodeState.STICKS))
+        state[own] = np.where(state[own] < NodeState.SLIPS, touched, state[own])
 
     def close(self) -> None:
         """Finish the files."""

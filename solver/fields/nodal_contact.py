@@ -7,8 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.contact.body_points import NodePoints
+from solver.contact.edge_crossings import Crossings
+from solver.contact.facet_target import Face
+from solver.contact.interface import Interface
 from solver.contact.memory import Memory
 from solver.contact.nitsche_points import ContactPoints
+from solver.contact.projection import in_space, spread
+from solver.parallel import Layer
 from solver.types import Array
 
 LEAST_AREA = 1e-6
@@ -37,6 +43,19 @@ class NodalContact(NamedTuple):
     """Tangential force on the body over that area, as a vector in space, (n, d), Pa."""
     state: Array
     """Values of `NodeState`, (n,)."""
+    area: Array
+    """What belongs to each node: of what may touch, or of all where nothing does, (n,), m2."""
+
+
+class EdgeForces(NamedTuple):
+    """What edges do at the nodes of a body that they press on, or that has them."""
+
+    layer: Layer
+    """The nodes."""
+    normal: Array
+    """Normal force, (n, 2), N: all of it, and that of points that slipped in the last step."""
+    friction: Array
+    """Tangential force on the body as a vector in space, (n, d), N."""
 
 
 def nodal_contact(points: ContactPoints, memory: Memory, thickness: float) -> NodalContact:
@@ -45,17 +64,41 @@ def nodal_contact(points: ContactPoints, memory: Memory, thickness: float) -> No
     Quadratic shape functions are negative in places, and those at the corners of triangles have no
     area at all: there nodes have the mean of the points around, by the sizes of these functions.
     """
-    spread, force = points.values_T, memory.force
-    whole = thickness * (spread @ points.weight)
+    shares, force = points.values_T, memory.force
+    whole = thickness * (shares @ points.weight)
     if np.any(whole < LEAST_AREA * whole.max(initial=0.0)):
-        spread = abs(spread)
-    area = thickness * (spread @ (points.weight * memory.may_touch))
-    friction = np.asarray(spread @ (force[:, 1:] @ memory.kinematics.frame[1:]))
+        shares = abs(shares)
+    area = thickness * (shares @ (points.weight * memory.may_touch))
+    friction = np.asarray(shares @ (force[:, 1:] @ memory.kinematics.frame[1:]))
     return NodalContact(
-        pressure=np.maximum(_over(spread @ force[:, 0], area), 0.0),
+        pressure=np.maximum(_over(shares @ force[:, 0], area), 0.0),
         friction=_over(friction, area[:, None]),
         state=_states(points, memory),
+        area=np.where(area > 0, area, thickness * (shares @ points.weight)),
     )
+
+
+def edge_forces(interface: Interface, memory: Memory, *, carries: bool) -> EdgeForces | None:
+    """What edges do at the bottom of a meshed body that overhangs what carries it.
+
+    The outline of the latter presses on it: for that interface the body is the one that `carries`.
+    In space edges of both cross, too. None for all other interfaces.
+    """
+    seen, carrier = memory.kinematics, interface.carrier
+    points = carrier.points if carries else interface.points
+    if not isinstance(points, NodePoints):
+        return None
+    looks_down = isinstance(carrier, Face) and carrier.reference_frame[0, -1] < 0
+    if not (looks_down if carries else isinstance(carrier, Crossings)):
+        return None
+    places = seen.foot if carries else seen.own_projection
+    assert places is not None
+    friction = in_space(memory.force * (np.arange(memory.force.shape[1]) > 0), seen.frame)
+    normal = memory.force[:, :1] * np.column_stack([np.ones(len(memory.slipped)), memory.slipped])
+    acting = np.hstack([normal, -friction if carries else friction])
+    nodal = np.zeros((points.layer.size, acting.shape[1]))
+    nodal[points.chosen] = spread(places, places, acting, points.count)
+    return EdgeForces(points.layer, nodal[:, :2], nodal[:, 2:])
 
 
 def _over(force: Array, area: Array) -> Array:

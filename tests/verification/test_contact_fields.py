@@ -104,3 +104,35 @@ def test_quadratic_tetrahedra_at_rest(tmp_path: Path) -> None:
     assert pressure[bottom].mean() == pytest.approx(mean, rel=0.25)
     assert 0.2 * mean < pressure[bottom].min() < pressure.max() < 4 * mean
     assert set(np.asarray(grid.point_data["contact_state"])[bottom]) == {NodeState.STICKS}
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_block_that_overhangs_what_carries_it(tmp_path: Path, dimension: int) -> None:
+    """What the edges of its carrier press with, and where edges cross, is in the fields as well."""
+    cells = [4, 2] if dimension == 2 else [2, 2, 2]
+    size = {"width": WIDTH, "height": 0.3, "thickness": 0.5, "mass": MASS, "cells": cells}
+    velocity = [1.0, 0.0] if dimension == 2 else [0.8, 0.6, 0.0]
+    below = {"name": "low", **size, "friction": 2.0}
+    above = {"name": "up", "on": "low", **size, "friction": 0.2, "velocity": velocity}
+    tables = {
+        "dimension": dimension,
+        "block": [each | {"young": 3e9, "poisson": 0.2} for each in (below, above)],
+        "time": {"end": 0.1, "step": 1e-3},
+        "output": {"every": 0.05},
+    }
+    history = simulate(parse_scene(tables), folder=tmp_path / "run").history
+    reader = pyvista.get_reader(str(tmp_path / "run" / "fields.pvd"))
+    for time in (0.05, 0.1):
+        reader.set_active_time_value(time)
+        row = int(np.argmin(np.abs(history["time_s"] - time)))
+        assert history["up.slip_m"][row] > 0.03
+        grid = reader.read()[1]
+        data, area = grid.point_data, areas(grid, dimension)
+        pressure, friction, state = (
+            np.asarray(data[name]) for name in ("contact_pressure", "friction", "contact_state")
+        )
+        assert pressure @ area == pytest.approx(history["up.normal_force_N"][row], rel=1e-3)
+        drag = history["up.friction_force_N"][row]
+        assert (friction.T @ area)[0] == pytest.approx(drag, rel=1e-2)
+        assert set(state[pressure > 0]) == {NodeState.SLIPS}
