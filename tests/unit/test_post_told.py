@@ -1,0 +1,182 @@
+"""Numbers told of made-up histories, where signs, sides and order count: each known by hand."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from histories import OSCILLATOR, Array, history_of, scene_of, summary_of
+
+from rockslip import parse_scene
+from solver.results.endings import overturned_at
+from solver.results.impact_rates import rated_by_velocities
+from solver.results.motion import block_motion, lean_over_alpha, slenderness
+from solver.results.overlaps import overlaps
+from solver.results.rocking import Impact
+
+ALPHA = math.atan(0.4)
+"""Slenderness of the block of these histories, rad."""
+
+ON_LOW = "name = 'up'\non = 'low'"
+
+
+def test_the_largest_force_on_the_foundation_may_be_negative() -> None:
+    scene = scene_of("", rest=OSCILLATOR)
+    t = np.linspace(0, 1, 5)
+    shear = np.array([0.0, 2.0, -7.0, 3.0, 0.0])
+    history = history_of(scene, t, block__centre_y_m=0.5, foundation__base_shear_N=shear)
+    assert summary_of(scene, history)["platform"]["peak_base_shear_N"] == 7.0
+
+
+def test_slenderness_of_a_block_turned_by_90_degrees_is_that_of_its_thin_side() -> None:
+    """A quarter turn about +z, then a lean of 0.1 about +y: product of the quaternions."""
+    scene = scene_of("", dimension=3)
+    t = np.linspace(0, 1, 3)
+    c, s = math.cos(0.05) * math.sqrt(0.5), math.sin(0.05) * math.sqrt(0.5)
+    half = math.acos(c)
+    vector = 2 * half / math.sin(half) * np.array([s, s, c])
+    turns = {f"block__angle_{axis}_rad": part for axis, part in zip("xyz", vector, strict=True)}
+    history = history_of(scene, t, block__centre_z_m=0.5, **turns)
+    np.testing.assert_allclose(slenderness(history, scene.blocks[0]), math.atan(0.3))
+    np.testing.assert_allclose(lean_over_alpha(history, scene.blocks[0]), 0.1 / math.atan(0.3))
+
+
+def test_a_block_overturns_where_it_last_passes_its_point_of_balance() -> None:
+    """Beyond it, back, beyond it again, and not yet beyond return when the history ends."""
+    scene = scene_of("")
+    t = np.linspace(0, 0.5, 6)
+    angle = ALPHA * np.array([0.0, 1.2, 0.5, 0.9, 1.3, 1.5])
+    history = history_of(scene, t, block__angle_rad=angle, block__centre_y_m=0.5)
+    assert overturned_at(history, scene.blocks[0]) == pytest.approx(0.4)
+
+
+def test_a_squat_block_has_overturned_where_it_lies_flat() -> None:
+    """Twice its alpha of 56 degrees is never reached: it lies at 90."""
+    tables = scene_of("").to_dict()
+    tables["block"][0]["width"] = 1.5
+    scene = parse_scene(tables)
+    t = np.linspace(0, 0.4, 5)
+    angle = np.radians([0.0, 50.0, 70.0, 88.0, 90.0])
+    history = history_of(scene, t, block__angle_rad=angle, block__centre_y_m=0.75)
+    assert overturned_at(history, scene.blocks[0]) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("lean", [20.0, -20.0])
+def test_a_block_on_one_that_leans_has_not_fallen_while_it_is_over_its_top(lean: float) -> None:
+    """0.6 m along the carrier's axis and 0.2 m down its top is over it; 0.45 m is below."""
+    scene = scene_of("name = 'low'", ON_LOW)
+    t, turn = np.linspace(0, 1, 3), math.radians(lean)
+    axis = np.array([math.sin(turn), math.cos(turn)])
+    downhill = math.copysign(1.0, lean) * np.array([math.cos(turn), -math.sin(turn)])
+    for along, fell in ((0.6, False), (0.45, True)):
+        x, y = np.array([0.0, 0.5]) + along * axis + 0.2 * downhill
+        columns: dict[str, Any] = {"low__centre_y_m": 0.5, "low__angle_rad": turn}
+        columns |= {"up__centre_x_m": x, "up__centre_y_m": y, "up__angle_rad": turn}
+        assert block_motion(scene, history_of(scene, t, **columns), scene.blocks[1]).fell is fell
+
+
+@pytest.mark.parametrize("tilt", [5.0, -5.0])
+def test_the_scale_of_energy_is_counted_from_the_upright_block(tilt: float) -> None:
+    """m g R (cos(alpha - |theta|) - cos alpha) of the release, and a part of m g H."""
+    scene = scene_of(f"tilt_deg = {tilt}")
+    half_diagonal, theta = math.hypot(0.2, 0.5), math.radians(abs(tilt))
+    height = half_diagonal * math.cos(ALPHA - theta)
+    history = history_of(
+        scene,
+        np.linspace(0, 1, 3),
+        block__angle_rad=math.radians(tilt),
+        block__centre_x_m=math.copysign(0.2 - half_diagonal * math.sin(ALPHA - theta), tilt),
+        block__centre_y_m=height,
+    )
+    raised = half_diagonal * (math.cos(ALPHA - theta) - math.cos(ALPHA))
+    weight = 100.0 * 9.81
+    scale = summary_of(scene, history)["energy"]["scale_J"]
+    assert scale == pytest.approx(weight * (raised + 1e-3 * 1.0), rel=1e-9)
+
+
+def test_a_block_that_overturns_and_then_falls_stood_until_it_overturned() -> None:
+    """The peaks while it stood are those before the first of the two."""
+    scene = scene_of("name = 'low'", ON_LOW)
+    t = np.linspace(0, 0.6, 7)
+    angle = np.array([0.0, 0.3, 0.6, 0.8, 1.5, 1.5, 1.5])  # 2 alpha = 0.761
+    place = np.array([0.0, 0.0, 0.1, 0.3, 0.8, 0.9, 1.0])
+    height = np.array([1.5, 1.5, 1.5, 1.5, 1.4, 1.0, 0.8])
+    columns: dict[str, Any] = {"low__centre_y_m": 0.5, "up__angle_rad": angle}
+    columns |= {"up__centre_x_m": place, "up__centre_y_m": height, "up__slip_m": place}
+    block = summary_of(scene, history_of(scene, t, **columns))["blocks"]["up"]
+    assert block["overturned_at_s"] == pytest.approx(0.3)
+    assert block["fell_at_s"] is not None and block["fell_at_s"] > 0.35
+    assert block["peak_angle_while_standing_rad"] == pytest.approx(0.8)
+    assert block["peak_angle_over_alpha_while_standing"] == pytest.approx(0.8 / ALPHA)
+    assert block["peak_slip_while_standing_m"] == pytest.approx(0.3)
+    assert block["peak_angle_rad"] == pytest.approx(1.5)
+    assert block["peak_slip_m"] == pytest.approx(1.0)
+
+
+def test_a_base_that_moves_across_the_lean_of_a_block_does_not_rock_it() -> None:
+    """The block leans along y: only what moves along y counts, with its sign; nor does an incline.
+
+    That is along x, and leaves g cos b.
+    """
+    shaken = "kind = 'half_sine'\namplitude_g = 0.1\nduration = 0.5\n"
+    scene = scene_of("", dimension=3, rest=f"[motion]\n{shaken}[motion.second]\n{shaken}")
+    scene = parse_scene(scene.to_dict() | {"gravity_tilt_deg": 3.0})
+    for second in (0.0, -2.0):
+        history = history_of(
+            scene,
+            np.linspace(0, 1, 5),
+            block__angle_x_rad=-0.05,
+            block__centre_z_m=0.5,
+            base__acceleration_m_s2=3.0,
+            base__second_acceleration_m_s2=second,
+        )
+        base = block_motion(scene, history, scene.blocks[0]).base
+        assert base is not None
+        np.testing.assert_allclose(base[:, 0], second, atol=1e-12)
+        np.testing.assert_allclose(base[:, 1], 9.81 * math.cos(math.radians(3.0)))
+
+
+def _on_a_carrier(carrier: dict[str, Array], own_rate: Array) -> float | None:
+    """Restitution told of an impact at 0.5 s of the block on a carrier."""
+    scene = scene_of("name = 'low'", ON_LOW)
+    t = np.linspace(0, 1, 21)
+    columns: dict[str, Any] = {"low__centre_y_m": 0.5, "up__centre_y_m": 1.5}
+    columns |= {"up__angular_velocity_rad_s": own_rate} | carrier
+    history = history_of(scene, t, **columns)
+    (found,) = rated_by_velocities(
+        scene, history, scene.blocks[1], [Impact(time_s=0.475, restitution=0.11)]
+    )
+    return found.restitution
+
+
+def test_on_a_carrier_that_turns_the_restitution_is_that_of_the_rates_against_it() -> None:
+    """1 rad/s towards it before, 0.7 rad/s after, of a carrier that turns by 0.2 rad/s itself."""
+    t = np.linspace(0, 1, 21)
+    carrier: dict[str, Array] = {
+        "low__angle_rad": 0.2 * t,
+        "low__angular_velocity_rad_s": 0.2 + 0 * t,
+    }
+    own = np.where(t < 0.475, -1.0, -0.7) + 0.2
+    assert _on_a_carrier(carrier, own) == pytest.approx(0.7)
+
+
+def test_a_carrier_that_slips_and_comes_back_does_not_hold() -> None:
+    """The restitution is by the rates, not what the peaks said of ground at rest."""
+    t = np.linspace(0, 1, 21)
+    own = np.where(t < 0.475, -1.0, -0.7)
+    slipped: dict[str, Array] = {"low__slip_m": 0.01 * np.sin(math.pi * t) * (t < 1)}
+    assert _on_a_carrier(slipped, own) == pytest.approx(0.7)
+    assert _on_a_carrier({}, own) == 0.11
+
+
+def test_an_overlap_is_told_at_the_time_at_which_it_begins() -> None:
+    """Blocks 0.4 m wide, far from each other at first; later 1 m/s: from 0.8 s on."""
+    scene = scene_of("name = 'a'", "name = 'b'\noffset = 3.0", rest="[output]\nevery = 0.05\n")
+    t = np.linspace(0, 1, 101)
+    place = np.where(t < 0.2, 3.0, np.where(t < 0.35, 1.0, 0.8 - (t - 0.4)))
+    columns: dict[str, Any] = {"a__centre_y_m": 0.5, "b__centre_y_m": 0.5, "b__centre_x_m": place}
+    (found,) = overlaps(scene, history_of(scene, t, **columns))
+    assert found["time_s"] == pytest.approx(0.85)
+    assert found["depth_m"] == pytest.approx(0.2)
