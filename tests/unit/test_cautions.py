@@ -279,3 +279,11 @@ def test_units_of_materials() -> None:
     assert [text.split(" has ")[0] for text in found[:2]] == ["block", "the foundation"]
     assert "210000" not in found[0] and "2.1e+05 Pa" in found[0]
     assert "the foundation weighs 2.5 kg/m3" in found[2]
+
+
+def test_what_time_integration_lost_is_unresolved() -> None:
+    """1 J in undamped contact and 3 J by steps, of 10 J that impacts lost."""
+    lost = loss(6.0, 1.0, friction=100.0) | {"numerical_J": 3.0}
+    assert unresolved_share(lost) == pytest.approx(0.4)
+    found = cautions_of_run(scene(), lost, 10.0)
+    assert len(found) == 1 and found[0].startswith("40 %")

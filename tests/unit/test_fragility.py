@@ -10,6 +10,8 @@ from scipy.stats import ks_2samp, norm
 
 from solver.errors import SceneError
 from solver.excitation.sampled import SampledMotion
+from solver.study.suite.ensemble import Ensemble
+from solver.study.suite.findings import Sample, as_text, distances
 from solver.study.suite.fragility import distance, fitted, interval
 from solver.study.suite.intensity import Intensity
 
@@ -110,3 +112,45 @@ def test_intensities() -> None:
     assert Intensity.read("PSA:0.5").of(uneven) == pytest.approx(
         Intensity.read("PSA:0.5").of(motion), rel=1e-4
     )
+
+
+@pytest.mark.parametrize("levels", [[0.05, 0.08, 0.12, 0.2, 0.3], [0.7, 1.0, 1.5, 2.0]])
+def test_the_interval_of_a_median_far_from_the_levels_is_fisher_s(levels: list[float]) -> None:
+    """Of ln(median) and beta themselves: z = (ln x - ln median)/beta, the weights as in probit.
+
+    I = sum n phi(z)^2/(Phi(z) (1 - Phi(z))) grad z grad z^T, grad z = -(1, z)/beta.
+    """
+    median, beta, trials = 0.5, 0.6, 10**7
+    z = np.log(np.array(levels) / median) / beta
+    counts = (trials * norm.cdf(z)).round().astype(int).tolist()
+    found = fitted(levels, counts, [trials] * len(levels))
+    assert found is not None
+    weight = trials * norm.pdf(z) ** 2 / (norm.cdf(z) * norm.sf(z))
+    slopes = -np.stack([np.ones_like(z), z]) / beta
+    errors = np.sqrt(np.diag(np.linalg.inv(slopes * weight @ slopes.T)))
+    reach = 1.959964 * errors[0]
+    known = (median * math.exp(-reach), median * math.exp(reach))
+    assert np.log(np.array(found.median_interval) / median) == pytest.approx(
+        np.log(np.array(known) / median), rel=0.02
+    )
+    assert found.beta_error == pytest.approx(errors[1], rel=1e-3)
+
+
+def test_the_second_engine_that_overturns_more_has_points_more() -> None:
+    """1 of 4 by the first one, 3 of 4 by the second one: +50 points; the other way round -50."""
+    group = (("block", "a"),)
+    few = Sample(group, "rigid", 0.5, (0.1, 0.2, 0.3, math.inf), ())
+    many = Sample(group, "ode", 0.5, (0.1, math.inf, math.inf, math.inf), ())
+    for pair, points in (((few, many), 50), ((many, few), -50)):
+        (row,) = distances(pair)
+        assert row["engines"] == [sample.engine for sample in pair]
+        assert row["overturned"] == pytest.approx(points / 100)
+        assert f"overturned {points:+d} points" in as_text([], [], [row], Ensemble())
+
+
+def test_the_largest_velocity_may_be_a_negative_one() -> None:
+    """Of -2 m/s^2 sin(2 pi t/0.5): it goes to -a T/pi and back, never forwards."""
+    time = np.arange(0.0, 2.0005, 0.001)
+    motion = SampledMotion(time=time, value=-2.0 * np.sin(4 * math.pi * time), step=0.001)
+    assert Intensity.read("PGV").of(motion) == pytest.approx(2 * 0.5 / math.pi, rel=1e-4)
+    assert Intensity.read("PGA").of(motion) == pytest.approx(2 / 9.81)

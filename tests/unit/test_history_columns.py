@@ -130,3 +130,13 @@ def test_a_lean_is_carried_on_beyond_half_a_turn() -> None:
         turn[::2, ::2] = [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
         leans.append(lean_in_space(turn, leans[-1]))
     assert leans == pytest.approx(angles)
+
+
+def test_the_lean_of_a_block_turned_about_the_vertical_is_that_of_its_upright_axis() -> None:
+    """A quarter turn about z, then 0.2 rad about y: the axis leans to +x by 0.2 rad."""
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    c, s = np.cos(0.2), np.sin(0.2)
+    lean = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    assert lean_in_space(lean @ quarter, 0.0) == pytest.approx(0.2)
+    # About its own axis y, which points to -x then, it leans to +y: not about +y in space.
+    assert lean_in_space(quarter @ lean, 0.0) == pytest.approx(0.0, abs=1e-15)

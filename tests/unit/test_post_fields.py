@@ -381,3 +381,34 @@ def test_a_piece_without_room_is_not_listed(tmp_path: Path) -> None:
     said = python(FULL, file, 1, "triangle", "strain", "1,0,0,1", ranks=2)
     assert said.split() == ["1", "fields_p1_000000.vtu"]
     assert pyvista.get_reader(str(file)).time_values == [0.25]
+
+
+def test_the_stress_of_a_thin_body_does_not_depend_on_its_thickness() -> None:
+    """Squeezed by 1 % along y in plane strain: E_yy = -e + e^2/2, sigma = F S F^T/det F."""
+    from mpi4py import MPI
+
+    from dolfinx import fem, mesh
+
+    from solver.bodies.elastic_forms import Moduli
+    from solver.fields.body_functions import BodyFunctions
+    from solver.scene.material import Material
+
+    squeeze = 0.01
+    strain = -squeeze + squeeze**2 / 2
+    young = SHEAR * (3 * LAME + 2 * SHEAR) / (LAME + SHEAR)
+    poisson = LAME / (2 * (LAME + SHEAR))
+    material = Material(young=young, poisson=poisson, density=1.0, plane="strain").times(0.3)
+    block = mesh.create_rectangle(
+        MPI.COMM_SELF, [(-0.1, 0.0), (0.1, 1.0)], (2, 3), cell_type=mesh.CellType.quadrilateral
+    )
+    u = fem.Function(fem.functionspace(block, ("Lagrange", 1, (2,))))
+    u.interpolate(lambda x: np.stack([0 * x[0], -squeeze * x[1]]))
+    functions = BodyFunctions({"displacement": u}, Moduli.of(block, material), 0.3)
+    functions.fill()
+    cells = functions.arrays()[1]
+    across = LAME * strain / (1 - squeeze)
+    along = (1 - squeeze) * (LAME + 2 * SHEAR) * strain
+    stress = np.diag([across, along, across]).ravel()
+    found = np.asarray(cells["stress"]).reshape(-1, 9)
+    np.testing.assert_allclose(found, np.tile(stress, (6, 1)), atol=1e-9 * abs(along))
+    np.testing.assert_allclose(np.asarray(cells["von_mises"]).ravel(), across - along, rtol=1e-9)

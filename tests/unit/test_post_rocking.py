@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from geometry.block import Block
 from solver.results import rocking
-from solver.results.angular_velocity import rocking_acceleration
+from solver.results.angular_velocity import rigid_moment, rocking_acceleration
 
 Array = NDArray[np.float64]
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=503.0 / 0.1875)
@@ -220,3 +220,39 @@ def test_a_swing_that_follows_a_smaller_one_says_nothing_of_an_impact() -> None:
     read = [ratio for ratio in found if ratio is not None]
     assert len(read) > 10 and len(read) < len(found) - 1
     assert read == pytest.approx([e] * len(read), abs=0.01)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_peak_of_a_parabola_is_exact_whatever_the_distances_of_its_rows(side: float) -> None:
+    for t in (np.array([0.0, 0.3, 0.5, 1.2, 1.5]), np.array([0.0, 0.1, 0.65, 0.8, 1.4])):
+        angle = side * (0.05 - 0.04 * (t - 0.6) ** 2)
+        ((at, peak),) = rocking.peaks(t, angle, ALPHA)
+        assert at == pytest.approx(0.6, rel=1e-12)
+        assert peak == pytest.approx(side * 0.05, rel=1e-12)
+
+
+CUBIC = np.polynomial.Polynomial([0.02, -0.3, 0.8, -1.1])
+"""An angle whose acceleration changes evenly."""
+
+
+@pytest.mark.parametrize("rows", [[0.2, 0.3, 0.55, 0.7, 1.1], [1.1, 1.3, 1.4, 1.9]])
+@pytest.mark.parametrize("end", [0, -1])
+def test_a_cubic_angle_is_read_exactly_at_either_end_of_coarse_rows(
+    rows: list[float], end: int
+) -> None:
+    t = np.array(rows)
+    found = rigid_moment(t, CUBIC(t), CUBIC.deriv(2)(t), rows[end])
+    assert found is not None
+    assert found.angle == pytest.approx(CUBIC(rows[end]), rel=1e-10)
+    assert found.velocity == pytest.approx(CUBIC.deriv()(rows[end]), rel=1e-10)
+
+
+@pytest.mark.parametrize("at", [0.1, 1.25])
+def test_an_impact_between_rows_is_read_exactly_from_a_steady_acceleration(at: float) -> None:
+    """A parabola, 0.1 s before the first row and 0.15 s after the last one."""
+    angle = CUBIC.cutdeg(2)
+    t = np.array([0.2, 0.3, 0.55, 0.7, 1.1])
+    found = rigid_moment(t, angle(t), angle.deriv(2)(t) + 0 * t, at)
+    assert found is not None
+    assert found.angle == pytest.approx(angle(at), rel=1e-10)
+    assert found.velocity == pytest.approx(angle.deriv()(at), rel=1e-10)

@@ -19,6 +19,7 @@ from solver.scene.motion import (
     RickerSpec,
     SineSpec,
 )
+from solver.study.overturning.pulses import PULSES
 
 PULSE = {"amplitude_g": 0.5, "duration": 0.5, "start": 0.2}
 SPECS = {
@@ -136,3 +137,15 @@ def test_all_directions_together() -> None:
     np.testing.assert_allclose(alone.acceleration(0.2), [0.0, 2.943, 0.0])
     assert ground(2, None) is None
     assert ground(2, {"kind": "none"}) is None
+
+
+@pytest.mark.parametrize("frequency", [3.0, 20.0])
+def test_the_ricker_wavelet_of_the_study_is_strongest_at_its_frequency(frequency: float) -> None:
+    """The spectrum f^2 exp(-f^2/f0^2) has its peak at f0 = omega/(2 pi)."""
+    pulse = PULSES["ricker"].motion(2.0, frequency)
+    period = 2 * math.pi / frequency
+    time = np.linspace(pulse.start, pulse.start + 200 * period, 40001)
+    spectrum = np.abs(np.fft.rfft(pulse.accelerations(time)))
+    found = np.fft.rfftfreq(len(time), float(time[1]))[int(np.argmax(spectrum))]
+    assert found == pytest.approx(1 / period, rel=0.006)
+    assert pulse.peak == pytest.approx(2.0)

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from solver.errors import SceneError
+from solver.excitation.baseline import corrected
 from solver.excitation.kinds.record import read_record
 from solver.excitation.motion import base_motion
 from solver.excitation.spectrum import response_spectrum
@@ -504,3 +505,18 @@ def test_encodings(tmp_path: Path, encoding: str) -> None:
     (tmp_path / "m.txt").write_bytes(mark + text.encode(encoding))
     motion = read_record(RecordSpec(file=tmp_path / "m.txt"))
     assert motion.value == pytest.approx(VALUES)
+
+
+def test_a_parabola_does_not_take_a_cubic_away_whole() -> None:
+    """Of t^3 over a unit time a velocity t^4/4 - c1 t - c2 t^2 - c3 t^3 of least square remains.
+
+    Its normal equations are sums c_j/(i + j + 1) = 1/(4 (i + 5)), i = 1, 2, 3.
+    """
+    time = np.linspace(0.0, 1.0, 4001)
+    power = np.arange(1, 4)
+    normal = 1 / (power[:, None] + power + 1.0)
+    c = np.linalg.solve(normal, 1 / (4 * (power + 5.0)))
+    remains = time**3 - (c[0] + 2 * c[1] * time + 3 * c[2] * time**2)
+    assert np.abs(remains).max() > 0.03
+    np.testing.assert_allclose(corrected(time**3, "quadratic"), remains, atol=1e-4)
+    assert np.abs(corrected(time**2, "quadratic")).max() < 1e-9

@@ -12,7 +12,9 @@ import pytest
 from geometry.arrangement import initial_position
 from rockslip import History, Scene, parse_scene
 from solver.errors import SceneError
+from solver.excitation.motion import read_ground
 from solver.reference import answer
+from solver.reference.expected import demand
 from solver.reference.shenton import release_friction, rocking_friction
 
 BLOCK = {
@@ -305,3 +307,34 @@ def test_squat_block_at_rest_has_a_reference() -> None:
     """Housner's restitution would be negative: it stays where it lands."""
     history = answer.reference_history(scene(block=SQUAT))
     assert not history["block.angle_rad"].any()
+
+
+@pytest.mark.parametrize("tilt", [0.0, 4.0, -4.0])
+def test_friction_that_holds_a_block_carries_it_along_and_up_the_incline(tilt: float) -> None:
+    """m a - m g sin b where an incline of angle b pulls to +x, until it is beyond mu m g cos b."""
+    push = {"kind": "half_sine", "amplitude_g": 0.4, "duration": 0.5}
+    asked = scene(
+        block={"width": 1.0, "height": 0.5}, motion=push, gravity_tilt_deg=tilt, friction=0.2
+    )
+    assert answer.reference_name(asked) == answer.SLIDING
+    history = answer.reference_history(asked)
+    time, b = history["time_s"], math.radians(tilt)
+    wanted = 503.0 * 9.81 * (0.4 * np.sin(2 * math.pi * time) - math.sin(b))
+    most = 0.2 * WEIGHT * math.cos(b)
+    until = int(np.argmax(np.abs(wanted) > most))
+    assert until > 50
+    np.testing.assert_allclose(history["block.friction_force_N"][:until], wanted[:until], atol=1e-6)
+    assert history["block.friction_force_N"][until + 1] == pytest.approx(most)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 3.0, -3.0])
+def test_demand_is_over_the_gravity_that_the_ground_leaves(tilt: float) -> None:
+    """(0.3 + |sin b|)/(cos b - 0.5): ground that may go down with half of gravity."""
+    push = {"kind": "half_sine", "amplitude_g": 0.3, "duration": 0.5}
+    heave = push | {"amplitude_g": -0.5}
+    asked = scene(motion=push | {"vertical": heave}, gravity_tilt_deg=tilt)
+    b = math.radians(tilt)
+    wanted = (0.3 + abs(math.sin(b))) / (math.cos(b) - 0.5)
+    assert demand(asked, read_ground(asked)) == pytest.approx(wanted)
+    lost = scene(motion=push | {"vertical": push | {"amplitude_g": 1.0}})
+    assert demand(lost, read_ground(lost)) == math.inf

@@ -10,7 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rockslip import parse_scene
 from solver.cli import main
+from solver.excitation.motion import GroundMotion
+from solver.excitation.sampled import SampledMotion
+from solver.study.suite.engines import equation
 from solver.study.suite.findings import Sample, distances, fits, samples
 
 pytestmark = pytest.mark.serial
@@ -127,3 +131,21 @@ def test_what_is_refused(
 ) -> None:
     assert main(["study", "suite", str(SCENE), "-o", str(tmp_path / "out"), *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_housner_s_block_beyond_its_balance_at_the_end_has_overturned_if_it_falls_later() -> None:
+    """On the moon, under a steady a = g, its angle is between 0.363 and 0.607 (p t)^2.
+
+    That is beyond alpha = 0.245 after (p t)^2 = 0.674, and below 2 alpha up to 0.807.
+    """
+    gravity = 1.62
+    p = math.sqrt(3 * gravity / (4 * math.hypot(0.125, 0.5)))
+    end = math.sqrt(0.74) / p
+    block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid"}
+    scene = parse_scene({"block": [block], "gravity": gravity, "time": {"end": end}})
+    steady = SampledMotion(time=np.array([0.0, 9.0]), value=np.array([gravity, gravity]))
+    row = equation(scene, GroundMotion((steady, None)))
+    assert row["block.overturned_at_s"] == pytest.approx(end)
+    assert row["block.mode"] == "overturned"
+    assert 1.0 < row["block.peak_angle_over_alpha"] < 2.0
+    assert row["pga_g"] == pytest.approx(1.62 / 9.81)
