@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from geometry.arrangement import initial_position
 from geometry.block import Block
 from solver.rigid.plane.contact import (
+    area,
     distance,
     find_points,
     local_place,
@@ -206,3 +207,20 @@ def test_compliance_of_two_sticking_corners_is_definite() -> None:
     assert np.linalg.matrix_rank(exact) == 3
     assert np.abs(W - exact).max() < 2e-9 * np.abs(exact).max()
     assert math.isclose(W[0, 2], exact[0, 2])
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(0.2, 0.7), (0.7, 0.2)])
+@pytest.mark.parametrize(("shift", "shared"), [(0.0, 0.3), (0.1, 0.2), (-0.3, 0.1)])
+def test_cohesion_holds_the_face_that_both_blocks_share(
+    lower: float, upper: float, shift: float, shared: float
+) -> None:
+    """Half a corner: the upper one is 0.3 m wide, 0.05 m + shift off the middle of 0.4 m."""
+    system, state, memory, work = parts(platform=False)
+    system = system._replace(thickness=np.array([lower, upper]))
+    state.q[3] += shift
+    near = listed(system, state, memory, work)
+    found = [area(system, work, state, i) for i, pair in enumerate(near) if set(pair) == {0, 1}]
+    assert len(found) == 2
+    assert found == pytest.approx([shared / 2 * 0.2] * 2)
+    floor = [area(system, work, state, i) for i, pair in enumerate(near) if pair == (0, -1)]
+    assert floor == pytest.approx([0.2 * lower] * 2)
