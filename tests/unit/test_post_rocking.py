@@ -256,3 +256,74 @@ def test_an_impact_between_rows_is_read_exactly_from_a_steady_acceleration(at: f
     assert found is not None
     assert found.angle == pytest.approx(angle(at), rel=1e-10)
     assert found.velocity == pytest.approx(angle.deriv()(at), rel=1e-10)
+
+
+def test_what_an_impact_does_to_a_base_that_gives_way_is_no_acceleration_of_the_block() -> None:
+    """For 0.01/p after each impact the platform's acceleration is that of the impact, 60 g."""
+    e = 0.9
+    time, angles, base = housner(e, 0.06, 1.2, 5e-4, lambda t: 0.3 * math.sin(4 * math.pi * t))
+    free = rocking_acceleration(angles, SHAPE, base, np.full_like(base, GRAVITY))
+    for impact in rocking.impacts(time, angles, SHAPE, GRAVITY, free):
+        since = time - impact.time_s
+        free[(since >= 0) & (since < 0.01 / SHAPE.frequency(GRAVITY))] += 600.0
+    given = [
+        [i.restitution for i in rocking.impacts(time, angles, SHAPE, GRAVITY, free, gives_way=w)]
+        for w in (True, False)
+    ]
+    assert given[0][:2] == pytest.approx([e] * 2, abs=2e-3)
+    assert given[1][0] is None or abs(given[1][0] - e) > 0.05
+
+
+@pytest.mark.parametrize(("aside", "known"), [(0.009, True), (0.02, False)])
+@pytest.mark.parametrize("swing", [0, 1, 2])
+def test_a_block_that_rolls_in_a_swing_beside_an_impact_has_no_restitution_there(
+    aside: float, known: bool, swing: int
+) -> None:
+    """Triangular swings of 0.04 rad; it leans out of their plane by a part of that in one swing."""
+    t = np.linspace(0, 6, 601)
+    angle = np.interp(t, [0, 1, 3, 5, 6], [0.04, 0.0, 0.0, 0.0, -0.04])
+    angle += 0.04 * (np.interp(t, [3, 4, 5], [0, 1, 0]) - np.interp(t, [1, 2, 3], [0, 1, 0]))
+    out = np.where(np.abs(t - 2 * swing) < 0.5, aside * 0.04, 0.0)
+    found = rocking.impacts(t, angle, SHAPE, GRAVITY, aside=out)
+    assert [i.time_s for i in found[:2]] == pytest.approx([1.0, 3.0], abs=1e-9)
+    for number, impact in enumerate(found[:2]):
+        rolls = not known and swing in (number, number + 1)
+        assert (impact.restitution is None) is rolls
+
+
+def test_where_the_parabola_meets_zero_too_late_the_line_between_rows_tells_the_impact() -> None:
+    """After 0.30, 0.29, 0.27 it would at a row later; from 0.27 to -0.18 it is 0.6 of the step."""
+    t = 0.1 * np.arange(7)
+    angle = ALPHA * np.array([0.1, 0.3, 0.29, 0.27, -0.18, -0.2, -0.1])
+    assert rocking.impacts(t, angle, SHAPE, GRAVITY)[0].time_s == pytest.approx(0.36)
+
+
+def _comes_to_rest(end: float) -> list[rocking.Impact]:
+    """From 0.5 alpha to zero within 1 s, then half the smallest swing, which dies out."""
+    t = np.linspace(0, end, round(100 * end) + 1)
+    small = 0.5 * rocking.SMALLEST_SWING
+    part = np.interp(t, [0, 1, 1.5, 2], [0.5, 0.0, -small, 0.0])
+    return rocking.impacts(t, ALPHA * part, SHAPE, GRAVITY)
+
+
+def test_movements_smaller_than_a_swing_tell_the_restitution_once_they_had_time() -> None:
+    """Their largest angle counts, not their last one; they need twice the time of the fall."""
+    (soon,), (late,) = _comes_to_rest(2.8), _comes_to_rest(3.2)
+    assert soon.restitution is None
+    small = 0.5 * rocking.SMALLEST_SWING
+    energies = [math.cos((1 - x) * ALPHA) - math.cos(ALPHA) for x in (small, 0.5)]
+    assert late.restitution == pytest.approx(math.sqrt(energies[0] / energies[1]), rel=1e-9)
+
+
+def test_between_peaks_beyond_return_no_energy_tells_the_restitution() -> None:
+    """Beyond 2 alpha it has less energy than upright."""
+    t = np.linspace(0, 4, 401)
+    for first, second in ((0.5, -2.5), (2.5, -0.5)):
+        angle = ALPHA * np.interp(t, [0, 1, 2, 3, 4], [first, 0, second, 0, 0.5])
+        assert rocking.impacts(t, angle, SHAPE, GRAVITY)[0].restitution is None
+
+
+def test_a_block_beyond_return_is_beyond_its_point_of_balance() -> None:
+    """2 alpha; 89 degrees of a squat one; alpha of a plate whose diagonal is flatter than that."""
+    for degrees, lost in ((14.0, 28.0), (44.0, 88.0), (60.0, 89.0), (89.5, 89.5)):
+        assert rocking.no_return(math.radians(degrees)) == pytest.approx(math.radians(lost))

@@ -214,7 +214,7 @@ def test_compliance_of_two_sticking_corners_is_definite() -> None:
 def test_cohesion_holds_the_face_that_both_blocks_share(
     lower: float, upper: float, shift: float, shared: float
 ) -> None:
-    """Half a corner: the upper one is 0.3 m wide, 0.05 m + shift off the middle of 0.4 m."""
+    """Half of it at each corner; 0.3 m on 0.4 m of width, their middles 0.05 m + shift apart."""
     system, state, memory, work = parts(platform=False)
     system = system._replace(thickness=np.array([lower, upper]))
     state.q[3] += shift
