@@ -12,7 +12,14 @@ from histories import OSCILLATOR, Array, history_of, scene_of, summary_of
 from rockslip import parse_scene
 from solver.results.endings import overturned_at
 from solver.results.impact_rates import rated_by_velocities
-from solver.results.motion import block_motion, lean_over_alpha, slenderness
+from solver.results.motion import (
+    angular_velocity,
+    block_motion,
+    boxes,
+    lean_over_alpha,
+    lost_carrier,
+    slenderness,
+)
 from solver.results.overlaps import overlaps
 from solver.results.rocking import Impact
 
@@ -180,3 +187,100 @@ def test_an_overlap_is_told_at_the_time_at_which_it_begins() -> None:
     (found,) = overlaps(scene, history_of(scene, t, **columns))
     assert found["time_s"] == pytest.approx(0.85)
     assert found["depth_m"] == pytest.approx(0.2)
+
+
+def test_a_rate_towards_a_direction_is_the_one_about_the_axis_ahead_of_it() -> None:
+    """Leaning to (0.8, 0.6) is turning about (-0.6, 0.8); about z and (0.8, 0.6) nothing leans."""
+    scene = scene_of("", dimension=3)
+    for about, rate in (((-0.6, 0.8, 9.0), 1.0), ((0.8, 0.6, -5.0), 0.0), ((1.0, 0.0, 0.0), -0.6)):
+        columns = {
+            f"block__angular_velocity_{axis}_rad_s": part
+            for axis, part in zip("xyz", about, strict=True)
+        }
+        history = history_of(scene, np.linspace(0, 1, 3), block__centre_z_m=0.5, **columns)
+        found = angular_velocity(history, "block", np.array([0.8, 0.6]))
+        np.testing.assert_allclose(found, rate, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("lean", "along", "lost"), [(59.0, 0.51, False), (61.0, 0.51, True), (59.0, 0.49, True)]
+)
+def test_a_carrier_is_lost_beyond_60_degrees_or_below_its_top(
+    lean: float, along: float, lost: bool
+) -> None:
+    scene = scene_of("name = 'low'", ON_LOW)
+    turn = math.radians(lean)
+    x, y = along * np.array([math.sin(turn), math.cos(turn)])
+    columns: dict[str, Any] = {"low__angle_rad": turn, "low__centre_y_m": 0.5}
+    columns |= {"up__centre_x_m": x, "up__centre_y_m": 0.5 + y}
+    history = history_of(scene, np.linspace(0, 1, 3), **columns)
+    assert lost_carrier(history, scene.blocks[1], scene.blocks[0]).tolist() == [lost] * 3
+
+
+def test_a_block_that_leans_to_minus_y_has_a_negative_angle() -> None:
+    """A turn about +x takes +z to -y."""
+    scene = scene_of("", dimension=3)
+    t = np.linspace(0, 1, 3)
+    history = history_of(scene, t, block__angle_x_rad=0.05, block__centre_z_m=0.5)
+    motion = block_motion(scene, history, scene.blocks[0])
+    np.testing.assert_allclose(motion.angle, -0.05)
+    assert motion.shape.width == pytest.approx(0.3)
+
+
+def test_ground_that_accelerates_upwards_adds_to_gravity() -> None:
+    pulse = "kind = 'half_sine'\namplitude_g = 0.1\nduration = 0.5\n"
+    scene = scene_of("", rest=f"[motion]\n{pulse}[motion.vertical]\n{pulse}")
+    columns: dict[str, Any] = {"block__centre_y_m": 0.5, "base__acceleration_m_s2": 3.0}
+    columns |= {"base__vertical_acceleration_m_s2": 2.0}
+    history = history_of(scene, np.linspace(0, 1, 3), **columns)
+    base = block_motion(scene, history, scene.blocks[0]).base
+    np.testing.assert_allclose(base, [[3.0, 11.81]] * 3)
+
+
+def test_the_axes_of_a_block_in_the_plane_turn_with_it_to_the_right() -> None:
+    """Leaning to +x its upright axis points to (sin, cos), its base to (cos, -sin)."""
+    scene = scene_of("")
+    history = history_of(scene, np.linspace(0, 1, 2), block__angle_rad=0.3, block__centre_y_m=0.5)
+    box = boxes(history, scene.blocks[0])
+    c, s = math.cos(0.3), math.sin(0.3)
+    np.testing.assert_allclose(box.frames[0][:, 0], [c, -s])
+    np.testing.assert_allclose(box.frames[0][:, 1], [s, c])
+    np.testing.assert_allclose(box.half, [0.2, 0.5])
+
+
+def test_a_block_that_does_not_lean_is_as_slender_as_along_its_width() -> None:
+    scene = scene_of("", dimension=3)
+    history = history_of(scene, np.linspace(0, 1, 2), block__centre_z_m=0.5)
+    np.testing.assert_allclose(slenderness(history, scene.blocks[0]), ALPHA)
+
+
+def test_a_block_in_space_that_turns_over_is_followed_beyond_half_a_turn() -> None:
+    scene = scene_of("", dimension=3)
+    t = np.linspace(0, 1, 101)
+    history = history_of(scene, t, block__angle_y_rad=4.0 * t, block__centre_z_m=0.5)
+    np.testing.assert_allclose(block_motion(scene, history, scene.blocks[0]).angle, 4.0 * t)
+
+
+def test_angles_of_the_summary_are_from_upright_whatever_carries_the_block() -> None:
+    """It leans by -0.05 rad at most and 0.03 at the end, on a block that leans by 0.01."""
+    scene = scene_of("name = 'low'", ON_LOW)
+    lean = np.array([0.0, -0.05, 0.02, 0.03])
+    columns: dict[str, Any] = {"low__angle_rad": 0.01, "low__centre_y_m": 0.5}
+    columns |= {"up__angle_rad": lean, "up__centre_y_m": 1.5}
+    block = summary_of(scene, history_of(scene, np.linspace(0, 1, 4), **columns))["blocks"]["up"]
+    assert block["peak_angle_rad"] == block["peak_angle_while_standing_rad"] == 0.05
+    assert block["peak_angle_over_alpha"] == pytest.approx(0.05 / ALPHA)
+    assert block["residual_angle_rad"] == 0.03
+
+
+def test_a_block_that_nothing_held_for_a_moment_fell_wherever_it_ends() -> None:
+    """Beside the top at first, all of it above the plane of half the carrier in the end."""
+    scene = scene_of("name = 'low'", ON_LOW)
+    columns: dict[str, Any] = {"low__centre_y_m": 0.5}
+    columns |= {"up__centre_x_m": np.array([0.3, 0.41, 0.42]), "up__angle_rad": 0.0}
+    columns |= {"up__centre_y_m": np.array([1.5, 1.48, 1.45])}
+    history = history_of(scene, np.linspace(0, 1, 3), **columns)
+    assert not block_motion(scene, history, scene.blocks[1]).fell
+    block = summary_of(scene, history)["blocks"]["up"]
+    assert block["fell_at_s"] == 0.5
+    assert block["mode"] == "fell"
