@@ -154,3 +154,37 @@ def test_the_largest_velocity_may_be_a_negative_one() -> None:
     motion = SampledMotion(time=time, value=-2.0 * np.sin(4 * math.pi * time), step=0.001)
     assert Intensity.read("PGV").of(motion) == pytest.approx(2 * 0.5 / math.pi, rel=1e-4)
     assert Intensity.read("PGA").of(motion) == pytest.approx(2 / 9.81)
+
+
+def test_the_row_of_a_sample_has_quantiles_that_are_values_of_it() -> None:
+    """Of ten motions: the second, fifth and ninth largest angle; one that overturns has none."""
+    angles = (0.9, 1.2, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, math.inf, math.inf)
+    slips = tuple(0.001 * k for k in range(1, 11))
+    sample = Sample((("contact.friction", "0.3"), ("block", "a")), "rigid", 0.5, angles, slips)
+    row = sample.row()
+    assert (row["motions"], row["overturned"], row["probability"]) == (10, 2, 0.2)
+    found = [row[f"angle_over_alpha_{q}"] for q in (16, 50, 84)]
+    assert found == [0.2, 0.5, None]
+    assert [row[f"slip_m_{q}"] for q in (16, 50, 84)] == pytest.approx([0.002, 0.005, 0.009])
+    words = as_text([sample], [], [], Ensemble()).splitlines()[1].split()
+    assert words[:4] == ["contact.friction", "0.3,", "a", "rigid"]
+    assert words[4:8] == ["0.5", "10", "2", "0.200"]
+    assert words[-5:] == ["0.200", "0.500", "over", "5.000", "9.000"]
+
+
+def test_engines_are_compared_at_the_same_level_and_block_only() -> None:
+    """Pairs of samples of one block at one level; slips where both engines have them."""
+    a, b = (("block", "a"),), (("block", "b"),)
+    found = distances([
+        Sample(a, "rigid", 0.5, (0.1, 0.2), (0.01, 0.02)),
+        Sample(b, "rigid", 0.5, (0.1, 0.2), (0.01, 0.02)),
+        Sample(a, "ode", 0.5, (0.1, 0.3), ()),
+        Sample(a, "elastic", 0.5, (0.3, 0.4), (0.02, 0.03)),
+        Sample(a, "ode", 0.7, (0.1, 0.3), ()),
+    ])  # fmt: skip
+    assert [row["engines"] for row in found] == [
+        ["rigid", "ode"], ["rigid", "elastic"], ["ode", "elastic"]
+    ]  # fmt: skip
+    assert [row["angle"] for row in found] == pytest.approx([0.5, 1.0, 0.5])
+    assert [row["slip"] for row in found] == [None, pytest.approx(0.5), None]
+    assert {row["block"] for row in found} == {"a"}

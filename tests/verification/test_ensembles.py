@@ -149,3 +149,18 @@ def test_housner_s_block_beyond_its_balance_at_the_end_has_overturned_if_it_fall
     assert row["block.mode"] == "overturned"
     assert 1.0 < row["block.peak_angle_over_alpha"] < 2.0
     assert row["pga_g"] == pytest.approx(1.62 / 9.81)
+
+
+def test_housner_s_block_that_was_beyond_its_balance_and_came_back_has_rocked() -> None:
+    """Pushed by 1.07 g for 0.15 s, held back by 0.8 g for 0.2 s, then left alone."""
+    block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "restitution": 0.5}
+    scene = parse_scene({"block": [block], "time": {"end": 5.0}})
+    time = np.array([0.0, 0.15, 0.1501, 0.35, 0.3501])
+    push = SampledMotion(time=time, value=np.array([10.5, 10.5, -8.0, -8.0, 0.0]))
+    row = equation(scene, GroundMotion((push, None)))
+    assert 1.0 < row["block.peak_angle_over_alpha"] < 2.0
+    assert row["block.overturned_at_s"] is None
+    assert row["block.mode"] == "rock"
+    assert row["end_s"] == 5.0
+    weak = SampledMotion(time=time, value=np.array([2.4, 2.4, -2.4, -2.4, 0.0]))
+    assert equation(scene, GroundMotion((weak, None)))["block.mode"] == "rest"  # below g tan alpha
