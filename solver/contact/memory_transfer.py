@@ -21,18 +21,21 @@ def _rest(interface: Interface, memory: Memory, beyond: Mask | None) -> Array:
     """The rest gaps of a coming step, m; `beyond`: points beyond an edge of the carrier.
 
     Beyond the edge nothing keeps a point from going below the surface, by a block that leans a
-    little. Once back over the carrier it is held where it is, and follows where it rises.
+    little. Once back over the carrier it is held where it is. As long as it carries no force this
+    follows the point; with one, the point would be lifted.
     """
-    place, rest = memory.kinematics.place[:, 0], memory.rest
+    seen, rest = memory.kinematics, memory.rest
+    level = np.minimum(seen.place[:, 0], seen.augmented[:, 0])
     if rest.any():
-        rest = np.maximum(rest, np.minimum(place, 0.0))
+        held = (rest == 0.0) | (memory.force[:, 0] > 0.0)
+        rest = np.where(held, rest, np.minimum(level, 0.0))
     if beyond is None or not np.count_nonzero(beyond):
         return rest
     below = beyond & penetrating(interface, memory._replace(rest=np.zeros_like(rest)))
-    below &= place > -HELD_DEPTH * _length(interface)
+    below &= level > -HELD_DEPTH * _length(interface)
     if not (below.any() or rest.any()):
         return rest
-    return np.where(beyond, np.where(below, place, 0.0), rest)
+    return np.where(beyond, np.where(below, level, 0.0), rest)
 
 
 def _ignored_until_open(interface: Interface, memory: Memory, beyond: Mask | None) -> Mask | None:

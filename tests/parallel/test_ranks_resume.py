@@ -32,10 +32,16 @@ period = 0.3
 stiffness = 3e-5
 [time]
 end = 0.0925
+adaptive = true
+step = 0.00023125
+largest = 0.000925
 [output]
 every = 0.019
 checkpoint = {{ steps = 150 }}
 """
+
+END, HALF = 0.0925, 0.0555
+"""Ends of the runs, and of their first parts, s: both are whole numbers of the longest step."""
 
 SIZES = {"m": WIDTH, "m_s": WIDTH, "m_s2": 9.81, "rad": 0.2, "rad_s": 1.0, "N": WEIGHT}
 """What columns of these units are compared with at least: some hold nothing but round-off."""
@@ -58,12 +64,14 @@ def differences(one: History, other: History, rows: slice) -> dict[str, float]:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Holds the runs on 1 and 2 ranks, from their start to their end."""
+    """Holds the runs on 1 and 2 ranks: to their end, and the first part of each."""
     folder = tmp_path_factory.mktemp("resume")
     (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
     for ranks in (1, 2):
-        done = on_ranks(ranks, folder, "run", "scene.toml", "-q", "-o", f"on{ranks}")
-        assert done.returncode == 0, done.stderr
+        for name, end in (("on", END), ("begun", HALF)):
+            words = "run", "scene.toml", "-q", "-o", f"{name}{ranks}", "--set", f"time.end={end}"
+            done = on_ranks(ranks, folder, *words)
+            assert done.returncode == 0, done.stderr
     return folder
 
 
@@ -75,10 +83,11 @@ def test_other_ranks_go_on(whole: Path, before: int, after: int) -> None:
     To 1e-8 after it; on the same number of ranks to the byte.
     """
     folder = whole / f"from{before}to{after}"
-    shutil.copytree(whole / f"on{before}", folder)
+    shutil.copytree(whole / f"begun{before}", folder)
     with np.load(folder / NAME) as table:
         header = json.loads(str(table["header"]))
-    done = on_ranks(after, whole, "run", "--resume", str(folder), "-q")
+    words = "run", "--resume", str(folder), "-q", "--set", f"time.end={END}"
+    done = on_ranks(after, whole, *words)
     assert done.returncode == 0, done.stderr
     histories = [whole / f"on{before}", whole / "on1", folder]
     same, one, found = (History.read(each / "history.csv") for each in histories)
@@ -102,7 +111,7 @@ def test_other_ranks_go_on(whole: Path, before: int, after: int) -> None:
     pieces = [
         line.split('file="')[1].split('"')[0] for line in listed.splitlines() if "file" in line
     ]
-    assert len(pieces) == 2 * 6
+    assert len(pieces) == 2 * 7  # that of the first end is one of them
     assert all((folder / piece).is_file() for piece in pieces)
 
 
