@@ -11,9 +11,10 @@ from solver.contact.body_points import NodePoints
 from solver.contact.edge_crossings import Crossings
 from solver.contact.facet_target import Face
 from solver.contact.interface import Interface
+from solver.contact.kernels.way import add_spread
 from solver.contact.memory import Memory
 from solver.contact.nitsche_points import ContactPoints
-from solver.contact.projection import in_space, spread
+from solver.contact.projection import in_space
 from solver.parallel import Layer
 from solver.types import Array
 
@@ -96,8 +97,13 @@ def edge_forces(interface: Interface, memory: Memory, *, carries: bool) -> EdgeF
     friction = in_space(memory.force * (np.arange(memory.force.shape[1]) > 0), seen.frame)
     normal = memory.force[:, :1] * np.column_stack([np.ones(len(memory.slipped)), memory.slipped])
     acting = np.hstack([normal, -friction if carries else friction])
+    # Quadratic shape functions are negative in places: nodes take the force by their sizes.
+    shares = np.abs(places.weights)
+    shares /= np.maximum(shares.sum(axis=1, keepdims=True), LEAST_AREA)
+    own = np.zeros((points.count, acting.shape[1]))
+    add_spread(places.nodes, shares, 1.0, acting, own)
     nodal = np.zeros((points.layer.size, acting.shape[1]))
-    nodal[points.chosen] = spread(places, places, acting, points.count)
+    nodal[points.chosen] = own
     return EdgeForces(points.layer, nodal[:, :2], nodal[:, 2:])
 
 

@@ -75,14 +75,13 @@ def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def cautions_of_end(scene: Scene, end: float, blocks: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Cautions about a run that a block ended by falling, before others were through, s."""
-    fell = [name for name, entry in blocks.items() if entry["fell_at_s"] is not None]
-    if not fell or len(blocks) == 1 or end >= scene.time.end * (1 - 1e-9):
+def cautions_of_end(scene: Scene, status: str, reason: str) -> list[str]:
+    """Cautions about a run that one of several blocks ended, which fell or overturned."""
+    if status != "completed" or not reason or len(scene.blocks) == 1:
         return []
     return [
-        f"the run ends at {end:.4g} of {scene.time.end:g} s, as {fell[0]} fell: what it tells of "
-        "other blocks is up to then"
+        f"the run ends before {scene.time.end:g} s ({reason}): what it tells of other blocks is up "
+        "to then"
     ]
 
 

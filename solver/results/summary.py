@@ -59,7 +59,7 @@ def summarise(
     found += cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
     if blocks:
         found += cautions_of_impacts(scene, blocks)
-        found += cautions_of_end(scene, float(history["time_s"][-1]), blocks)
+        found += cautions_of_end(scene, status, reason)
     return {
         "schema": SCHEMA,
         "title": scene.title,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -79,8 +80,7 @@ class RunFiles:
         hold_folder(self._folder)
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            text = scene_to_toml(self._scene)  # a run that goes on may have another end
-            (self._folder / "scene.toml").write_text(text, encoding="utf-8")
+            self._write_scene(self._folder / "scene.toml")
             log = self._folder / "run.log"
             if self._resumed is None:
                 self._log = log.open("w", encoding="utf-8", buffering=1)
@@ -88,6 +88,14 @@ class RunFiles:
                 self._log = log.open("a", encoding="utf-8", buffering=1)
         except OSError as error:
             raise self._trouble(error) from error
+
+    def _write_scene(self, file: Path) -> None:
+        """Write what is run; the file of a run that goes on is the old one or the new one."""
+        text = scene_to_toml(self._scene)
+        if self._resumed is None or file.read_text(encoding="utf-8") != text:  # of another end
+            draft = file.with_name(file.name + ".part")
+            draft.write_text(text, encoding="utf-8")
+            os.replace(draft, file)
 
     def __enter__(self) -> RunFiles:
         """The files are open already."""

@@ -84,4 +84,8 @@ def differing(one: Any, other: Any, path: str = "") -> set[str]:
             below = f"{path}.{key}" if path else key
             found |= differing(one.get(key), other.get(key), below)
         return found
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        both = zip(one, other, strict=True)
+        pairs = [differing(a, b, f"{path}.{k + 1}") for k, (a, b) in enumerate(both)]
+        return set().union(*pairs)
     return set() if one == other else {path}

@@ -51,4 +51,4 @@ class Reach:
         if self.met.take(near).all():
             return
         self.met[near] = True
-        self.distance[near] = REACH * self._size[near]
+        self.distance[near] = np.maximum(self.distance[near], REACH * self._size[near])

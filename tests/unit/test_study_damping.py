@@ -260,6 +260,8 @@ def test_a_history_in_degrees(tmp_path: Path) -> None:
         ("released from 3 deg\ntime,theta_rad", 1.0),
         ("angle in degrees, time in s", math.pi / 180),
         ("t,Angle (°)", math.pi / 180),
+        ("time_s,angleDeg", math.pi / 180),
+        ("TIME,THETA DEG", math.pi / 180),
         ("graded stone\nt,theta", 1.0),
     ],
 )
@@ -542,7 +544,9 @@ def test_folders_are_not_written_over(made_up: MadeUp, capsys: Captured) -> None
     assert study("--of", "beta=1e-5") == 2
     assert "-o: got out, which is not empty" in capsys.readouterr().err
     assert study("--of", "beta=1e-5", "--resume", "--set", "block.height=1.1") == 2
-    assert "made with another scene.block, allowed the same scene" in capsys.readouterr().err
+    assert (
+        "made with another scene.block.1.height, allowed the same scene" in capsys.readouterr().err
+    )
     assert main(["study", "damping", "scene.toml", "-o", ".", "--force"]) == 2
     assert "which holds the scene itself" in capsys.readouterr().err
 

@@ -182,22 +182,12 @@ def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "blocks a and b overlap by 0.3 m at the start" in capsys.readouterr().err
 
 
-def test_a_run_that_a_fall_ends_says_so_of_the_other_blocks() -> None:
-    entries = {"a": {"fell_at_s": 2.5}, "b": {"fell_at_s": None}}
-    scene = parse_scene(
-        {
-            "block": [
-                {"name": "a", "width": 0.2, "height": 1.0, "mass": 10.0, "model": "rigid"},
-                {
-                    **{"name": "b", "width": 0.2, "height": 1.0, "mass": 10.0, "model": "rigid"},
-                    "offset": 1.0,
-                },
-            ],
-            "time": {"end": 10.0},
-        }
-    )
-    (caution,) = cautions_of_end(scene, 2.6, entries)
-    assert caution.startswith("the run ends at 2.6 of 10 s, as a fell")
-    assert not cautions_of_end(scene, 10.0, entries)
-    assert not cautions_of_end(scene, 2.6, {"a": entries["a"]})
-    assert not cautions_of_end(scene, 2.6, {"a": entries["b"], "b": entries["b"]})
+def test_a_run_that_one_block_ends_says_so_of_the_others() -> None:
+    low = {"name": "a", "width": 0.2, "height": 1.0, "mass": 10.0, "model": "rigid"}
+    blocks = [low, low | {"name": "b", "offset": 1.0}]
+    two, one = (parse_scene({"block": each, "time": {"end": 10.0}}) for each in (blocks, [low]))
+    (caution,) = cautions_of_end(two, "completed", "a fell at t = 2.5 s")
+    assert caution.startswith("the run ends before 10 s (a fell at t = 2.5 s)")
+    assert not cautions_of_end(two, "completed", "")
+    assert not cautions_of_end(two, "interrupted", "stopped by the limit of 3 s")
+    assert not cautions_of_end(one, "completed", "a fell at t = 2.5 s")

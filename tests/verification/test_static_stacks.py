@@ -34,6 +34,18 @@ def test_equal_blocks_begin_in_equilibrium(young: float) -> None:
     assert not any("equilibrium" in text for text in result.summary["cautions"])
 
 
+def test_a_high_stack_begins_in_equilibrium() -> None:
+    """Each correction finds more blocks near; those that touch count all the while."""
+    tables = stack(young=2e8)
+    first, second = tables["block"]
+    more = [second | {"name": f"c{k}", "on": f"c{k - 1}"} for k in range(3, 6)]
+    tables["block"] = [first, second, *more]
+    result = simulate(parse_scene(tables), many=True)
+    assert result.history["c5.normal_force_N"][0] == pytest.approx(12000 * G, rel=1e-5)
+    assert result.history["c1.normal_force_N"][0] == pytest.approx(72000 * G, rel=1e-5)
+    assert not any("equilibrium" in text for text in result.summary["cautions"])
+
+
 def test_a_start_that_is_not_as_asked_is_told() -> None:
     """Friction does not hold a block on a steep incline; the run says so, not only its log."""
     tables = {

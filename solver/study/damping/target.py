@@ -35,7 +35,10 @@ ANGLES = {"deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 18
           "°": math.pi / 180, "mrad": 1e-3, "rad": 1.0, "radian": 1.0, "radians": 1.0}  # fmt: skip
 """Units of angles, rad."""
 
-_ANGLE = re.compile(r"(?<![a-z])(?:mrad|rad(?:ians?)?|deg(?:rees?)?)(?![a-z])|°", re.IGNORECASE)
+_ANGLE = re.compile(
+    r"(?<![A-Za-z])(?i:mrad|rad(?:ians?)?|deg(?:rees?)?)(?![A-Za-z])"
+    r"|(?<=[a-z])(?:Rad(?:ians?)?|Deg(?:rees?)?)(?![a-z])|°"  # angleDeg
+)
 
 NEAR_PEAK = 0.9
 """Rows above this part of a peak, through which its parabola goes."""

@@ -117,7 +117,8 @@ def _files(word: str) -> list[Path]:
         reason = (error.strerror or "unreadable").lower()
         raise SceneError("--motions", f"{word} ({reason})", "a folder of motions") from None
     if not files:
-        raise SceneError("--motions", f"{word} without any", f"files {', '.join(MOTION_SUFFIXES)}")
+        allowed = f"files {', '.join(MOTION_SUFFIXES)}, not named as vertical components are (-UP)"
+        raise SceneError("--motions", f"{word} without any", allowed)
     return files
 
 
