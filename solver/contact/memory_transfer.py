@@ -24,16 +24,19 @@ def _rest(interface: Interface, memory: Memory, beyond: Mask | None) -> Array:
     little. Once back over the carrier it is held where it is. As long as it carries no force this
     follows the point; with one, the point would be lifted.
     """
-    seen, rest = memory.kinematics, memory.rest
-    level = np.minimum(seen.place[:, 0], seen.augmented[:, 0])
-    if rest.any():
+    rest, holds = memory.rest, np.count_nonzero(memory.rest) > 0
+    outside = beyond is not None and np.count_nonzero(beyond) > 0
+    if not (holds or outside):
+        return rest
+    level = np.minimum(memory.kinematics.place[:, 0], memory.kinematics.augmented[:, 0])
+    if holds:
         held = (rest == 0.0) | (memory.force[:, 0] > 0.0)
         rest = np.where(held, rest, np.minimum(level, 0.0))
-    if beyond is None or not np.count_nonzero(beyond):
+    if beyond is None or not outside:
         return rest
     below = beyond & penetrating(interface, memory._replace(rest=np.zeros_like(rest)))
     below &= level > -HELD_DEPTH * _length(interface)
-    if not (below.any() or rest.any()):
+    if not (holds or below.any()):
         return rest
     return np.where(beyond, np.where(below, level, 0.0), rest)
 

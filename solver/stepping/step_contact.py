@@ -94,7 +94,7 @@ class StepContact:
             self.softening = model.softening.in_step(model.system, points, balance.load)
             held = STEADYING * self.force
         self.rest: Array | None = None
-        if any(memory.rest.any() for memory in memories):
+        if any(np.count_nonzero(memory.rest) for memory in memories):
             self.rest = joined([memory.rest for memory in memories])
         self.beds = points.beds(memories, balance.step)
         bed = points.no_bed if self.beds is None else self.beds.softness
