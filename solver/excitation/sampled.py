@@ -33,8 +33,7 @@ class SampledMotion:
 
     def __post_init__(self) -> None:
         """Integrate."""
-        gained = (self.value[1:] + self.value[:-1]) / 2 * np.diff(self.time)
-        speed = np.concatenate(([0.0], np.cumsum(gained)))
+        speed = running_integral(self.time, self.value)
         object.__setattr__(self, "_speed", speed)
         lists = (self.time.tolist(), self.value.tolist(), speed.tolist())
         object.__setattr__(self, "_rows", lists)
@@ -116,6 +115,12 @@ class SampledMotion:
         count = max(min(count, MOST_SAMPLES), len(self.time) - 1)
         times = np.linspace(self.time[0], self.time[-1], count + 1)
         return self.accelerations(times), self.duration / count
+
+
+def running_integral(time: Array, values: Array) -> Array:
+    """Integrals of what is linear between times (s), from the first one up to each of them."""
+    parts = np.diff(time) * (values[1:] + values[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(parts)])
 
 
 def even_step(time: Array) -> float | None:

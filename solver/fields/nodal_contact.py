@@ -69,13 +69,14 @@ def nodal_contact(points: ContactPoints, memory: Memory, thickness: float) -> No
     whole = thickness * (shares @ points.weight)
     if np.any(whole < LEAST_AREA * whole.max(initial=0.0)):
         shares = abs(shares)
+        whole = thickness * (shares @ points.weight)
     area = thickness * (shares @ (points.weight * memory.may_touch))
     friction = np.asarray(shares @ (force[:, 1:] @ memory.kinematics.frame[1:]))
     return NodalContact(
         pressure=np.maximum(_over(shares @ force[:, 0], area), 0.0),
         friction=_over(friction, area[:, None]),
         state=_states(points, memory),
-        area=np.where(area > 0, area, thickness * (shares @ points.weight)),
+        area=np.where(area > 0, area, whole),
     )
 
 

@@ -18,8 +18,9 @@ from solver.pictures.forces import draw_forces, draw_platform
 from solver.pictures.ground import draw_motion, ground_of, sampled_motions
 from solver.pictures.style import save_as
 from solver.reference.answer import reference_history, reference_name
-from solver.results.floor_spectra import floor_spectra
+from solver.results.floor_spectra import floor_spectra, has_floors
 from solver.results.runs import Run
+from solver.types import Array
 
 
 def picture_run(
@@ -39,7 +40,7 @@ def picture_run(
     figures["forces"] = lambda: draw_forces(run)
     if np.all(np.isfinite(run.history["energy.ledger_error_J"])):
         figures["energy"] = lambda: draw_energy(run)
-    spectra = floor_spectra(run.history, ground_of(run))
+    spectra = _floor_spectra(run)
     if spectra:
         figures["floors"] = lambda: draw_floors(spectra)
     motions = sampled_motions(run)
@@ -56,8 +57,13 @@ def picture_run(
 
 def tables_of_run(run: Run, folder: Path | None = None) -> list[Path]:
     """Write what pictures of a run show and its history does not have, as tables."""
-    spectra = floor_spectra(run.history, ground_of(run))
+    spectra = _floor_spectra(run)
     return [write_floors(spectra, folder or run.folder)] if spectra else []
+
+
+def _floor_spectra(run: Run) -> dict[str, Array]:
+    """Spectra of the floors of a run; its motion is read only where there are some."""
+    return floor_spectra(run.history, ground_of(run)) if has_floors(run.history) else {}
 
 
 def picture_runs(

@@ -33,7 +33,7 @@ def demand(scene: Scene, ground: GroundMotion) -> float:
 def has_expected_mode(scene: Scene) -> bool:
     """Whether there is a criterion: one block on ground that does not give way, and gravity."""
     block = scene.blocks[0]
-    moves = [*block.velocity[1:], *_numbers(block.angular_velocity)]
+    moves = [*block.velocity[1:], *block.spins]
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
     firm = scene.gravity > 0 and not scene.carrier_moves and not _sways(scene)
@@ -67,7 +67,3 @@ def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
         # Friction at work, not what it could hold, decides whether the block trips over it.
         return "slide" if law.slides(gravity, speed) <= gravity / slender else "slide-rock"
     return initial_mode(demand(scene, ground or read_ground(scene)), friction, slender)
-
-
-def _numbers(value: float | tuple[float, ...]) -> tuple[float, ...]:
-    return value if isinstance(value, tuple) else (value,)

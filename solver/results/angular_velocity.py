@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.block import Block
+from solver.excitation.sampled import running_integral
 from solver.types import Array
 
 WINDOW = 0.4
@@ -59,7 +60,7 @@ def rigid_moment(time: Array, angle: Array, acceleration: Array, at: float) -> R
     if len(time) < FEWEST_ROWS:
         return None
     step, since = np.diff(time), time - at
-    gained = np.concatenate([[0.0], np.cumsum(step * (acceleration[1:] + acceleration[:-1]) / 2)])
+    gained = running_integral(time, acceleration)
     moved = step * gained[:-1] + step**2 * (2 * acceleration[:-1] + acceleration[1:]) / 6
     fallen = np.concatenate([[0.0], np.cumsum(moved)])
     weight = np.sqrt(np.gradient(time))  # rows crowd around impacts

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from solver.excitation.sampled import running_integral
 from solver.history.history import History
 from solver.scene import BlockSpec, Scene
 from solver.scene.units import G_UNIT
@@ -39,20 +40,14 @@ def friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> flo
     window = WINDOW / frequency if frequency > 0 else 0.0
     if not 0 < 2 * window < time[-1] - time[0]:
         return math.nan
-    ground = _added_up(time, _added_up(time, history["base.acceleration_m_s2"]))
+    ground = running_integral(time, running_integral(time, history["base.acceleration_m_s2"]))
     inertial = history[f"{block.name}.friction_force_N"] + mass * scene.gravity_vector[0]
     impulse = np.cumsum(np.diff(time, prepend=time[:1]) * inertial)  # forces are means of steps
     moved = _means(time, history["platform.drift_m"] + ground, window)
-    pushed = _means(time, _added_up(time, impulse), window)
+    pushed = _means(time, running_integral(time, impulse), window)
     if np.abs(moved).max() <= STILL * G_UNIT:
         return math.nan
     return float(pushed @ moved) / (mass * float(moved @ moved))
-
-
-def _added_up(time: Array, values: Array) -> Array:
-    """Integral over time of what is linear between rows."""
-    parts = np.diff(time) * (values[1:] + values[:-1]) / 2
-    return np.concatenate([[0.0], np.cumsum(parts)])
 
 
 def _means(time: Array, twice: Array, window: float) -> Array:

@@ -11,12 +11,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from solver.excitation.motion import GroundMotion
+from solver.excitation.sampled import running_integral
 from solver.excitation.spectrum import PERIODS, longest_spacing, response_spectrum
 from solver.history.history import History
 from solver.types import Array
 
 ALONG_Y = " along y"
 """How the names of spectra along y end, in space."""
+
+
+def has_floors(history: History) -> bool:
+    """Whether something moves that carries blocks, over more than one row."""
+    return len(history) > 1 and any(True for _ in _velocities(history))
 
 
 def floor_spectra(history: History, ground: GroundMotion | None = None) -> dict[str, Array]:
@@ -26,10 +32,9 @@ def floor_spectra(history: History, ground: GroundMotion | None = None) -> dict[
     storeys of a frame, from the lowest upwards, or else the platform; empty where nothing moves
     that carries blocks, or where the history has one row.
     """
-    floors = list(_velocities(history))
-    time = history["time_s"]
-    if not floors or len(time) < 2:
+    if not has_floors(history):
         return {}
+    floors, time = list(_velocities(history)), history["time_s"]
     step = min(float(np.median(np.diff(time))), longest_spacing(PERIODS))
     found = {}
     grounds: list[tuple[str, str, str | None]] = [("ground", "", None)]
@@ -54,9 +59,8 @@ def _ground_velocity(
         return np.zeros(len(times))
     if ground is not None:
         return np.asarray(ground.velocities(times)[:, 1 if way else 0])
-    time, gained = history["time_s"], history[column]
-    parts = np.diff(time) * (gained[1:] + gained[:-1]) / 2
-    return np.interp(times, time, np.concatenate([[0.0], np.cumsum(parts)]))
+    time = history["time_s"]
+    return np.interp(times, time, running_integral(time, history[column]))
 
 
 def _velocities(history: History) -> Iterator[tuple[str, str, str]]:

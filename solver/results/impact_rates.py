@@ -36,6 +36,8 @@ def rated_by_velocities(
     impact; vibration hides it in others, and they have no restitution. Neither have blocks in space
     on one that moves.
     """
+    if not impacts:
+        return impacts
     carrier = scene.carrier_of(block)
     if carrier is None or _holds(scene, history, carrier):
         return _rated_where_it_slides(scene, history, block, impacts)

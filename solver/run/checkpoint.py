@@ -159,9 +159,8 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
         damaged = sums != header["sums"]
     except FileNotFoundError:
         got = f"{folder}, which holds no {NAME}"
-        raise SceneError(
-            where, got, "the folder of a run that has written one (output.checkpoint)"
-        ) from None
+        allowed = "the folder of a run that has written one (output.checkpoint)"
+        raise SceneError(where, got, allowed) from None
     except Exception:  # whatever zip, zlib, numpy and JSON make of damaged bytes
         damaged, header, parts = True, {}, []
     if damaged:
@@ -176,9 +175,8 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
             other = f": {keys[0]}" if keys else ""
             raise SceneError(where, f"{file}, {words[key]}{other}", "that of this run")
     if scene.time.end < reached * (1 - 1e-12):
-        raise SceneError(
-            "time.end", f"{scene.time.end:g}", f"time.end >= {reached:g}, reached by the checkpoint"
-        )
+        allowed = f"time.end >= {reached:g}, reached by the checkpoint"
+        raise SceneError("time.end", f"{scene.time.end:g}", allowed)
     same = len(parts) == comm.size
     saved = _loaded(parts[comm.rank : comm.rank + 1] if same else parts)
     if any_rank(comm, saved is None):

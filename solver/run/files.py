@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -15,7 +14,7 @@ from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import History
 from solver.parallel import Comm, Single, on_first_rank
-from solver.results.summary import write_json
+from solver.results.summary import write_json, write_whole
 from solver.run.checkpoint import NAME, Checkpoint, Schedule, write_checkpoint
 from solver.run.folders import hold_folder, refuse_hidden, release_folder
 from solver.scene import Scene, scene_to_toml
@@ -93,9 +92,7 @@ class RunFiles:
         """Write what is run; the file of a run that goes on is the old one or the new one."""
         text = scene_to_toml(self._scene)
         if self._resumed is None or file.read_text(encoding="utf-8") != text:  # of another end
-            draft = file.with_name(file.name + ".part")
-            draft.write_text(text, encoding="utf-8")
-            os.replace(draft, file)
+            write_whole(file, text)
 
     def __enter__(self) -> RunFiles:
         """The files are open already."""

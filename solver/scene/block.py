@@ -202,9 +202,13 @@ class BlockSpec(Checked):
     @property
     def begins_at_rest(self) -> bool:
         """Whether it begins upright and at rest."""
+        return not (self.tilt_deg or any(self.velocity) or any(self.spins))
+
+    @property
+    def spins(self) -> tuple[float, ...]:
+        """Components of its angular velocity at the start, rad/s: one in 2-D, three in 3-D."""
         turns = self.angular_velocity
-        spin = turns if isinstance(turns, tuple) else (turns,)
-        return not (self.tilt_deg or any(self.velocity) or any(spin))
+        return turns if isinstance(turns, tuple) else (turns,)
 
     @property
     def tilt_direction(self) -> float:

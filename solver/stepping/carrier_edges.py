@@ -30,7 +30,7 @@ class CarrierEdges:
         """Take what contact remembers at the start of the step."""
         self._carriers = points.carriers
         pairs = zip(points.carriers, memories, strict=True)
-        self._before = [_points_beyond(carrier, memory) for carrier, memory in pairs]
+        self._before = [points_beyond(carrier, memory) for carrier, memory in pairs]
         self.numbers = [k for k, before in enumerate(self._before) if before is not None]
 
     def beyond(self, number: int, kinematics: ContactKinematics) -> Mask | None:
@@ -42,7 +42,7 @@ class CarrierEdges:
         return None if now is None else before & now
 
 
-def _points_beyond(carrier: Carrier, memory: Memory) -> Mask | None:
+def points_beyond(carrier: Carrier, memory: Memory) -> Mask | None:
     """Points that a step begins with beyond the edge of their carrier; None: there are none."""
     beyond = None if memory.clear else carrier.beyond_edge(memory.kinematics)
     return beyond if beyond is not None and np.count_nonzero(beyond) else None

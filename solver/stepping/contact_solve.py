@@ -14,6 +14,7 @@ from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.balance import Balance, StepSolution
+from solver.stepping.carrier_edges import points_beyond
 from solver.stepping.delassus import LastDelassus, Softening
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
@@ -134,7 +135,7 @@ class ContactSolve:
         may_touch = copied([memory.may_touch for memory in memories])
         points = self._model.points
         for own, memory, carrier in zip(points.own, memories, points.carriers, strict=True):
-            beyond = carrier.beyond_edge(memory.kinematics)
+            beyond = points_beyond(carrier, memory)
             if beyond is not None:
                 may_touch[own] &= ~beyond
         reach.hold(joined([memory.kinematics.place[:, 0] for memory in memories]), may_touch)

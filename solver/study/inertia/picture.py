@@ -64,7 +64,6 @@ def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
     names = [name for name, _ in findings[0].cell.values]
     first = names[0] if len(names) > 1 else None
     heights = dict.fromkeys(f.cell.values[0][1] if first else None for f in findings)
-    unit = UNITS.get(first or "", "")
     for place, height in enumerate(heights):
         for by in dict.fromkeys(f.by for f in findings):
             chosen = [
@@ -72,7 +71,7 @@ def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
                 for f in findings
                 if f.by == by and (height is None or f.cell.values[0][1] == height)
             ]
-            word = f"{NAMES.get(first or '', first)} {height:g}{unit}" if height is not None else by
+            word = f"{NAMES[first]} {height:g}{UNITS.get(first, '')}" if first else by
             beside = place - (len(heights) - 1) / 2
             named = by == CLOSED or height is None
             _curve(axes, chosen, value, colour(place), beside, word if named else None)

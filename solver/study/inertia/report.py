@@ -130,14 +130,8 @@ def _pictures(folder: Path, lines: Sequence[Line], findings: Sequence[Finding]) 
         at = "".join(f", {name} {value:g}" for name, value in values)
         cut = [_without(finding, len(values)) for finding in group]
         text = f"λ with its interval of 90 %; dashed: values of codes{at}"
-        made.append(
-            (
-                text,
-                curves_picture(
-                    cut, of_lambda, "portion of live load λ", folder / f"lambda{ending}.png"
-                ),
-            )
-        )
+        label, file = "portion of live load λ", folder / f"lambda{ending}.png"
+        made.append((text, curves_picture(cut, of_lambda, label, file)))
         for by in dict.fromkeys(f.by for f in cut if len(f.cell.values) > 1):
             own = [finding for finding in cut if finding.by == by]
             file = folder / f"map{ending}_{by.replace(' ', '_')}.png"
