@@ -8,6 +8,7 @@ from benchmarks.stability.matrix import StabilityCase, StabilityFamily, changed
 from benchmarks.stability.scenes import (
     BODIES,
     DEFAULT_STEPS,
+    FALLING,
     FRAME,
     IN_SPACE,
     LANDING,
@@ -24,6 +25,7 @@ from benchmarks.stability.scenes import (
     SHAKE,
     SINE,
     SPACE,
+    SQUAT,
     STACK,
     mass_ratios,
     over,
@@ -331,6 +333,25 @@ FAMILIES: tuple[StabilityFamily, ...] = (
             "1e-05": {"upper.damping": {"stiffness": 1e-5}},
             "0.001, lambda_R 10": {"upper.damping": {"stiffness": 1e-3, "mass": 10.0}},
         },
+    ),
+    StabilityFamily(
+        name="slip beside the reference",
+        base=SQUAT,
+        rows={
+            "default": {},
+            "dt 2e-4": {"time.step": 2e-4},
+            "rigid": RIGID,
+            "rigid, space": {**RIGID, **IN_SPACE},
+        },
+        columns={
+            **{
+                f"DC {decay:g}": {"block.friction": {**FALLING, "decay": decay}}
+                for decay in (5.0, 20.0, 100.0)
+            },
+            "constant": {"block.friction": 0.3},
+            "firm ground": {"foundation": {"kind": "rigid"}, "motion.amplitude_g": 0.7},
+        },
+        compared=True,
     ),
 )
 

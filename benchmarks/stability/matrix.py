@@ -41,9 +41,11 @@ class StabilityCase(Place):
 
     Attributes:
         tables: The scene, as plain tables.
+        compared: Whether its peak slip is held against the reference.
     """
 
     tables: Tables
+    compared: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,19 +57,22 @@ class StabilityFamily:
         base: The scene that rows and columns change, as plain tables.
         rows: Changes by the word for them; a path such as "block.young", its last part the key.
         columns: The same; the rows' changes come after them.
+        compared: Whether the peak slip of its scenes is held against the reference.
     """
 
     name: str
     base: Tables
     rows: Mapping[str, Changes]
     columns: Mapping[str, Changes]
+    compared: bool = False
 
     def cases(self) -> Iterator[StabilityCase]:
         """Every scene of the grid, row by row."""
         for row, along in self.rows.items():
             for column, down in self.columns.items():
                 tables = changed(self.base, {**down, **along})
-                yield StabilityCase(family=self.name, row=row, column=column, tables=tables)
+                place = {"family": self.name, "row": row, "column": column}
+                yield StabilityCase(**place, tables=tables, compared=self.compared)
 
 
 def changed(tables: Tables, changes: Changes) -> Tables:

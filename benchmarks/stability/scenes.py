@@ -63,6 +63,24 @@ SPACE: Tables = {
 }
 """A block in space, shaken along x and y."""
 
+PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
+
+FALLING = {"static": 0.6, "dynamic": 0.3, "decay": 20.0}
+"""Friction that falls with speed, the paper's Eq. (2)."""
+
+SQUAT: Tables = {
+    "block": [
+        {
+            **{"name": "block", "width": 1.0, "height": 0.5, "mass": 1000.0, "cells": [6, 4]},
+            **{"young": 5e10, "poisson": 0.2, "friction": FALLING},
+        }
+    ],
+    "foundation": PLATFORM,
+    "motion": {"kind": "sine", "amplitude_g": 0.45, "period": 0.6, "cycles": 6},
+    "time": {"end": 4.0},
+}
+"""A squat block that slides on a platform; default steps and damping."""
+
 RIGID: Changes = {"block.model": "rigid"}
 DEFAULT_STEPS: Changes = {"time.step": None}
 LANDING: Changes = {"block.tilt_deg": 0.0, "block.velocity": [0.0, -1.4]}
@@ -162,7 +180,6 @@ MESHES: Grid = {
     "triangle 2": {"block.cell": "triangle", "block.degree": 2},
 }
 
-PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
 PLATE = {
     "kind": "elastic",
     "width": 1.5,

@@ -12,6 +12,7 @@ import numpy as np
 
 from benchmarks.stability.matrix import Place, StabilityCase, Tables
 from solver.errors import SceneError
+from solver.reference.answer import reference_history
 from solver.scene import BlockSpec, Scene, parse_scene
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ LARGEST_GAIN = 1e-5
 
 LARGEST_LEDGER_ERROR = 1e-8
 """Largest error of the ledger, over the same scale."""
+
+LARGEST_SLIP_ERROR = 0.01
+"""Difference of the peak slip from that of the reference, over the latter."""
 
 ROUND_OFF = 1e-14
 """Or over the largest energy in motion: a needle that fell 400 m beside its plate has 1e7 times the
@@ -96,7 +100,7 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
         result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF, many=True)
     except SceneError as error:
         return Verdict.of(case, "refused", str(error), seconds=time.perf_counter() - began)
-    reason = trouble(result)
+    reason = trouble(result) or (far_from_reference(case.tables, result) if case.compared else "")
     cost, energy = result.summary["cost"], result.summary["energy"]
     return Verdict.of(
         case,
@@ -129,6 +133,18 @@ def trouble(result: Result) -> str:
     if error * scale >= max(LARGEST_LEDGER_ERROR * scale, ROUND_OFF * moving) > 0:
         return f"ledger error {error:.1e}"
     return ""
+
+
+def far_from_reference(tables: Tables, result: Result) -> str:
+    """Peak slip of a run and of the reference in words; empty where they agree."""
+    plane = parse_scene({**tables, "dimension": 2})  # the reference knows no other
+    exact, found = (
+        float(np.max(np.abs(history[f"{plane.blocks[0].name}.slip_m"])))
+        for history in (reference_history(plane), result.history)
+    )
+    if abs(found - exact) <= LARGEST_SLIP_ERROR * exact:
+        return ""
+    return f"slip {found:.4g} m for {exact:.4g} m"
 
 
 def _over_height(scene: Scene, result: Result) -> float:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from petsc4py import PETSc
+
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
@@ -32,7 +34,7 @@ def eigenvalues(body: ElasticBody, count: int = 1) -> Array:
 
     The body is on one rank, and held or on a spring, so that K is positive definite.
     """
-    return _modes(body, count)[0]
+    return lowest_modes(body, count)[0]
 
 
 def sway_frequency(body: ElasticBody) -> float:
@@ -41,7 +43,7 @@ def sway_frequency(body: ElasticBody) -> float:
     That is the lowest mode in which a tenth of the mass moves along a horizontal direction (the
     effective mass of Clough and Penzien), or that with the most if there is none.
     """
-    squared, shapes = _modes(body, LOOKED_AT)
+    squared, shapes = lowest_modes(body, LOOKED_AT)
     part = (body.directional_mass[:-1] @ shapes) ** 2 / body.mass
     most = part.max(axis=0)
     sways = np.flatnonzero(most >= SWAYING_PART)
@@ -49,23 +51,28 @@ def sway_frequency(body: ElasticBody) -> float:
     return math.sqrt(float(squared[first]))
 
 
-def _modes(body: ElasticBody, count: int) -> tuple[Array, Array]:
-    """Lowest eigenvalues, 1/s^2, rising, and their vectors x with x.M x = 1, as columns."""
-    factor = body.factorization(STATIC)
+def compressed_rows(matrix: PETSc.Mat) -> sp.csr_matrix:
+    """A matrix that one rank has, for scipy."""
+    return sp.csr_matrix(matrix.getValuesCSR()[::-1], shape=matrix.size)
+
+
+def lowest_modes(body: ElasticBody, count: int, shift: float = 0.0) -> tuple[Array, Array]:
+    """Lowest eigenvalues, 1/s^2, rising, and their vectors x with x.M x = 1, as columns.
+
+    The body is on one rank. K is positive definite with its supports, or K + `shift` M is (1/s^2).
+    """
+    factor = body.factorization(STATIC._replace(mass=shift))
     mass = body.mass_matrix.copy()
     if body.clamped:
         mass.zeroRowsColumns(body.fixed, 0.0)  # held unknowns take no part
-    stiffness, inertia = (
-        sp.csr_matrix(matrix.getValuesCSR()[::-1], shape=matrix.size)
-        for matrix in (factor.matrix, mass)
-    )
+    stiffness, inertia = compressed_rows(factor.matrix), compressed_rows(mass)
     free = np.setdiff1d(np.arange(body.size), body.fixed)
     if len(free) <= FEWEST:
         pencil = (matrix[free][:, free].toarray() for matrix in (stiffness, inertia))
         squared, shapes = la.eigh(*pencil)
         vectors = np.zeros((body.size, len(free)))
         vectors[free] = shapes
-        return squared[:count], vectors[:, :count]
+        return squared[:count] - shift, vectors[:, :count]
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
     found, vectors = eigsh(
         stiffness,
@@ -76,4 +83,4 @@ def _modes(body: ElasticBody, count: int) -> tuple[Array, Array]:
         v0=inertia @ np.ones(len(body.nodes) * body.dimension),
     )
     order = np.argsort(found)
-    return found[order], vectors[:, order]
+    return found[order] - shift, vectors[:, order]

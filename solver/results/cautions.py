@@ -177,6 +177,6 @@ def _remedy(scene: Scene) -> str:
     elif (scene.time.tolerance or 0.0) > TOLERANCE:
         changes.append(f"leave out time.tolerance, which is {TOLERANCE:g} then")
     if undamped := _undamped(scene):
-        most = max(block.default_damping(scene.dimension).stiffness for block in undamped)
+        most = max(scene.default_damping(block).stiffness for block in undamped)
         changes.append(f"give damping.stiffness, for 2 % of critical {most:.3g}")
     return f": {', and '.join(changes)}" if changes else ""

@@ -24,6 +24,7 @@ from solver.results.cautions import (
 )
 from solver.results.endings import fell_at, overturned_at
 from solver.results.felt_mass import friction_mass_ratio
+from solver.results.flutter import cautions_of_flutter
 from solver.results.impact_rates import rated_by_velocities
 from solver.results.motion import BlockMotion, block_motion, lean_over_alpha
 from solver.results.overlaps import overlaps
@@ -59,6 +60,7 @@ def summarise(
     found += cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
     if blocks:
         found += cautions_of_impacts(scene, blocks)
+        found += cautions_of_flutter(scene, history)
         found += cautions_of_end(scene, status, reason)
     return {
         "schema": SCHEMA,

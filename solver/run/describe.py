@@ -17,9 +17,16 @@ from solver.results.cautions import cautions_of_scene
 from solver.run.rank_gain import ranks_in_words
 from solver.scene import BlockSpec, Scene
 from solver.scene.cells import box_nodes
+from solver.scene.damping import DampingSpec
 from solver.scene.time import TimeSpec
 
 Lines = list[tuple[str, str]]
+
+MOST_FRICTION = 1.0
+"""Coefficient of friction up to which flutter is looked for, unless a block has more."""
+
+MOST_LINEARISED = 100_000
+"""Unknowns of a block up to which its modes are computed: more take a minute."""
 
 
 def describe(scene: Scene) -> str:
@@ -83,7 +90,7 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     lines.append(("  restitution", _restitution(block, shape, scene)))
     if scene.dimension == 3:
         lines += _along_y(block, scene)
-    return lines + _damping(block, scene) + _start(block)
+    return lines + _damping(block, scene) + _sliding(block, scene) + _start(block)
 
 
 def _along_y(block: BlockSpec, scene: Scene) -> Lines:
@@ -129,10 +136,38 @@ def _damping(block: BlockSpec, scene: Scene) -> Lines:
     given = [f"{name} {value:.3g} {unit}" for value, name, unit in parts if value]
     if not given:
         return [("  damping", "none")]
-    frequency = block.bending_frequency(scene.dimension)
+    frequency = scene.bending_frequency(block)
     ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
-    mode = f"{frequency / (2 * math.pi):.3g} Hz, its first bending mode as a slender cantilever"
+    mode = f"{frequency / (2 * math.pi):.3g} Hz, its first bending mode, held at its base"
     return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
+
+
+def _sliding(block: BlockSpec, scene: Scene) -> Lines:
+    """The friction above which the steady sliding of a meshed block flutters, and what holds it."""
+    if block.model == "rigid":
+        return []
+    if scene.dimension * box_nodes(block) > MOST_LINEARISED:
+        text = f"not linearised: more than {MOST_LINEARISED} unknowns"
+        return [("  steady sliding", text)]
+    try:
+        from solver.build.sliding import modes_of_sliding
+    except ImportError as error:
+        raise EnvironmentTrouble(f"{error}, which the modes of a mesh need") from error
+    modes, damping = modes_of_sliding(scene, block), scene.damping_of(block) or DampingSpec()
+    friction = scene.friction_of(block).static
+    onset = modes.onset(max(friction, MOST_FRICTION), damping)
+    if onset is None:
+        return [("  steady sliding", f"does not flutter up to friction {MOST_FRICTION:g}")]
+    found = modes.flutter(max(friction, onset), damping)
+    at = f"at {found.frequency / (2 * math.pi):.3g} Hz"
+    if friction <= onset:
+        text = f"does not flutter at friction {friction:g}; above {onset:.2g} it would, {at}"
+    else:
+        text = (
+            f"flutters at friction {friction:g}, {at}, growing by {found.growth:.2g} 1/s; "
+            f"beta_R = {found.damping:.2g} s would hold it, this damping does up to {onset:.2g}"
+        )
+    return [("  steady sliding", text)]
 
 
 def _start(block: BlockSpec) -> Lines:

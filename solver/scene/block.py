@@ -14,8 +14,10 @@ from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, s
 from solver.scene.contact import FrictionSpec
 from solver.scene.damping import (
     DEFAULT_RATIO,
+    SLIDING_RATIO,
     DampingSpec,
-    bending_frequency,
+    cantilever_frequency,
+    restraint,
     stiffness_damping,
 )
 from solver.scene.material import Material, Plane
@@ -170,18 +172,36 @@ class BlockSpec(Checked):
         young, poisson = self.elasticity
         return Material(young=young, poisson=poisson, density=self.shape.density, plane=plane)
 
-    def bending_frequency(self, dimension: Dimension) -> float:
+    def bending_frequencies(self, plane: Plane) -> tuple[float, ...]:
         """First natural frequency (rad/s) of bending of an elastic block that is held at its base.
 
-        In space it bends across its narrower side. ValueError for a rigid block.
+        Along its width and, in space, along its thickness. ValueError for a rigid block.
         """
-        narrower = self.width if dimension == 2 else min(self.width, self.thickness)
-        wave_speed = self.material("stress").wave_speed  # that of a bar, in every state of stress
-        return bending_frequency(narrower, self.height, wave_speed)
+        sides = [(self.width, self.thickness), (self.thickness, self.width)]
+        material = self.material(plane)
+        return tuple(
+            cantilever_frequency(
+                along, self.height, material, restraint(plane, across, self.height)
+            )
+            for along, across in sides[: 2 if plane == "solid" else 1]
+        )
 
-    def default_damping(self, dimension: Dimension) -> DampingSpec:
-        """The damping of an elastic block where nothing is said; ValueError for a rigid one."""
-        return stiffness_damping(DEFAULT_RATIO, self.bending_frequency(dimension))
+    def default_damping(self, plane: Plane, friction: float) -> DampingSpec:
+        """Damping of an elastic block where nothing is said; ValueError for a rigid one.
+
+        2 % of critical at the first bending mode, and what keeps the steady sliding of a block from
+        flutter in each direction in which it is wider than high and slides before it rocks.
+
+        Args:
+            plane: State of stress.
+            friction: Static coefficient of friction on what carries it.
+        """
+        frequencies = self.bending_frequencies(plane)
+        found = [stiffness_damping(DEFAULT_RATIO, min(frequencies))]
+        for along, frequency in zip((self.width, self.thickness), frequencies, strict=False):
+            if self.height < along and friction * self.height < along:
+                found.append(stiffness_damping(SLIDING_RATIO * friction, frequency))
+        return max(found, key=lambda damping: damping.stiffness)
 
     @property
     def mesh_label(self) -> str:

@@ -24,7 +24,8 @@ class FrictionSpec(Checked):
     dynamic: NotNegative = OPEN
     """mu_d, no larger than `static`. Default: that of `static`."""
     decay: NotNegative = 0.0
-    """DC, s/m; 0 is a jump. Only where mu_d < mu_s."""
+    """DC, s/m; 0 is a jump, which the paper says should be avoided: elastic blocks then break loose
+    point by point and slip far less than rigid ones. Only where mu_d < mu_s."""
     cohesion: NotNegative = 0.0
     """c, Pa, over the area of the closed points."""
     cohesion_lost: bool = False

@@ -143,7 +143,7 @@ class Scene(Checked):
         if block.model != "elastic" or self.damping is not None or block.damping is not None:
             return block
         try:
-            return replace(block, damping=block.default_damping(self.dimension))
+            return replace(block, damping=self.default_damping(block))
         except SceneError as error:  # beyond the range of numbers
             raise error.under(f"{block.name}.damping") from None
 
@@ -265,6 +265,14 @@ class Scene(Checked):
         """Rayleigh damping of a meshed body: its own, or that of all."""
         return self.damping if body.damping is None else body.damping
 
+    def bending_frequency(self, block: BlockSpec) -> float:
+        """First natural frequency (rad/s) of an elastic block that is held at its base."""
+        return min(block.bending_frequencies(self.material_plane))
+
+    def default_damping(self, block: BlockSpec) -> DampingSpec:
+        """Damping of an elastic block where nothing is said; ValueError for a rigid one."""
+        return block.default_damping(self.material_plane, self.friction_of(block).static)
+
     @property
     def foundation_vibrates(self) -> bool:
         """Whether a meshed foundation has no damping of its strain, so that its vibration lasts."""
@@ -285,7 +293,7 @@ class Scene(Checked):
             if block.model == "elastic" and self.gravity > 0.0:
                 damping = self.damping_of(block) or DampingSpec()
                 time = 1.0 / block.shape.frequency(self.gravity)
-                left = max(left, damping.left(block.bending_frequency(self.dimension), time))
+                left = max(left, damping.left(self.bending_frequency(block), time))
         return left
 
     def friction_of(self, block: BlockSpec) -> FrictionSpec:

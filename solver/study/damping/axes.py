@@ -170,13 +170,13 @@ def _put_beta(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> N
 
 def _betas(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
     """None, and three decades around 2 % of critical damping, s."""
-    decade = 10.0 ** math.floor(math.log10(block.default_damping(scene.dimension).stiffness))
+    decade = 10.0 ** math.floor(math.log10(scene.default_damping(block).stiffness))
     return tuple(float(f"{ratio * decade:.3g}") for ratio in BETAS)
 
 
 def _beta_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
     """From 0.5 % to 10 % of critical damping, s."""
-    usual = block.default_damping(scene.dimension).stiffness
+    usual = scene.default_damping(block).stiffness
     low, high = (float(f"{ratio * usual:.1e}") for ratio in BETA_BOUNDS)
     return low, high
 
