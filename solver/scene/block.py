@@ -14,10 +14,10 @@ from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, s
 from solver.scene.contact import FrictionSpec
 from solver.scene.damping import (
     DEFAULT_RATIO,
-    SLIDING_RATIO,
     DampingSpec,
     cantilever_frequency,
     restraint,
+    sliding_ratio,
     stiffness_damping,
 )
 from solver.scene.material import Material, Plane
@@ -189,8 +189,8 @@ class BlockSpec(Checked):
     def default_damping(self, plane: Plane, friction: float) -> DampingSpec:
         """Damping of an elastic block where nothing is said; ValueError for a rigid one.
 
-        2 % of critical at the first bending mode, and what keeps the steady sliding of a block from
-        flutter in each direction in which it is wider than high and slides before it rocks.
+        2 % of critical at the first bending mode, or more where a block is squat and slides before
+        it rocks: what keeps its steady sliding from flutter.
 
         Args:
             plane: State of stress.
@@ -199,8 +199,9 @@ class BlockSpec(Checked):
         frequencies = self.bending_frequencies(plane)
         found = [stiffness_damping(DEFAULT_RATIO, min(frequencies))]
         for along, frequency in zip((self.width, self.thickness), frequencies, strict=False):
-            if self.height < along and friction * self.height < along:
-                found.append(stiffness_damping(SLIDING_RATIO * friction, frequency))
+            if friction * self.height < along:
+                ratio = sliding_ratio(friction, self.height / along)
+                found.append(stiffness_damping(ratio, frequency))
         return max(found, key=lambda damping: damping.stiffness)
 
     @property

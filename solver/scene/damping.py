@@ -15,12 +15,15 @@ DEFAULT_RATIO = 0.02
 """Ratio of critical damping at the first bending mode of a standing elastic block, by default."""
 
 SLIDING_RATIO = 0.22
-"""Ratio of critical damping at the sway of a block that is wider than high, over its coefficient of
-friction, above which its steady sliding does not flutter.
+"""Ratio of critical damping at the sway of a squat block, over its coefficient of friction, above
+which its steady sliding does not flutter.
 
-The largest of a linearisation for height/width 0.1 to 1, Poisson's ratio 0 to 0.45 and friction 0.2
-to 1 (docs/damping.md). Blocks that are higher than wide need less than `DEFAULT_RATIO`.
+The largest of a linearisation for H/B 0.1 to 1.2, Poisson's ratio 0 to 0.45 and friction 0.2 to 1
+(docs/damping.md). From H/B 0.6 blocks need less, and from 1.6 none.
 """
+
+NEEDS_NONE = 1.6
+"""H/B from which steady sliding needs no damping."""
 
 CANTILEVER = 3.51602
 """omega H^2 over c sqrt(I/A) in the first bending mode of a cantilever (Euler and Bernoulli)."""
@@ -102,6 +105,11 @@ def refuse_both_dampings(ratio: float | None, damping: DampingSpec | None) -> No
     """
     if ratio is not None and damping is not None:
         raise SceneError("damping_ratio", "both damping_ratio and damping", "one of the two")
+
+
+def sliding_ratio(friction: float, slenderness: float) -> float:
+    """Ratio of critical damping at its sway with which a block of a H/B slides without flutter."""
+    return SLIDING_RATIO * friction * min(1.0, max(0.0, NEEDS_NONE - slenderness))
 
 
 def stiffness_damping(ratio: float, frequency: float) -> DampingSpec:
