@@ -59,9 +59,10 @@ def measures(
         found["platform.peak_drift_m"] = _one(summary["platform"]["peak_drift_m"])
     for block in scene.blocks:
         known = summary["blocks"][block.name]
-        if known["mode"] in ("rock", "slide-rock", "overturned"):
+        modes = known["mode"].split("-")
+        if "rock" in modes or "overturned" in modes:
             found |= _rocking(scene, block, history, known, every)
-        if known["mode"] in ("slide", "slide-rock"):
+        if "slide" in modes:
             found[f"{block.name}.residual_slip_m"] = _one(known["residual_slip_m"])
             found[f"{block.name}.peak_slip_m"] = _one(known["peak_slip_m"])
     scale = summary["energy"]["scale_J"]

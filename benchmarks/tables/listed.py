@@ -323,6 +323,7 @@ EVIDENCE: dict[str, Evidence] = {
     "free_rocking": _demo(
         "demos/free_rocking/free_rocking.py", "free_rocking.png", (*MESHED, *ANSWER), 2
     ),
+    "platform": _demo("demos/platform/block_on_platform.py", "platform.png", (), 2),
     "foundation": _demo(
         "demos/foundation/block_on_foundation.py", "foundation.png", (*MESHED, *ANSWER), 3
     ),

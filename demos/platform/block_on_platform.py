@@ -11,7 +11,11 @@
 # A platform on a horizontal spring and a dashpot, half as heavy as the block that stands on it,
 # is shaken for six cycles and then left alone. The block, 1 m wide and 0.5 m high, is too squat
 # to rock. It slides back and forth, and stops and starts again many times. This is the structure
-# of the paper: an oscillator that its contents may leave.
+# of the paper: an oscillator that its contents may leave. Its Figure 5 shows it: a block of the
+# mass $m_L$ on a platform of the mass $m_P$ with $k$ and $c$, whose base moves with $A_g$, which is
+# $a_g$ below. This demo draws it as `platform.png`.
+#
+# ![A block on a platform, and what acts on both](../../docs/pictures/platform.png)
 #
 # This demo illustrates how to:
 #
@@ -58,13 +62,24 @@ from pathlib import Path
 from mpi4py import MPI
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
 
 from demos.program import demo, output_of, run_scene
 from demos.verdict import kept, verdict
 from rockslip import Scene, load_scene, read_run
 from solver.excitation.motion import base_motion
-from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
+from solver.pictures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    RED,
+    legend_above,
+    new_figure,
+    save,
+    zero_line,
+)
 from solver.reference.platform import PlatformReference, sliding_on_platform
 from solver.results.runs import Run
 
@@ -201,9 +216,84 @@ def drifts(scene: Scene) -> str:
 
 # -
 
-# ## Picture
+# ## Pictures
 #
-# Drift, slip and the difference of the drift from the reference, one column for each friction
+# First the structure, drawn from no run: as it stands, and the horizontal forces on both parts
+# while the block moves to the right on the platform.
+
+
+# +
+def model_picture(folder: Path) -> Path:
+    """The block on its platform, as the paper's Figure 5 shows it; returns the file."""
+    return save(_structure, folder / "platform.png")
+
+
+def _structure() -> Figure:
+    figure = new_figure(2.0)
+    model, forces = figure.subplots(1, 2, width_ratios=(1.0, 1.0))
+    for axes, title in ((model, "the structure"), (forces, "forces while $v_L > v_P$")):
+        axes.set_title(title, loc="left")
+        axes.set_axis_off()
+        axes.set(aspect="equal", xlim=(-0.95, 4.1), ylim=(-0.75, 1.8))
+    _add_base(model)
+    _add_bodies(model, 0.0)
+    _arrow(model, 1.35, -0.58, 0.75, "$A_g$", RED)
+    _arrow(model, 3.0, 0.25, 0.5, "$u_P$", GREY)
+    _arrow(model, 2.4, 1.0, 0.5, "$u_L$", GREY)
+    _add_bodies(forces, 0.45)
+    _arrow(forces, 2.18, 0.84, -0.75, "$f$", RED)
+    _arrow(forces, 1.43, 0.61, 0.75, "$f$", RED)
+    _arrow(forces, 0.6, 0.25, -0.5, "", BLUE)
+    forces.text(0.5, -0.1, r"$k\,u_P + c\,v_P$", color=BLUE, ha="center", va="top")
+    forces.text(2.2, -0.1, r"sliding: $f = \mu\,m_L\,g$", color=RED, va="top")
+    return figure
+
+
+def _add_bodies(axes: Axes, gap: float) -> None:
+    """Platform and block, the block higher by a gap."""
+    for x, y, width, height, mass, look in (
+        (0.6, 0.0, 2.4, 0.5, "$m_P$", "#d9d9d9"),
+        (1.2, 0.5 + gap, 1.2, 0.8, "$m_L$", "#fbe3b5"),
+    ):
+        axes.add_patch(Rectangle((x, y), width, height, facecolor=look, edgecolor="black"))
+        axes.text(x + width / 2, y + height / 2, mass, ha="center", va="center")
+
+
+def _add_base(axes: Axes) -> None:
+    """The base with its wall, rollers, and spring and dashpot between wall and platform."""
+    line = {"color": "black", "linewidth": 1.0}
+    hatched = {"hatch": "/////", "facecolor": "white", "edgecolor": GREY, "linewidth": 0.0}
+    axes.add_patch(Rectangle((-0.85, -0.35), 4.85, 0.15, **hatched))
+    axes.add_patch(Rectangle((-0.85, -0.2), 0.15, 1.1, **hatched))
+    for x in (0.9, 1.8, 2.7):
+        axes.add_patch(Circle((x, -0.1), 0.1, facecolor="white", edgecolor="black"))
+    along = np.linspace(-0.4, 0.3, 9)
+    spring = 0.4 + 0.08 * np.array([0, 1, -1, 1, -1, 1, -1, 1, 0])
+    for x, y in (
+        ([-0.7, -0.7, 4.0], [0.9, -0.2, -0.2]),
+        ([-0.7, *along, 0.6], [0.4, *spring, 0.4]),
+        ([-0.7, -0.05], [0.1, 0.1]),
+        ([-0.05, -0.05], [0.04, 0.16]),
+        ([-0.2, 0.1, 0.1, -0.2], [0.19, 0.19, 0.01, 0.01]),
+        ([0.1, 0.6], [0.1, 0.1]),
+    ):
+        axes.plot(x, y, **line)
+    axes.text(-0.05, 0.5, "$k$", ha="center", va="bottom")
+    axes.text(0.2, 0.12, "$c$", va="bottom")
+    axes.text(2.5, 0.53, r"$\mu$", va="bottom")
+
+
+def _arrow(axes: Axes, x: float, y: float, length: float, name: str, color: str) -> None:
+    """An arrow along x from a place, with its name at its tip."""
+    look = {"arrowstyle": "-|>", "color": color, "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (x + length, y), (x, y), arrowprops=look)
+    end = "left" if length > 0 else "right"
+    axes.text(x + length + 0.07 * np.sign(length), y, name, color=color, ha=end, va="center")
+
+
+# -
+
+# Then drift, slip and the difference of the drift from the reference, one column for each friction
 # coefficient. In `rockslip plot FOLDER` there is more about each run.
 
 
@@ -291,9 +381,9 @@ def show(folders: list[Path]) -> int:
     answers = references(runs)
     print(f"\n{table(runs, answers)}\n\n{drifts(runs[0].scene)}\n")
     folder = folders[0].parent
-    file = picture(runs, answers, folder)
+    names = f"{model_picture(folder).name}, {picture(runs, answers, folder).name}"
     print(f"in {folder}:")
-    print(f"  {file.name}, and history.csv, summary.json, fields.pvd of each run in")
+    print(f"  {names}, and history.csv, summary.json, fields.pvd of each run in")
     print(f"  {'; '.join(run.label for run in runs)}\n")
     return verdict("block_on_platform", checks(runs, answers))
 

@@ -99,7 +99,7 @@ TABLE = (
         "m",
         "Mean displacement of the touching points along x of the carrier and relative to it, or"
         " that of the lowest point where none touches; 0 at the start, carried on from pivot to"
-        " pivot.",
+        " pivot and through flights: summaries call it displacement, and slip what is not flown.",
     ),
     Column("NAME.slip_second_m", "m", "Slip along y of the carrier, as along x.", 3),
     Column(

@@ -76,9 +76,12 @@ def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
 
 
 def cautions_of_end(scene: Scene, status: str, reason: str) -> list[str]:
-    """Cautions about a run that one of several blocks ended, which fell or overturned."""
-    if status != "completed" or not reason or len(scene.blocks) == 1:
+    """Cautions about a run that a block ended, which fell, or one of several, which overturned."""
+    if status != "completed" or not reason:
         return []
+    if len(scene.blocks) == 1:
+        caught = " fell " not in reason
+        return [] if caught else [f"{reason}: nothing catches it, and the run ends there"]
     return [
         f"the run ends before {scene.time.end:g} s ({reason}): what it tells of other blocks is up "
         "to then"

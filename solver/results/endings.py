@@ -78,8 +78,14 @@ class Watch:
         if not found:
             return None
         row, lying, what = min(found, key=lambda entry: entry[0])
-        time = table["time_s"][row + 1]
-        return Ending(row, f"{lying.name} {what} at t = {time:.6g} s")
+        where = _where(table, lying, row + 1) if what == "fell" else ""
+        return Ending(row, f"{lying.name} {what} at t = {table['time_s'][row + 1]:.6g} s{where}")
+
+
+def _where(history: Columns, block: BlockSpec, row: int) -> str:
+    """Off what a block fell in a row, and where its centre was then, in words."""
+    place = zip("xyz", centres(history, block.name)[row, :-1], strict=False)
+    return f", off {block.on} with its centre at " + ", ".join(f"{a} = {x:.4g} m" for a, x in place)
 
 
 class _Top:

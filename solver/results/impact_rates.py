@@ -13,8 +13,14 @@ import numpy as np
 
 from solver.history.history import History
 from solver.results.angular_velocity import WINDOW
-from solver.results.motion import angular_velocity, block_motion, is_spatial, leaning
-from solver.results.rocking import SMALLEST_SLIP, SMALLEST_SWING, Impact
+from solver.results.motion import (
+    SMALLEST_WAY,
+    angular_velocity,
+    block_motion,
+    is_spatial,
+    leaning,
+)
+from solver.results.rocking import SMALLEST_SWING, Impact
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
@@ -56,14 +62,14 @@ def _rated_where_it_slides(
     motion = block_motion(scene, history, block)
     if motion.base is None or scene.gravity == 0:
         return impacts  # by peaks: friction counts as loss
-    least = (HELD if block.model == "rigid" else SMALLEST_SLIP) * block.width
+    least = (HELD if block.model == "rigid" else SMALLEST_WAY) * block.width
     window = WINDOW / motion.shape.frequency(scene.gravity)
     rate = angular_velocity(history, block.name, leaning(history, block).direction)
     times = [impact.time_s for impact in impacts]
     found = []
     for impact in impacts:
         near = np.abs(motion.time - impact.time_s) <= window
-        slides = near.any() and np.ptp(motion.slip[near], axis=0).max() > least
+        slides = near.any() and np.ptp(motion.displacement[near], axis=0).max() > least
         if slides and impact.restitution is not None:
             known = None
             if block.model == "rigid":
@@ -78,7 +84,7 @@ def _holds(scene: Scene, history: History, block: BlockSpec | None) -> bool:
     if block is None:
         return True
     motion = block_motion(scene, history, block)
-    still = np.ptp(motion.slip, axis=0).max() <= HELD * block.width
+    still = np.ptp(motion.displacement, axis=0).max() <= HELD * block.width
     upright = np.abs(motion.angle).max() <= SMALLEST_SWING * block.shape.slenderness
     return bool(still and upright) and _holds(scene, history, scene.carrier_of(block))
 

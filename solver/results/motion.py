@@ -21,6 +21,13 @@ from solver.types import Array, Mask
 #: The upright direction in space.
 UP = np.array([0.0, 0.0, 1.0])
 
+SMALLEST_WAY = 1e-2
+"""A block has slid, turned or hopped beyond this part of its width; pivots skid by less at impacts,
+and elastic blocks hop on them by less (the paper's block by 8e-4)."""
+
+CLEAR = 1e-6
+"""Gap of its lowest bottom corner over its width from which on a block is clear of its carrier."""
+
 
 ACCELERATIONS = (
     ("base.acceleration_m_s2", "platform.acceleration_m_s2"),
@@ -67,8 +74,14 @@ class BlockMotion:
     (towards +x, or +y where that plane has no x), unwrapped."""
     lean: Array
     """Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D."""
+    displacement: Array
+    """What its base moved along what carries the block, m, (rows, 1) or, in 3-D, (rows, 2)."""
     slip: Array
-    """Along what carries the block, m, (rows, 1) or, in 3-D, (rows, 2)."""
+    """The part of that which it moved in contact, not in flight, m."""
+    flies: Mask
+    """Where it is in free flight that counts as a hop, (rows,)."""
+    turn: Array
+    """Angle about the upright axis of what carries the block, rad, unwrapped; 0 in 2-D."""
     friction: Array
     """Force from what carries the block, N, (rows, 1 or 2)."""
     lift: Array
@@ -92,13 +105,20 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
     else:
         gaps, second = ["gap_left_m", "gap_right_m"], [""]
+    displacement = _stack(history, name, [f"slip{direction}_m" for direction in second])
+    corners = _stack(history, name, gaps)
+    flies = _flights(history[f"{name}.normal_force_N"], corners, displacement, block.width)
+    steps = np.diff(displacement, axis=0, prepend=displacement[:1])
     return BlockMotion(
         time=history["time_s"],
         angle=leans.angle,
         lean=total_lean(history, name),
-        slip=_stack(history, name, [f"slip{direction}_m" for direction in second]),
+        displacement=displacement,
+        slip=displacement - np.cumsum(np.where(flies[:, None], steps, 0.0), axis=0),
+        flies=flies,
+        turn=_turn(history, block, carrier),
         friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
-        lift=_stack(history, name, gaps).max(axis=1),
+        lift=corners.max(axis=1),
         shape=leans.shape,
         fell=_fell(history, block, carrier),
         aside=leans.aside,
@@ -191,6 +211,38 @@ def rotated(rotations: Array, vectors: Array) -> Array:
     along = np.sum(axis * vectors, axis=1, keepdims=True) * axis
     across = np.cross(axis, vectors)
     return along + np.cos(angle) * (vectors - along) + np.sin(angle) * across
+
+
+def _flights(normal: Array, corners: Array, way: Array, width: float) -> Mask:
+    """Rows of flights in which a block clears its carrier, or moves, by `SMALLEST_WAY` or more.
+
+    The row with which a flight ends is one of them: what it moved up to there, it flew. An elastic
+    block that vibrates is off for a moment, too: that is no flight.
+
+    Args:
+        normal: Force from the carrier, N, (rows,).
+        corners: Gaps of the bottom corners, m, (rows, corners).
+        way: What the base moved along the carrier, m, (rows, 1 or 2).
+        width: Of the block, m.
+    """
+    found, clear = np.zeros(len(normal), dtype=bool), corners.min(axis=1)
+    off = np.r_[False, (normal <= 0) & (clear > CLEAR * width), False]
+    for first, end in np.flatnonzero(np.diff(off)).reshape(-1, 2):
+        moved = np.linalg.norm(way[min(end, len(way) - 1)] - way[max(first - 1, 0)])
+        if max(float(moved), float(clear[first:end].max())) > SMALLEST_WAY * width:
+            found[first : end + 1] = True
+    return found
+
+
+def _turn(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Array:
+    """What `BlockMotion.turn` says: the twist of the block's rotation against its carrier."""
+    if not is_spatial(history, block.name):
+        return np.zeros(len(history["time_s"]))
+    frames = boxes(history, block).frames
+    if carrier is not None:
+        frames = np.swapaxes(boxes(history, carrier).frames, 1, 2) @ frames
+    sine, cosine = frames[:, 1, 0] - frames[:, 0, 1], frames[:, 0, 0] + frames[:, 1, 1]
+    return np.unwrap(np.arctan2(sine, cosine))
 
 
 def _stack(history: Columns, name: str, columns: list[str]) -> Array:

@@ -74,7 +74,7 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
     peak, residual = _plain(1e3 * block["peak_slip_m"]), _plain(1e3 * residual_slip(block))
     lines = [
         f"{name}: {block['mode']}, peak angle {angle:.4g} degrees, "
-        f"peak slip {peak:.3g} mm, residual slip {residual:.3g} mm"
+        f"peak slip {peak:.3g} mm, residual slip {residual:.3g} mm{_flown(block)}{_turned(block)}"
     ]
     impacts = block["impacts"]
     if impacts:
@@ -88,6 +88,20 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
         lines.append(f"  restitution   {ratios}")
     return lines
+
+
+def _flown(block: Mapping[str, Any]) -> str:
+    """What a block moved, where that is more than its slip."""
+    moved = _plain(1e3 * block.get("peak_displacement_m", 0.0))
+    differs = moved and block["peak_displacement_m"] != block["peak_slip_m"]
+    return f", displacement {moved:.3g} mm with what it flew" if differs else ""
+
+
+def _turned(block: Mapping[str, Any]) -> str:
+    """How far a block turned about the vertical, where that is one of its modes."""
+    if "turn" not in block["mode"].split("-"):
+        return ""
+    return f", turned by {math.degrees(block['peak_turn_rad']):.4g} degrees about the vertical"
 
 
 CAUSES = {

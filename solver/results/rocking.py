@@ -1,4 +1,4 @@
-"""Swings, impacts with their restitution, and mode of a block, from its history.
+"""Swings of a block, and impacts with their restitution, from its history.
 
 A swing is a stay of the rocking angle theta on one side of zero. It begins where |theta| exceeds
 `SMALLEST_SWING` times the slenderness alpha = atan(B/H) and ends with an impact where theta crosses
@@ -35,12 +35,6 @@ LARGEST_OFFSET = 0.02
 
 #: Lean out of the plane of rocking, over the largest angle, with which a block rolls.
 LARGEST_ASIDE = 0.01
-
-#: A block rocks when one of its corners is lifted by more than this part of its width, in a swing.
-SMALLEST_LIFT = 2e-4
-
-#: A block slides when its slip exceeds this part of its width; pivots skid by less at impacts.
-SMALLEST_SLIP = 1e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -273,30 +267,3 @@ def no_return(slenderness: Any) -> Any:
     There it has no more energy than upright. Never less than its point of balance alpha.
     """
     return np.maximum(slenderness, np.minimum(2 * slenderness, np.radians(89.0)))
-
-
-def mode(
-    angle: Array,
-    slip: Array,
-    lift: Array,
-    shape: Block,
-    *,
-    lean: Array | None = None,
-    fell: bool = False,
-) -> str:
-    """Mode of a block: "rest", "slide", "rock", "slide-rock", "overturned" or "fell".
-
-    The angle is that against what carries the block, the lean that from upright, rad; None: the
-    same. Slip is along what carries it, its magnitude where that is a plane; the lift is the gap of
-    the bottom corner that is higher, m. `fell`: the block ends below what carried it.
-    """
-    if fell:
-        return "fell"
-    if overturned(angle if lean is None else lean, shape.slenderness):
-        return "overturned"
-    swinging = np.abs(angle) > SMALLEST_SWING * shape.slenderness
-    rocks = bool(np.any(swinging & (lift > SMALLEST_LIFT * shape.width)))
-    slides = bool(np.max(np.abs(slip)) > SMALLEST_SLIP * shape.width)
-    if rocks:
-        return "slide-rock" if slides else "rock"
-    return "slide" if slides else "rest"

@@ -26,6 +26,7 @@ from solver.results.endings import fell_at, overturned_at
 from solver.results.felt_mass import friction_mass_ratio
 from solver.results.flutter import cautions_of_flutter
 from solver.results.impact_rates import rated_by_velocities
+from solver.results.modes import mode
 from solver.results.motion import BlockMotion, block_motion, lean_over_alpha
 from solver.results.overlaps import overlaps
 from solver.results.upright import gravity_above_upright
@@ -100,12 +101,11 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     )
     impacts = rated_by_velocities(scene, history, block, impacts)
     over, off = overturned_at(history, block), fell_at(scene, history, block)
-    fell = motion.fell or off is not None
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
     peaks = rocking.peaks(time, angle, shape.slenderness)
     over_alpha = lean_over_alpha(history, block)
     known = {
-        "mode": rocking.mode(angle, slip, motion.lift, shape, lean=motion.lean, fell=fell),
+        "mode": mode(block.shape, motion, fell=off is not None),
         "overturned_at_s": over,
         "fell_at_s": off,
         "peak_angle_rad": float(np.max(np.abs(motion.lean))),
@@ -117,9 +117,14 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
         "peak_friction_force_N": float(np.max(np.linalg.norm(motion.friction, axis=1))),
         "residual_angle_rad": float(motion.lean[-1]),
         "residual_slip_m": float(motion.slip[-1, 0]),
+        "peak_displacement_m": float(np.max(np.linalg.norm(motion.displacement, axis=1))),
+        "residual_displacement_m": float(motion.displacement[-1, 0]),
     }
-    if motion.slip.shape[1] == 2:
+    if scene.dimension == 3:
         known["residual_slip_second_m"] = float(motion.slip[-1, 1])
+        known["residual_displacement_second_m"] = float(motion.displacement[-1, 1])
+        known["peak_turn_rad"] = float(np.max(np.abs(motion.turn)))
+        known["residual_turn_rad"] = float(motion.turn[-1])
     if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {

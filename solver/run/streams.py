@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -19,6 +20,9 @@ def lasting_streams() -> Iterator[None]:
     """Let a command end in good order whatever becomes of its standard output and error."""
     FULL.clear()
     _open_closed()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # A title may have letters that a terminal does not know; the standard error writes so, too.
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         yield
     finally:

@@ -57,9 +57,9 @@ class BlockSpec(Checked):
     """
 
     name: str = "block"
-    """The block's name, different from all others: a letter, then letters, digits, `_` and `-`.
-    Names of tables and columns are taken: foundation, contact, damping, motion, time, output, base,
-    platform, plate, frame, energy."""
+    """The block's name, different from all others: a letter, then letters, digits, `_` and `-`,
+    100 at most. Names of tables and columns are taken: foundation, contact, damping, motion, time,
+    output, base, platform, plate, frame, energy."""
     on: str = "foundation"
     """What carries it: `"foundation"` or the name of another block."""
     width: Positive
@@ -117,8 +117,8 @@ class BlockSpec(Checked):
     def __post_init__(self) -> None:
         """Check the values."""
         Checked.__post_init__(self)
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", self.name) or self.name in RESERVED:
-            allowed = f"a letter, then letters, digits, _ and -; none of {', '.join(RESERVED)}"
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,99}", self.name) or self.name in RESERVED:
+            allowed = f"a letter, then letters, digits, _, -, 100 in all; not {', '.join(RESERVED)}"
             raise SceneError("name", shown(self.name), allowed)
         exactly_one(self, "mass", "density")
         if self.restitution is not None and self.model != "rigid":

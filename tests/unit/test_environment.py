@@ -127,6 +127,18 @@ def test_without_any_way_one_message_names_all_three(machine: Machine) -> None:
         assert word in done.stderr
 
 
+@pytest.mark.parametrize("here", [True, False])
+def test_a_cache_that_cannot_be_made_is_one_line(machine: Machine, here: bool) -> None:
+    if here:
+        machine.install("python3")
+    (machine.folder / "file").touch()
+    cache = machine.folder / "file" / "cache"
+    done = machine.in_env("true", ROCKSLIP_CACHE=str(cache))
+    assert (done.returncode, done.stdout) == (4, "")
+    line = "cannot be made or written to: set ROCKSLIP_CACHE to a folder of your own"
+    assert done.stderr == f"in-env: {cache} {line}\n"
+
+
 def test_this_python_comes_first(machine: Machine) -> None:
     machine.install("python3")
     machine.install_engine("docker")

@@ -20,6 +20,7 @@ from solver.run.folders import hold_folder, release_folder
 pytestmark = pytest.mark.serial
 
 COMMAND = f"{sys.executable} -m solver"
+GRANITE_TITLE = 'title = "A block of granite"\n'
 RIGID = SHORT_GRANITE.replace("[[block]]", '[[block]]\nmodel = "rigid"')
 
 
@@ -52,6 +53,15 @@ def scene(tmp_path: Path) -> Path:
     file = tmp_path / "scene.toml"
     file.write_text(RIGID)
     return file
+
+
+@pytest.mark.parametrize("words", ["check scene.toml", "run scene.toml -o out -q"])
+def test_a_title_that_a_terminal_does_not_know(tmp_path: Path, words: str) -> None:
+    (tmp_path / "scene.toml").write_text(f'title = "Blöcke ☃"\n{RIGID}'.replace(GRANITE_TITLE, ""))
+    done = shell(f"PYTHONIOENCODING=ascii {COMMAND} {words}", tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    if words.startswith("check"):
+        assert "Bl\\xf6cke \\u2603" in done.stdout
 
 
 class TestFullDisk:

@@ -171,6 +171,8 @@ def test_the_page_tells_forces_in_kilonewtons_and_means_of_what_is_known() -> No
         "peak_angle_over_alpha": 0.25,
         "peak_slip_m": 0.012,
         "residual_slip_m": -0.0034,
+        "peak_displacement_m": 0.15,
+        "peak_turn_rad": np.radians(2.0),
         "mode": "rock",
         "fell_at_s": 1.5,
     }
@@ -178,4 +180,4 @@ def test_the_page_tells_forces_in_kilonewtons_and_means_of_what_is_known() -> No
         scene=parse_scene(f"{BLOCK}width = 0.4\n{TIME}"), summary={"blocks": {"block": entry}}
     )
     _, row = _blocks(cast(Run, run))
-    assert row == ["block", "3", "0.25", "12", "-3.4", "3", "0.85", "rock at 1.5 s"]
+    assert row == ["block", "3", "0.25", "12", "-3.4", "150", "2", "3", "0.85", "rock at 1.5 s"]

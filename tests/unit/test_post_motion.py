@@ -209,7 +209,7 @@ def test_a_spinning_block_does_not_lean() -> None:
     t = np.linspace(0, 1, 101)
     history = history_of(scene, t, block__angle_z_rad=20 * t, block__centre_z_m=0.5)
     block = summary_of(scene, history)["blocks"]["block"]
-    assert block["mode"] == "rest"
+    assert block["mode"] == "turn"
     assert block["peak_angle_rad"] == pytest.approx(0.0, abs=1e-12)
 
 
@@ -244,7 +244,7 @@ def test_in_space_a_block_that_stays_on_a_leaning_one_is_at_rest() -> None:
         columns |= {f"{name}__angle_z_rad": 0.3 * t, f"{name}__gap_1_m": 0.01}
     history = history_of(scene, t, **columns)
     blocks = summary_of(scene, history)["blocks"]
-    assert blocks["low"]["mode"] == "rock"
+    assert blocks["low"]["mode"] == "turn-rock"
     assert blocks["up"]["mode"] == "rest"
 
 

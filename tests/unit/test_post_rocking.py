@@ -139,31 +139,6 @@ def test_rocking_to_rest_ends_with_an_impact() -> None:
     assert found[0].restitution == pytest.approx(0, abs=1e-2)
 
 
-def test_modes() -> None:
-    """Each mode by its own histories."""
-    t = np.linspace(0, 1, 201)
-    still = np.zeros(201)
-    swing = 0.03 * np.cos(2 * math.pi * t)
-    lift = 0.25 * np.abs(np.sin(swing))
-    away = 0.01 * t
-    assert rocking.mode(still, still, still, SHAPE) == "rest"
-    assert rocking.mode(still, away, still, SHAPE) == "slide"
-    assert rocking.mode(swing, still, lift, SHAPE) == "rock"
-    assert rocking.mode(swing, away, lift, SHAPE) == "slide-rock"
-    # a soft block that bends with both corners on the ground does not rock
-    assert rocking.mode(swing, still, still, SHAPE) == "rest"
-    # tipping over; a full turn that ends upright; leaning beyond the balance point at the end
-    assert rocking.mode(math.pi / 2 * t, still, lift, SHAPE) == "overturned"
-    assert rocking.mode(np.minimum(20 * t, 2 * math.pi), still, lift, SHAPE) == "overturned"
-    assert rocking.mode(1.1 * ALPHA * t, still, lift, SHAPE) == "overturned"
-    # beyond the balance point and back: it rocks
-    bold = 1.2 * ALPHA * np.sin(math.pi * t)
-    assert rocking.mode(bold, still, 0.25 * np.abs(np.sin(bold)), SHAPE) == "rock"
-    # an upper block at rest on one that falls over; a block that slid off the edge
-    assert rocking.mode(still, still, still, SHAPE, lean=math.pi / 2 * t) == "overturned"
-    assert rocking.mode(still, away, still, SHAPE, fell=True) == "fell"
-
-
 def test_rocking_energy_is_that_of_the_raised_centre() -> None:
     """m g (height of the centre above upright) over 4/3 m R^2."""
     angle = 0.1

@@ -337,9 +337,17 @@ def test_blocks_are_addressed_by_name():
     assert "did you mean 'tower'?" in refusal("towre.height=2", text=text)
 
 
-@pytest.mark.parametrize("name", ["time", "energy", "foundation", "", "a b", "9", "a.b", "a\\nb"])
+@pytest.mark.parametrize(
+    "name", ["time", "energy", "foundation", "", "a b", "9", "a.b", "a\\nb", 101 * "a"]
+)
 def test_refused_names(name):
     assert ".name: got" in refusal(text=TEXT.replace("[[block]]", f'[[block]]\nname = "{name}"'))
+
+
+def test_the_longest_name():
+    """With what is added to it, it is the name of a file."""
+    scene = parse_scene(TEXT.replace("[[block]]", f'[[block]]\nname = "{100 * "a"}"'))
+    assert len(scene.blocks[0].name) == 100
 
 
 def test_number_of_blocks():

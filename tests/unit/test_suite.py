@@ -117,7 +117,9 @@ def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
         ratio = float(strong["platform.peak_drift_ratio"])
         drift, exact = (float(strong[f"{of}platform.peak_drift_m"]) for of in ("", "reference."))
         assert ratio == pytest.approx(drift / exact) == pytest.approx(1.0, abs=2e-3)
-    assert rows["strong", "0.1"]["block.mode"] == "slide"
+    strong = rows["strong", "0.1"]
+    assert strong["block.mode"] == "slide"
+    assert strong["block.peak_displacement_m"] == strong["block.peak_slip_m"]  # nothing flew
     _is_a_single_run(here, rows["strong", "0.1"])
     _says_it_all(here, capsys.readouterr().out)
     _resumes(here, rows, words)

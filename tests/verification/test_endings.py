@@ -121,7 +121,8 @@ def test_a_block_that_nothing_catches_ends_the_run(engine: str) -> None:
     off = (place - reach >= 0.5) & (height - rise < 0.5) | (height + rise <= 0.5)
     assert block["fell_at_s"] == pytest.approx(float(time[np.argmax(off)]), abs=1e-12)
     if engine == "meshed":
-        assert result.summary["reason"] == f"top fell at t = {time[-1]:.6g} s"
+        where = f"off low with its centre at x = {place[-1]:.4g} m"
+        assert result.summary["reason"] == f"top fell at t = {time[-1]:.6g} s, {where}"
         assert result.summary["end_s"] == block["fell_at_s"]
         assert (height - rise)[-1] > 0.0
     else:
@@ -190,4 +191,6 @@ def test_a_run_that_one_block_ends_says_so_of_the_others() -> None:
     assert caution.startswith("the run ends before 10 s (a fell at t = 2.5 s)")
     assert not cautions_of_end(two, "completed", "")
     assert not cautions_of_end(two, "interrupted", "stopped by the limit of 3 s")
-    assert not cautions_of_end(one, "completed", "a fell at t = 2.5 s")
+    (caution,) = cautions_of_end(one, "completed", "a fell at t = 2.5 s")
+    assert caution == "a fell at t = 2.5 s: nothing catches it, and the run ends there"
+    assert not cautions_of_end(one, "completed", "a overturned at t = 2.5 s")

@@ -177,6 +177,21 @@ def test_the_maps_of_rigid_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert {file: file.stat().st_mtime_ns for file in (folder / "cases").iterdir()} == times
 
 
+def test_without_a_material_the_map_is_that_of_rigid_blocks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """That needs none; elastic blocks are still refused where they are asked for."""
+    file = tmp_path / "scene.toml"
+    lines = SCENE.read_text().replace("[[block]]", '[[block]]\nmodel = "rigid"').splitlines()
+    file.write_text("\n".join(x for x in lines if not x.startswith(("young", "poisson", "cells"))))
+    words = ["study", "modes", str(file), "-o", str(tmp_path / "out"), "--points", "2", "-q"]
+    assert main(words) == 0
+    maps = json.loads((tmp_path / "out" / "summary.json").read_text())["maps"]
+    assert [found["engine"] for found in maps] == ["rigid"]
+    assert main([*words, "--force", "--engines", "rigid,elastic"]) == 2
+    assert "block has no young and poisson" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -43,7 +43,7 @@ CAPTIONS = {
 
 HEADING = (
     *("block", "peak angle (°)", "over alpha", "peak slip (mm)", "residual slip (mm)"),
-    *("impacts", "mean restitution", "mode"),
+    *("peak displacement (mm)", "turn (°)", "impacts", "mean restitution", "mode"),
 )
 
 LONGEST_FILM = 20.0
@@ -123,6 +123,8 @@ def _blocks(run: Run) -> list[list[str]]:
                 _number(entry["peak_angle_over_alpha"]),
                 _number(entry.get("peak_slip_m"), 1e3),
                 _number(residual_slip(entry), 1e3),
+                _number(entry.get("peak_displacement_m"), 1e3),
+                _number(entry.get("peak_turn_rad"), math.degrees(1.0)),
                 str(len(entry["impacts"])),
                 _number(sum(known) / len(known) if known else None),
                 mode,

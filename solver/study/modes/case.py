@@ -87,8 +87,9 @@ def cases_of(
         tables: The scene of the block.
         ratios: H/B; none: that of the scene.
         points: Of the grid, along each axis.
-        engines: Which of `ENGINES`.
+        engines: Which of `ENGINES`; none: those that the block has the material for.
     """
+    engines = engines or ENGINES[: 1 + is_elastic(tables)]
     if "elastic" in engines and not is_elastic(tables):
         raise Statement("block", "has no young and poisson: add them, or choose --engines rigid")
     own = variant(tables, model="rigid").blocks[0].shape

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 TEXT = "rest, slide, rock or both: how a block at rest begins to move, against Shenton (1996)"
 
-ENGINES, POINTS = "rigid,elastic", 12
-"""What is run where the command line says nothing."""
+POINTS = 12
+"""Of the grid, along each axis, where the command line says nothing."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_overrides(parser, example="block.width=0.5")
     add("--ratios", metavar="H/B,...", help="aspect ratios H/B; default that of the scene")
     add("--points", type=int, default=POINTS, metavar="N", help=f"a side, default {POINTS}")
-    add("--engines", default=ENGINES, metavar="NAMES", help=f"default {ENGINES}")
+    text = "rigid and elastic blocks; default: both, or rigid where the block has no young, poisson"
+    add("--engines", metavar="NAMES", help=text)
     add_study_options(parser, "study", ".modes")
 
 
@@ -72,7 +73,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     check_processes(options.processes)
     if not 2 <= options.points <= 200:
         raise SceneError("--points", f"{options.points}", "2 <= points <= 200")
-    engines = words("--engines", options.engines, ENGINES)
+    engines = words("--engines", options.engines, ENGINES) if options.engines else []
     ratios = numbers("--ratios", options.ratios) if options.ratios else []
     tables = standing_block(options.scene, options.overrides)
     cases = tuple(cases_of(tables, ratios, options.points, engines))

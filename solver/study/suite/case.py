@@ -28,9 +28,10 @@ COMPARED = {
 }
 
 
-#: What is kept of the summary of a block.
+#: What is kept of the summary of a block, where it is there (turns are in space).
 KEPT = (
     *("peak_slip_m", "peak_slip_while_standing_m", "residual_slip_m"),
+    *("peak_displacement_m", "residual_displacement_m", "peak_turn_rad", "residual_turn_rad"),
     *("peak_angle_rad", "peak_angle_while_standing_rad"),
     *("peak_angle_over_alpha", "peak_angle_over_alpha_while_standing"),
     *("mode", "overturned_at_s", "fell_at_s"),
@@ -166,8 +167,7 @@ def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
     if "platform" in summary:
         found["platform.peak_drift_m"] = summary["platform"]["peak_drift_m"]
     for name, block in summary["blocks"].items():
-        for key in KEPT:
-            found[f"{name}.{key}"] = block[key]
+        found |= {f"{name}.{key}": block[key] for key in KEPT if key in block}
     return found
 
 
