@@ -8,7 +8,7 @@ leave the ground, but slides freely (x.M x = 1, x.K x = omega^2), and for slidin
     A = I + mu T^T M_n,    B = diag(omega^2) + mu T^T K_n,                                      (1)
 
 where T has the displacements of the base along the direction and M_n, K_n the rows of M x and K x
-across it, so that K_n q + M_n q'' is the change of N. Each pair of B x = nu A x gives the rates s of
+across it, so that K_n q + M_n q'' is the change of N. Each nu of B x = nu A x gives the rates s of
 
     s^2 + s (lambda_R + beta_R nu) + nu = 0,                                                    (2)
 
@@ -77,12 +77,8 @@ class SlidingModes:
 
     def flutter(self, friction: float, damping: DampingSpec) -> Flutter:
         """What grows most in steady sliding along any direction of the base."""
-        nu = np.concatenate(
-            [
-                self._pencil(friction, *part)
-                for part in zip(self.inertia, self.stiffness, strict=True)
-            ]
-        )
+        directions = range(len(self.inertia))
+        nu = np.concatenate([self._pencil(friction, direction) for direction in directions])
         half = (damping.mass + damping.stiffness * nu) / 2
         rates = -half + np.array([[1.0], [-1.0]]) * np.sqrt(half**2 - nu)
         rates = rates[np.abs(rates.imag) > GROWTH * np.abs(rates)]  # others decay
@@ -112,12 +108,11 @@ class SlidingModes:
         found = self.flutter(friction, damping)
         return found.growth > GROWTH * found.frequency
 
-    def _pencil(self, friction: float, inertia: Array, stiffness: Array) -> NDArray[np.complex128]:
+    def _pencil(self, friction: float, direction: int) -> NDArray[np.complex128]:
         """The values nu of B x = nu A x, without those of rigid sliding."""
-        mass = np.eye(len(self.squared)) + friction * inertia
-        found: NDArray[np.complex128] = la.eigvals(
-            np.diag(self.squared) + friction * stiffness, mass
-        )
+        stiffness = np.diag(self.squared) + friction * self.stiffness[direction]
+        inertia = np.eye(len(self.squared)) + friction * self.inertia[direction]
+        found: NDArray[np.complex128] = la.eigvals(stiffness, inertia)
         return found[np.abs(found) > GROWTH * np.abs(found).max()]
 
 

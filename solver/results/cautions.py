@@ -181,5 +181,5 @@ def _remedy(scene: Scene) -> str:
         changes.append(f"leave out time.tolerance, which is {TOLERANCE:g} then")
     if undamped := _undamped(scene):
         most = max(scene.default_damping(block).stiffness for block in undamped)
-        changes.append(f"give damping.stiffness, for 2 % of critical {most:.3g}")
+        changes.append(f"give damping.stiffness, by default {most:.3g} s")
     return f": {', and '.join(changes)}" if changes else ""

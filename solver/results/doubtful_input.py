@@ -53,6 +53,7 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
         *_soft_materials(scene),
         *_strange_platforms(scene),
         *_strange_friction(scene),
+        *_falling_at_once(scene),
         *_strange_gravity(scene),
         *_lost_from_the_start(scene),
         *_strong_motions(scene, ground),
@@ -226,6 +227,20 @@ def _strange_friction(scene: Scene) -> list[str]:
         for name, static in coefficients
         if static > LARGEST_FRICTION
     ]
+
+
+def _falling_at_once(scene: Scene) -> list[str]:
+    """Elastic blocks whose friction falls from its static to its dynamic value at once."""
+    found = []
+    for block in scene.blocks:
+        law = scene.friction_of(block)
+        if block.model == "elastic" and law.static != law.dynamic and not law.decays:
+            found.append(
+                f"friction of {block.name} falls from {law.static:g} to {law.dynamic:g} at once: "
+                "an elastic block breaks loose point by point then, and how far it slips depends on "
+                "mesh, step and damping; the paper avoids it, too: give decay"
+            )
+    return found
 
 
 def _strange_gravity(scene: Scene) -> list[str]:

@@ -25,11 +25,11 @@ def cautions_of_flutter(scene: Scene, history: History) -> list[str]:
     for block in scene.blocks:
         if block.model == "elastic" and (seen := flutter(scene, history, block)) is not None:
             began, frequency = seen
+            default = scene.default_damping(block).stiffness
             found.append(
                 f"{block.name} flutters as it slides, from {began:.4g} s at {frequency:.3g} Hz: "
                 "its normal force swings by more than its mean, and damping decides how far it "
-                f"slides; by default damping.stiffness is {scene.default_damping(block).stiffness:.2g}"
-                " s, and rockslip check tells which one holds it"
+                f"slides; by default damping.stiffness is {default:.2g} s, and rockslip check tells which one holds it"
             )
     return found
 
@@ -45,9 +45,7 @@ def flutter(scene: Scene, history: History, block: BlockSpec) -> tuple[float, fl
         rising = np.flatnonzero((normal[:-1] < mean) & (normal[1:] >= mean)) + 1
         if len(rising) <= SWINGS:
             continue
-        high, low = (
-            each.reduceat(normal, rising)[:-1] for each in (np.maximum, np.minimum)
-        )
+        high, low = (each.reduceat(normal, rising)[:-1] for each in (np.maximum, np.minimum))
         period = np.diff(time[rising])
         swings = (high - low > mean) & (period * slowest < 1)
         run = np.convolve(swings, np.ones(SWINGS, dtype=int), "valid") == SWINGS

@@ -48,8 +48,8 @@ def cantilever_frequency(width: float, height: float, material: Material, held: 
 
     That of Timoshenko's beam: the least root of the characteristic equation of a cantilever, with
     shear and rotatory inertia (Huang 1961, J. Appl. Mech. 28), and the coefficient of shear of a
-    rectangle that Kaneko recommends (1975, J. Phys. D 8). The finite elements are met within 2 % for H/B
-    0.25 to 10.
+    rectangle that Kaneko recommends (1975, J. Phys. D 8). The finite elements are met within 2 %
+    for H/B 0.25 to 10.
 
     Args:
         width: B, in the plane of bending, m.

@@ -11,11 +11,11 @@ from rockslip import parse_scene, simulate
 
 
 @pytest.mark.parametrize(
-    ("ratio", "cells", "keeps"), [(2, [6, 8], 0.68), (4, [6, 16], 0.56), (10, [4, 24], 0.35)]
+    ("ratio", "cells", "keeps"), [(2, [6, 8], 0.66), (4, [6, 16], 0.56), (10, [4, 24], 0.36)]
 )
 @pytest.mark.slow
 def test_slender_blocks_come_back_slowly(ratio: int, cells: list[int], keeps: float) -> None:
-    """The speed of the flight after it, from rows of it; and xi of compression, 3.1 % of H/B."""
+    """The speed of the flight after it, from rows of it; and xi of compression, 3.2 % of H/B."""
     block = {"width": 1.0 / ratio, "height": 1.0, "density": 2700.0, "young": 5e10, "poisson": 0.2}
     end = 0.008
     given = {
@@ -29,7 +29,7 @@ def test_slender_blocks_come_back_slowly(ratio: int, cells: list[int], keeps: fl
     damping = scene.damping_of(own)
     assert damping is not None
     compression = math.pi / 2 * own.material("stress").wave_speed / own.height
-    assert damping.ratio(compression) == pytest.approx(0.031 * ratio, rel=0.15)
+    assert damping.ratio(compression) == pytest.approx(0.032 * ratio, rel=0.15)
     for damped, left, band in ((True, keeps, 0.03), (False, 0.93, 0.05)):
         run = simulate(scene if damped else parse_scene(given | {"damping": {"stiffness": 0.0}}))
         time, height = (run.history[name] for name in ("time_s", "block.centre_y_m"))

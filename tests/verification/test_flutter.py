@@ -10,7 +10,6 @@ import pytest
 import scipy.linalg as la
 
 from geometry.mesh import block_mesh
-from geometry.tags import FacetTag
 from rockslip import Scene, parse_scene, simulate
 from solver.bodies.flutter import SlidingModes
 from solver.bodies.modes import compressed_rows
@@ -114,7 +113,9 @@ def test_default_damping_holds_steady_sliding(
             assert modes(asked).flutter(friction, damping).growth < 0, friction
 
 
-@pytest.mark.parametrize(("thickness", "cells"), [(1.0, (4, 4, 3)), (0.4, (6, 3, 3)), (3.0, (3, 8, 3))])
+@pytest.mark.parametrize(
+    ("thickness", "cells"), [(1.0, (4, 4, 3)), (0.4, (6, 3, 3)), (3.0, (3, 8, 3))]
+)
 def test_it_does_in_space(thickness: float, cells: tuple[int, ...]) -> None:
     for friction in (0.3, 0.9):
         asked = scene(friction, cells=cells, block={"thickness": thickness}, dimension=3)
@@ -128,7 +129,12 @@ def test_a_run_tells_of_flutter_at_a_mode() -> None:
     """A squat block on a platform, with falling friction; by default it does not."""
     falling = {"static": 0.6, "dynamic": 0.3, "decay": 20.0}
     tables = {
-        "foundation": {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05},
+        "foundation": {
+            "kind": "oscillator",
+            "mass_ratio": 2.0,
+            "period": 0.5,
+            "damping_ratio": 0.05,
+        },
         "motion": {"kind": "sine", "amplitude_g": 0.45, "period": 0.6, "cycles": 6},
         "time": {"end": 1.15},
     }

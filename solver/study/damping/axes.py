@@ -10,6 +10,7 @@ from typing import Any, Literal
 from solver.errors import SceneError, not_applicable
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import nearest, shown, to_table
+from solver.scene.damping import DEFAULT_RATIO, stiffness_damping
 
 Tables = dict[str, Any]
 """A scene as plain tables, changed in place."""
@@ -168,15 +169,20 @@ def _put_beta(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> N
     owner["damping"] = dict(owner.get("damping", {})) | {"stiffness": value}
 
 
+def _two_percent(scene: Scene, block: BlockSpec) -> float:
+    """beta_R of 2 % of critical damping at the first bending mode, s."""
+    return stiffness_damping(DEFAULT_RATIO, scene.bending_frequency(block)).stiffness
+
+
 def _betas(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
     """None, and three decades around 2 % of critical damping, s."""
-    decade = 10.0 ** math.floor(math.log10(scene.default_damping(block).stiffness))
+    decade = 10.0 ** math.floor(math.log10(_two_percent(scene, block)))
     return tuple(float(f"{ratio * decade:.3g}") for ratio in BETAS)
 
 
 def _beta_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
     """From 0.5 % to 10 % of critical damping, s."""
-    usual = scene.default_damping(block).stiffness
+    usual = _two_percent(scene, block)
     low, high = (float(f"{ratio * usual:.1e}") for ratio in BETA_BOUNDS)
     return low, high
 
