@@ -328,6 +328,8 @@ TALK = [
     "PGA (gal): 294",
     "Peak acceleration = 77.3 cm/sec/sec at 3.2 sec",
     "Max. Acc. (gal)   29.070",
+    "Acceleration (gal)   29.070",
+    "accelerogram of a sensor of 981 cm/s2 per g",
     "Trigger level (gal): 4",
     "trigger threshold 0.01 g",
     "full scale of the sensor (g): 2",
@@ -345,7 +347,8 @@ TALK = [
 """Quantities, none of which is the unit of the samples."""
 
 STATED = [
-    "units: {}", "Units of {}", "acceleration ({})", "acceleration time history in {}",
+    "units: {}", "Units of {}", "unit of acceleration: {}", "accelerations (in {})",
+    "acceleration ({})", "acceleration time history in {}",
     "ACCELERATION TIME SERIES IN UNITS OF {}", "a [{}]", "#AmplitudeUnit:  {}. corrected",
 ]  # fmt: skip
 NAMES = {
@@ -375,6 +378,14 @@ def test_headers_that_talk(
     assert refusal(folder, silent, dt=STEP).startswith("motion.units is required")
     motion = record(folder, silent, dt=STEP, units="g")
     np.testing.assert_allclose(motion.value, np.array(WAVES[0]) * G, rtol=1e-12)
+
+
+@pytest.mark.parametrize("header", ["Accelerations, cm/s/s", "(cm/s^2)", "values gal", "milli-g"])
+def test_a_hint_of_another_unit(folder: Path, header: str) -> None:
+    """Too little for a unit, enough against another one."""
+    text = "\n".join([header, *map(str, WAVES[0])])
+    assert "motion.units is required" in refusal(folder, text, dt=STEP)
+    assert 'motion.units: got "g", allowed "' in refusal(folder, text, dt=STEP, units="g")
 
 
 def test_quantities_are_no_units() -> None:
@@ -436,6 +447,20 @@ class TestColumns:
         assert refusal(folder, text, column=1).startswith(
             "motion.column: got 1, allowed 2, 3, 4 or"
         )
+
+    def test_a_unit_of_each_column(self, folder: Path) -> None:
+        """Each heading speaks of its own column."""
+        times = [STEP * i for i in range(COUNT)]
+        text = "t (s)  acc (g)  vel (cm/s)  acc_gal  note\n" + rows(
+            times, *WAVES, WAVES[0], form="12.3f"
+        )
+        assert record(folder, text, column=2).peak == pytest.approx(G * max(map(abs, WAVES[0])))
+        assert record(folder, text, column="acc_gal").peak == pytest.approx(
+            0.01 * max(map(abs, WAVES[2]))
+        )
+        assert "got units of cm/s, allowed accelerations" in refusal(folder, text, column="vel")
+        assert refusal(folder, text, column=5).startswith("motion.units is required")
+        assert record(folder, "recording unit: K2\n" + text, column=2).step == pytest.approx(STEP)
 
     def test_values_in_reading_order(self, folder: Path) -> None:
         text = fixed(WAVES[0], 8, "10.3f")

@@ -32,7 +32,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     counts = _each(text, r"NUM\. TOTAL DE MUESTRAS, C1", "NUM. TOTAL DE MUESTRAS", among)
     steps = _each(text, r"INTERVALO DE MUESTREO, C1", "INTERVALO DE MUESTREO", among)
     names = text.said(r"^ORIENTACION C1[^:]*:\s*/(.+)", "ORIENTACION C1-C6", among)
-    orientations = [name.strip() for name in names.value[1].split("/")]
+    orientations = [name.strip() for name in names.value[1].strip(" /").split("/")]
     said = text.optional(r"^NUMERO DE CANALES\s*:\s*(\d+)", among)
     channels = int(said.value[1]) if said else len(orientations)
     for what, line, found in (
@@ -71,7 +71,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
 def _each(text: TextFile, key: str, what: str, among: range) -> list[Said[float]]:
     """The positive numbers of the channels: /0.01/0.01/0.01."""
     found = text.said(rf"^{key}[^:]*:\s*/(.+)", what, among)
-    numbers = [number_in(word.strip()) for word in found.value[1].split("/")]
+    numbers = [number_in(word.strip()) for word in found.value[1].strip(" /").split("/")]
     if not all(number is not None and 0 < number < 1e9 for number in numbers):
         raise text.error(found.line, shown(found.value[0]), f"{what}, above 0")
     return [Said(number, found.line) for number in numbers if number is not None]

@@ -13,9 +13,10 @@ from solver.excitation.layouts.header import (
     counts_stated,
     names_milliseconds,
     steps_stated,
+    unit_of_heading,
     units_stated,
 )
-from solver.excitation.layouts.text import Component, TextFile
+from solver.excitation.layouts.text import Component, Said, TextFile
 from solver.excitation.numbers import Row, number_in, rows_of, split_header
 from solver.excitation.sampled import even_step
 from solver.scene.motion import FileSpec
@@ -61,7 +62,8 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     if stated and len(rows) not in {count.value for count in stated}:
         got = f"{stated[0].value} samples in line {stated[0].line}"
         raise SceneError(str(text.path), got, f"{len(rows)}, the number of its rows")
-    names = _names(header, width)
+    at, headings = _headings(header, width)
+    names = [re.sub(r"\s*[(\[].*", "", heading) for heading in headings]
     dt = spec.dt if spec.kind == "record" else None
     first = _first_column(rows, names[0], spec)
     if first == "index" and (spec.column is None or dt is None):
@@ -72,14 +74,14 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     even = None
     if time is not None:
         even = _even(text, rows) if spec.kind == "record" else _rising(text, rows)
-    units, steps = tuple(units_stated(header)), tuple(steps_stated(header))
+    units, steps = list(units_stated(header)), tuple(steps_stated(header))
     return [
         Component(
             name=names[k],
             number=k + 1,
             values=np.array([row.values[k] for row in rows]),
             lines=[row.line for row in rows],
-            units=units,
+            units=_units(units, at, headings[k]),
             steps=steps,
             time=time,
             even=even,
@@ -88,15 +90,22 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     ]
 
 
-def _names(header: list[str], width: int) -> list[str]:
-    """What the last line of the header calls the columns; empty where it does not name each."""
-    lines = [line for line in header if line.strip("# \t")]
-    last = lines[-1].strip().lstrip("#").strip() if lines else ""
+def _headings(header: list[str], width: int) -> tuple[int, list[str]]:
+    """The headings of several columns, and the number of their line; 0: there are none."""
+    lines = [i for i, line in enumerate(header, start=1) if line.strip("# \t")]
+    last = header[lines[-1] - 1].strip().lstrip("#").strip() if lines else ""
     for separator in (r"\s*[,;]\s*", r"\t+|\s{2,}", r"\s+"):
         words = [word.strip().strip('"').strip() for word in re.split(separator, last)]
-        if len(words) == width and not any(":" in word or "=" in word for word in words):
-            return [re.sub(r"\s*[(\[].*", "", word) for word in words]
-    return [""] * width
+        if width > 1 and len(words) == width and not re.search("[:=]", last):
+            return lines[-1], words
+    return 0, [""] * width
+
+
+def _units(stated: list[Said[str]], at: int, heading: str) -> tuple[Said[str], ...]:
+    """The units of a column: that of its own heading, and what other lines state of all columns."""
+    own = unit_of_heading(heading)
+    others = tuple(said for said in stated if said.line != at)
+    return others if own is None else (*others, Said(own, at))
 
 
 def _first_column(rows: list[Row], name: str, spec: FileSpec) -> str:

@@ -36,6 +36,7 @@ _SPELLINGS = (
     (re.compile("[²\ufffd]"), "2"),
     (re.compile("⁻"), "-"),
     (re.compile(r"\^|\*\*"), ""),
+    (re.compile(r"milli-?\s?g(?:'?s)?\b"), "mg"),
     (re.compile(r"[*·]|(?<!\d)\.(?!\d)"), " "),
     (re.compile(r"(?<![a-z])(m?)sec(?:ond)?s?(?![a-z])"), r"\1s"),
     (re.compile(r"\s*/\s*s\s*/\s*s(?![a-z])|\s*/\s*s2(?![\d.])|(?<=[mnt]) ?s ?- ?2(?!\d)"), "/s2"),
@@ -56,12 +57,14 @@ _SAMPLES = (
     r"(?![a-z])"
 )
 _COLUMN = r"(?<![\w-])(?:a_?[xyzg]?|[xyzneu]|n-?s|e-?w|u-?d|h[nl][nez12])"
-_BRACKETS = rf"[(\[]\s*(?P<unit>{_UNIT})\s*[)\]](?!\s*[:=]?\s*[-+.]?\d)"
+_BRACKETS = rf"[(\[]\s*(?:in\s+)?(?P<unit>{_UNIT})\s*[)\]](?!\s*[:=]?\s*[-+.]?\d)"
+_OF = r"acc\w*|amplitudes?|data|measure\w*|samples?|the|values?"
 _STATED = (
-    # "UNITS OF G", "AmplitudeUnit: gal", "UNITS ARE SEC AND G/10"
+    # "unit of acceleration: gal"; "UNITS OF G", "AmplitudeUnit: gal", "UNITS ARE SEC AND G/10"
+    re.compile(rf"units?\s+of\s+(?:(?:{_OF})\s*)+[:=]\s*[(\[]?\s*(?P<unit>{_UNIT})"),
     re.compile(
         r"units?\b\s*(?:(?:of|are|is|in)\b)?(?:\s+[\w ]*?\bare\b)?\s*[:=]?\s*[(\[]?\s*"
-        rf"(?:s\s+and\s+)?(?P<unit>{_UNIT})"
+        rf"(?:s\s+and\s+)?(?!(?:{_OF}|of|are|is|in)\b)(?P<unit>{_UNIT})"
     ),
     # "ACCELERATION TIME HISTORY (G'S)", the headings "acc [g]" and "N-S (gal)"
     re.compile(rf"{_SAMPLES}[^()\[\]]*{_BRACKETS}"),
@@ -74,7 +77,11 @@ _STATED = (
     re.compile(r"(?<![a-z])a(?:cc\w*?)?_(?P<unit>g|gal|mg|cm[_/]s2|m[_/]s2)(?![a-z])"),
 )
 _MENTIONED = re.compile(r"(?<![a-z/])(?:gals?|mg|g/10|%g|counts?|(?:mm|cm|m|ft|in)/s2?)(?!\w)")
-_CLAUSE = re.compile(r"[,;\t|]|(?<![:=\s])\s{2,}")
+_BARE = re.compile(
+    r"(?<![\w/.])(?<!\d )(?P<unit>gals?|mg|g/10|(?:mm|cm|m|ft|in)/s2)"
+    r"(?!\w)(?!\s*[)\]]?\s*[:=]?\s*\d)"
+)
+_CLAUSE = re.compile(r"[,;\t|]|(?<![:=\s])\s{2,}(?![-+.\d\s])")
 
 _MILLISECONDS = re.compile(
     r"[(\[]\s*(?:ms|msec|milli-?seconds?)\s*[)\]](?!\s*[:=]?\s*\d)|\bt(?:ime)?_ms\b", re.IGNORECASE
@@ -127,13 +134,33 @@ def units_stated(header: Sequence[str]) -> Iterator[Said[str]]:
                 for found in pattern.finditer(plain):
                     unit = unit_of(found["unit"])
                     # What stands in brackets or after "in" may be anything.
-                    said = i == 0 or unit in UNITS or unit in OTHERS
+                    said = i < 2 or unit in UNITS or unit in OTHERS
                     if (
                         said
                         and unit not in _TIMES
                         and not _QUANTITY.search(plain[: found.start("unit")])
                     ):
                         yield Said(unit, line)
+
+
+def unit_of_heading(heading: str) -> str | None:
+    """The unit in the heading of a column, such as "vel (cm/s)"; None: it has none."""
+    plain = _plain(heading)
+    found = re.fullmatch(rf"[^()\[\]]*[(\[]\s*(?:in\s+)?(?P<unit>{_UNIT})\s*[)\]]\s*", plain)
+    if found and not _QUANTITY.search(plain[: found.start("unit")]):
+        unit = unit_of(found["unit"])
+        return unit if unit in UNITS or unit in OTHERS else None
+    return next((said.value for said in units_stated([heading])), None)
+
+
+def units_hinted(header: Sequence[str]) -> Iterator[Said[str]]:
+    """Units of accelerations in a header that belong to no number: enough to doubt another one."""
+    for line, text in enumerate(header, start=1):
+        for clause in _CLAUSE.split(text):
+            plain = _plain(clause)
+            if not _QUANTITY.search(plain):
+                for found in _BARE.finditer(plain):
+                    yield Said(unit_of(found["unit"]), line)
 
 
 def mentions_units(header: Sequence[str]) -> int:

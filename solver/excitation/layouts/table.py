@@ -20,7 +20,7 @@ from solver.excitation.layouts import (
     seismic,
     usc,
 )
-from solver.excitation.layouts.header import OTHERS, mentions_units
+from solver.excitation.layouts.header import OTHERS, mentions_units, units_hinted
 from solver.excitation.layouts.text import CLOSE, Component, Said, TextFile
 from solver.excitation.numbers import is_binary, read_lines, split_header
 from solver.scene.checking import shown
@@ -139,18 +139,20 @@ def _chosen(spec: FileSpec, where: str, found: list[Component], text: TextFile |
 
 def _unit(spec: FileSpec, where: str, chosen: Component, text: TextFile | None) -> tuple[str, str]:
     """The unit of the samples, which scene or header has to say, and who said it."""
-    for said in chosen.units:
-        unknown = said.value not in UNITS and spec.units is None
-        if said.value in OTHERS or unknown:
-            allowed = f"accelerations in {', '.join(UNITS)}"
-            raise SceneError(f"{spec.file}: line {said.line}", f"units of {said.value}", allowed)
     stated: dict[str, int] = {}
     for said in chosen.units:
         if said.value in UNITS:
             stated.setdefault(said.value, said.line)
+    for said in chosen.units:
+        unknown = said.value not in UNITS and not stated and spec.units is None
+        if said.value in OTHERS or unknown:
+            allowed = f"accelerations in {', '.join(UNITS)}"
+            raise SceneError(f"{spec.file}: line {said.line}", f"units of {said.value}", allowed)
+    header = split_header(text.lines)[0] if text else []
     if spec.units is not None:
-        if stated and spec.units not in stated:
-            unit, line = next(iter(stated.items()))
+        held = stated or {said.value: said.line for said in units_hinted(header)}
+        if held and spec.units not in held:
+            unit, line = next(iter(held.items()))
             allowed = f"{shown(unit)}, as line {line} of {spec.file} says"
             raise SceneError(f"{where}.units", shown(spec.units), allowed)
         return spec.units, f"{where}.units"
@@ -160,8 +162,7 @@ def _unit(spec: FileSpec, where: str, chosen: Component, text: TextFile | None) 
     if stated:
         unit, line = next(iter(stated.items()))
         return unit, f"line {line}"
-    mentioned = mentions_units(split_header(text.lines)[0]) if text else 0
-    if spec.kind == "record" or mentioned:
+    if spec.kind == "record" or mentions_units(header):
         reason = f'("g", "m/s2", "cm/s2", ...): {spec.file} does not say it'
         raise missing_key(f"{where}.units", reason)
     return "g", "default of tables"
