@@ -33,7 +33,9 @@ def describe_motion(motion: BaseMotion | None, step: float | None) -> Lines:
     peak = f"{motion.peak / G_UNIT:.4g} g = {motion.peak:.4g} m/s2"
     if isinstance(motion, SampledMotion):
         measures = _measures(motion)
-        return [("", f"PGA {peak}"), ("samples", _samples(motion)), *measures, _met(motion, step)]
+        read = [("read as", motion.source)] if motion.source else []
+        samples = [*read, ("samples", _samples(motion))]
+        return [("", f"PGA {peak}"), *samples, *measures, _met(motion, step)]
     lines = [("", f"peak {peak}")]
     if isinstance(motion, Pulse):
         lines += [

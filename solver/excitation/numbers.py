@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import codecs
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from solver.errors import SceneError
 from solver.scene.checking import shown
+
+_NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+_DECIMAL_COMMA = re.compile(r"\d,\d.*[;\s]|[;\s].*\d,\d")
+_WORD = re.compile(r"(?!nan\b|inf\b|infinity\b)[a-z]{2,}", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +42,23 @@ def read_lines(file: Path, key: str, expected: str) -> list[str]:
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         content = content.decode("utf-16", errors="replace").encode()
     content = content.rstrip(b"\x1a")  # how text ended under DOS
-    strange = next((i for i, byte in enumerate(content) if byte < 9 or 13 < byte < 32), None)
+    strange = _NO_TEXT.search(content)
     if strange is not None:
-        line = 1 + content.count(b"\n", 0, strange)
+        line = 1 + content.count(b"\n", 0, strange.start())
         raise SceneError(f"{file}: line {line}", "binary data", f"a text with {expected}")
     if not content.strip():
         raise SceneError(f"{file}: line 1", "an empty file", expected)
     return content.decode("utf-8-sig", errors="replace").splitlines()
+
+
+def is_binary(file: Path) -> bool:
+    """Whether a file can be read and is no text."""
+    try:
+        content = file.read_bytes()
+    except OSError:
+        return False
+    utf16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return not utf16 and _NO_TEXT.search(content.rstrip(b"\x1a")) is not None
 
 
 def number_in(word: str) -> float | None:
@@ -56,9 +71,17 @@ def number_in(word: str) -> float | None:
 
 
 def words_of(line: str) -> list[str]:
-    """The words of a line, which commas, semicolons or blanks separate."""
+    """The words of a line, which commas, semicolons or blanks separate, without their quotes."""
     separator = next((sign for sign in ",;" if sign in line), None)
-    return [word.strip() for word in line.split(separator)] if line.strip() else []
+    words = [word.strip() for word in line.split(separator)] if line.strip() else []
+    if '"' in line:
+        return [word[1:-1].strip() if _is_quoted(word) else word for word in words]
+    return words
+
+
+def _is_quoted(word: str) -> bool:
+    """Whether a word is quoted as a whole."""
+    return len(word) > 1 and word[0] == word[-1] == '"'
 
 
 def rows_of(file: Path, lines: list[str], expected: str, first: int = 1) -> list[Row]:
@@ -78,7 +101,7 @@ def rows_of(file: Path, lines: list[str], expected: str, first: int = 1) -> list
         for word in words:
             number = number_in(word)
             if number is None or not math.isfinite(number):
-                both = "," in text and ";" in text
+                both = bool(_DECIMAL_COMMA.search(text.strip()))
                 got = text.strip() if both or len(words) <= 2 else word
                 point = ", decimals with a point" if both else ""
                 raise SceneError(f"{file}: line {line}", shown(got), f"{expected}{point}")
@@ -88,9 +111,9 @@ def rows_of(file: Path, lines: list[str], expected: str, first: int = 1) -> list
 
 
 def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
-    """The header and the rest: from the first line that begins with a number."""
+    """The header and the rest: from the first line that begins with a number and is no sentence."""
     for i, line in enumerate(lines):
         words = words_of(line)
-        if words and number_in(words[0]) is not None:
+        if words and number_in(words[0]) is not None and len(_WORD.findall(line)) < 2:
             return lines[:i], lines[i:]
     return lines, []

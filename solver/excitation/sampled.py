@@ -26,6 +26,8 @@ class SampledMotion:
     """Time between samples where it is the same for all, s."""
     largest: str = ""
     """Where the largest sample stands, in words."""
+    source: str = ""
+    """Of samples from a file: what was taken from where, in words."""
     _speed: Array = field(init=False, repr=False)
     """Velocities at the samples, m/s, (n,): the integral of the broken line."""
     _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)

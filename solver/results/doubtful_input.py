@@ -237,8 +237,8 @@ def _falling_at_once(scene: Scene) -> list[str]:
         if block.model == "elastic" and law.static != law.dynamic and not law.decays:
             found.append(
                 f"friction of {block.name} falls from {law.static:g} to {law.dynamic:g} at once: "
-                "an elastic block breaks loose point by point then, and how far it slips depends on "
-                "mesh, step and damping; the paper avoids it, too: give decay"
+                "an elastic block breaks loose point by point then, and how far it slips depends "
+                "on mesh, step and damping; the paper avoids it, too: give decay"
             )
     return found
 

@@ -29,7 +29,8 @@ def cautions_of_flutter(scene: Scene, history: History) -> list[str]:
             found.append(
                 f"{block.name} flutters as it slides, from {began:.4g} s at {frequency:.3g} Hz: "
                 "its normal force swings by more than its mean, and damping decides how far it "
-                f"slides; by default damping.stiffness is {default:.2g} s, and rockslip check tells which one holds it"
+                f"slides; by default damping.stiffness is {default:.2g} s, and rockslip check "
+                "tells which one holds it"
             )
     return found
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.excitation.sampled import SampledMotion
 from solver.fields.hdf_file import refuse_without_h5py
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import History, scene_columns
@@ -306,9 +307,12 @@ def _run(
     counter, s, with these cautions; it may go on from a checkpoint. What is compiled or read back
     in the loop counts as set-up. `twin` runs the twin of the scene, where the scene wants it.
     """
-    for text in cautions:
-        desk.files.log(f"caution: {text}")
     scene, history, files = desk.scene, desk.history, desk.files
+    for where, part in zip(scene.directions, desk.ground.parts, strict=True):
+        if isinstance(part, SampledMotion) and part.source:
+            files.log(f"{where}: {part.source}")
+    for text in cautions:
+        files.log(f"caution: {text}")
     if resumed is None:
         first = engine.first_row()
         history.append(first)

@@ -23,8 +23,13 @@ SHORTEST_PERIOD_OF_RECORDS = 0.1
 COMPONENTS = {"second": 2, "vertical": 3}
 """Components of synthetic motions beside that along x, which is the first."""
 
-Units: TypeAlias = Literal["g", "m/s2", "cm/s2", "mm/s2", "mg", "ft/s2", "in/s2"]
+Units: TypeAlias = Literal["g", "m/s2", "cm/s2", "mm/s2", "mg", "g/10", "ft/s2", "in/s2"]
 """Units of accelerations in files."""
+
+Format: TypeAlias = Literal[
+    "peer", "cosmos", "csmip", "usc", "knet", "esm", "geonet", "afad", "asa", "columns", "obspy"
+]
+"""Layouts of files: the table in `solver.excitation.layouts.table`, and what obspy reads."""
 
 Shaped = TypeVar("Shaped", bound="Motion")
 
@@ -198,33 +203,37 @@ class RickerSpec(_Peaked):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TableSpec(Motion):
-    """The ground's acceleration from a file of two columns: `[motion]` with kind = "table"."""
+class _FromFile(Motion):
+    """Base of the kinds whose accelerations stand in a file."""
 
-    kind: Literal["table"] = "table"
     file: Path
-    """Time (s), increasing, and acceleration; relative to the folder of the scene."""
+    """Relative to the folder of the scene."""
+    format: Format | None = None
+    """The layout of the file; no other than that which its header shows. Default: recognised."""
+    column: Annotated[int, Number(at_least=1)] | str | None = None
+    """Which of several accelerograms: its number, of columns that in the file (one of times is
+    counted, too), or its name. Default: the only one."""
     units: Units | None = None
-    """Unit of the accelerations; no other than that of the header. Default: from the header, `"g"`
-    if it names none."""
+    """Unit of the accelerations; no other than that of the header. Default: from the header, if it
+    states one; `kind = "table"`: `"g"` if there is none at all."""
     scale: Finite = 1.0
     """Factor on the accelerations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RecordSpec(Motion):
+class TableSpec(_FromFile):
+    """The ground's acceleration at any times, from a file: `[motion]` with kind = "table"."""
+
+    kind: Literal["table"] = "table"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordSpec(_FromFile):
     """A recorded accelerogram, samples at equal distances: `[motion]` with kind = "record"."""
 
     kind: Literal["record"] = "record"
-    file: Path
-    """Relative to the folder of the scene."""
-    scale: Finite = 1.0
-    """Factor on the accelerations."""
-    units: Units | None = None
-    """Unit of the accelerations; no other than that of the header. Default: from the header, if it
-    names one."""
     dt: Positive | None = None
-    """Time between samples, s; only for files that do not say it. Default: from the file."""
+    """Time between samples, s; no other than that of the file. Default: from the file."""
     window: tuple[NotNegative, Positive] | None = None
     """First and last time of the part that is used, s from the first sample; the samples between
     them, both included. Default: all of it."""
@@ -274,6 +283,9 @@ class SyntheticSpec(Motion):
     start: NotNegative = 0.0
     """Time at which the motion begins, s."""
 
+
+FileSpec: TypeAlias = TableSpec | RecordSpec
+"""The kinds whose accelerations stand in a file."""
 
 MotionSpec: TypeAlias = (
     StillSpec

@@ -14,7 +14,7 @@ from processes import outside_mpirun
 
 from rockslip import Scene, parse_scene
 from solver.errors import SceneError
-from solver.excitation.kinds import record
+from solver.excitation.layouts import table
 from solver.excitation.motion import read_ground
 from solver.scene import MotionSpec
 
@@ -50,13 +50,13 @@ class Rank:
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """The files that were read."""
     found: list[Path] = []
-    read_lines = record.read_lines
+    read_lines = table.read_lines
 
     def counting(file: Path, key: str, expected: str) -> list[str]:
         found.append(file)
         return read_lines(file, key, expected)
 
-    monkeypatch.setattr(record, "read_lines", counting)
+    monkeypatch.setattr(table, "read_lines", counting)
     return found
 
 

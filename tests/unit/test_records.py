@@ -22,7 +22,6 @@ from solver.excitation.spectrum import response_spectrum
 from solver.scene.motion import RecordSpec
 
 G = 9.81
-TIMELESS = "motion.dt applies to files that do not say the time between their values"
 VALUES = [0.01, -0.02, 0.035, 0.5, -0.125, 0.0, 0.25]
 
 TITLE = "PEER STRONG MOTION DATA\nA QUAKE, 1/2/2003, A STATION, 90\n"
@@ -95,7 +94,6 @@ COLUMNS = [f"{0.02 * i:.2f} {value}" for i, value in enumerate(VALUES)]
         ([f"{0.02 * i + 7:g}\t{v}" for i, v in enumerate(VALUES)], {"units": "g"}),
         ([str(value) for value in VALUES], {"units": "g", "dt": 0.02}),
         (["Acceleration in units of g", *map(str, VALUES), ""], {"dt": 0.02}),
-        (fortran(VALUES, 3, "10.5f").splitlines(), {"units": "g", "dt": 0.02}),
     ],
 )
 def test_columns(tmp_path: Path, lines: list[str], options: dict[str, Any]) -> None:
@@ -151,20 +149,24 @@ def test_units_are_those_of_scene_and_header(tmp_path: Path) -> None:
         'motion.units: got "m/s2", allowed "g", as line 3 of motion.AT2 says'
     )
     odd = peer("NPTS=7, DT=.005", units="UNITS OF COUNTS\n")
+    for options in ({}, {"units": "g", "scale": 1e-3}):
+        message = refusal(tmp_path, odd, **options)
+        assert message.startswith("motion.AT2: line 3: got units of counts, allowed ")
+    odd = peer("NPTS=7, DT=.005", units="UNITS OF MINE\n")
     assert record(tmp_path, odd, units="g", scale=1e-3).peak == pytest.approx(5e-4 * G)
-    assert refusal(tmp_path, odd).startswith("motion.AT2: line 3: got units of counts, allowed ")
+    assert refusal(tmp_path, odd).startswith("motion.AT2: line 3: got units of mine, allowed ")
     parts = peer("NPTS=7, DT=.005", units="acc (%g)\n")
     assert refusal(tmp_path, parts, units="g").startswith("motion.AT2: line 3: got units of %g, ")
 
 
 def test_several_units_in_a_header(tmp_path: Path) -> None:
     """The scene says which; without a word of it none is chosen."""
-    text = "PGA (g): 0.25\ntime (s), acc (m/s2)\n" + "\n".join(COLUMNS)
+    text = "units: g\ntime (s), acc (m/s2)\n" + "\n".join(COLUMNS)
     assert refusal(tmp_path, text, "motion.txt") == (
         "motion.txt: got g in line 1 and m/s2 in line 2, allowed one unit, or motion.units"
     )
     assert record(tmp_path, text, "motion.txt", units="m/s2").peak == pytest.approx(0.5)
-    assert "line 2 of motion.txt says" in refusal(tmp_path, text, "motion.txt", units="cm/s2")
+    assert "line 1 of motion.txt says" in refusal(tmp_path, text, "motion.txt", units="cm/s2")
 
 
 @pytest.mark.parametrize("heading", ["Time (ms),Acc (g)", "t [msec], a (g)", "time_ms,acc_g"])
@@ -181,22 +183,26 @@ def test_velocities_and_displacements_are_no_accelerations(tmp_path: Path, units
         message = refusal(tmp_path, text, "motion.VT2", **options)
         assert message.startswith("motion.VT2: line 3: got units of cm")
         assert message.endswith(
-            ", allowed accelerations in g, m/s2, cm/s2, mm/s2, mg, ft/s2, in/s2"
+            ", allowed accelerations in g, m/s2, cm/s2, mm/s2, mg, g/10, ft/s2, in/s2"
         )
 
 
 COUNT = "got {}, allowed NPTS= number of values, DT= time between them in s"
-EXPECTED = "allowed an accelerogram: PEER's .AT2, two columns (time, acceleration), or one with dt"
+EXPECTED = "allowed an accelerogram: a layout of docs/motions.md, or columns of numbers"
+BINARY = (
+    "motion.AT2: got binary data, allowed a text, or obspy installed (pip install obspy), "
+    "which reads MiniSEED, SAC and others"
+)
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         (peer("NPTS=7, DT=.005", count=6),
-         "motion.AT2: line 6: got the end of the file after 6 values, "
-         "allowed 7 values, NPTS of line 4"),
+         "motion.AT2: line 6: got the end of the file after 6 of them, "
+         "allowed 7 values, as line 4 says"),
         (peer("NPTS=6, DT=.005"),
-         "motion.AT2: line 6: got more values, allowed 6 values, NPTS of line 4"),
+         "motion.AT2: line 6: got more values, allowed 6 values, as line 4 says"),
         (peer("NPTS=7, DT=.005")[:-3],
          'motion.AT2: line 6: got "0.0000000E+00 2.5000000E-", allowed finite numbers'),
         (peer("NPTS=7, DT=.005").replace("3.5000000E-02", "NaN"),
@@ -209,14 +215,12 @@ EXPECTED = "allowed an accelerogram: PEER's .AT2, two columns (time, acceleratio
         (peer("NPTS=1, DT=.005"), "motion.AT2: line 4: " + COUNT.format('"NPTS=1, DT=.005"')),
         (TITLE, "motion.AT2: line 2: " + COUNT.format('"A QUAKE, 1/2/2003, A STATION, 90"')),
         (TITLE + UNITS + "NPTS=7, DT=.005\n",
-         "motion.AT2: line 4: got the end of the file after 0 values, "
-         "allowed 7 values, NPTS of line 4"),
+         "motion.AT2: line 4: got the end of the file after 0 of them, "
+         "allowed 7 values, as line 4 says"),
         ("", f"motion.AT2: line 1: got an empty file, {EXPECTED}"),
         ("\n \n", f"motion.AT2: line 1: got an empty file, {EXPECTED}"),
-        (b"PEER\nNPTS=7\n\x00\x01\x02", "motion.AT2: line 3: got binary data, "
-         + EXPECTED.replace("allowed", "allowed a text with")),
-        (b"\x1f\x8b\x08abc", "motion.AT2: line 1: got binary data, "
-         + EXPECTED.replace("allowed", "allowed a text with")),
+        (b"PEER\nNPTS=7\n\x00\x01\x02", BINARY),
+        (b"\x1f\x8b\x08abc", BINARY),
     ],
 )  # fmt: skip
 def test_bad_files_of_peer(tmp_path: Path, text: str | bytes, message: str) -> None:
@@ -245,13 +249,15 @@ def test_bad_files_of_peer(tmp_path: Path, text: str | bytes, message: str) -> N
         ("1\n2\n3\n", {}, "motion.dt is required (dt > 0, s): motion.txt does not say"),
         ("1\n2 3\n3\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 2, allowed 1 as in line 1"),
         ("1 2 3\n4\n5 6 7\n", {"dt": 0.1}, "motion.txt: line 2: got a line of 1, allowed 3 as in"),
-        ("0 1\n.1 2\n", {"dt": 0.1}, f"{TIMELESS} (motion.txt has times"),
+        ("t a\n0 1\n.1 2\n", {"dt": 0.2},
+         "motion.dt: got 0.2, allowed 0.1, as its times of motion.txt says"),
+        ("0 1\n.1 2\n", {"dt": 0.1}, "motion.txt: line 1: got 2 columns, allowed one accelerogram"),
         ("t, EW, NS\n" + "".join(f"{k / 100},{k % 3},{-k % 4}\n" for k in range(9)), {},
-         "motion.txt: line 2: got 3 columns, the first of which is time, allowed time and one acc"),
+         "motion.txt: line 2: got 2 columns beside that of time (EW, NS), allowed one "),
         ("".join(f"{k / 100} 1 2 3\n" for k in range(9)), {"dt": 0.01},
-         "motion.txt: line 1: got 4 columns, the first of which is time"),
+         "motion.txt: line 1: got 3 columns beside that of time, allowed one accelerogram"),
         (peer("NPTS=7, DT=.005"), {"dt": 0.1},
-         f"{TIMELESS} (motion.txt has"),
+         "motion.dt: got 0.1, allowed 0.005, as line 4 of motion.txt says"),
     ],
 )  # fmt: skip
 def test_bad_columns(tmp_path: Path, text: str, options: dict[str, Any], message: str) -> None:

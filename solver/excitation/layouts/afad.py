@@ -1,0 +1,44 @@
+"""Turkey's national network (AFAD, before it ERD): three columns of accelerations, no times."""
+
+from __future__ import annotations
+
+from solver.excitation.layouts.header import unit_of
+from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
+from solver.scene.motion import FileSpec
+
+TITLE = "AFAD, ERD (Turkey)"
+
+_TITLE = r"STRONG GROUND MOTION RECORDS OF TURK"
+_PGA = r"PGA VALUES\s*\((\w+)\)\s*:\s*(.*)"
+
+
+def recognised(text: TextFile) -> bool:
+    """The title in the first line."""
+    return text.optional(_TITLE, [1]) is not None
+
+
+def components(text: TextFile, spec: FileSpec) -> list[Component]:
+    """All three, in the unit in which the header gives their largest accelerations.
+
+    These are held against the values, roughly: a unit taken from there has to be the right one.
+    """
+    heading = text.said(r"^\s*(N-?S)\s+(E-?W)\s+(U-?D|V|Z)\s*$", "a heading N-S E-W U-D")
+    among = range(1, heading.line)
+    count = text.count(r"NUMBER OF DATA\s*:\s*(\d+)", "NUMBER OF DATA", among)
+    step = text.positive(
+        rf"SAMPLING INTERVAL\s*\(sec\)\s*:\s*({NUMBER})", "SAMPLING INTERVAL (sec)", among
+    )
+    largest = text.said(_PGA, "RAW PGA VALUES (gal)", among)
+    unit = Said(unit_of(largest.value[1]), largest.line)
+    values, lines = text.block(heading.line, count, columns=3)
+    text.nothing_after(lines[-1], count)
+    names = heading.value.groups()
+    for i, name in enumerate(names):
+        stated = text.optional(rf"\({name}\)\s*({NUMBER})", [largest.line])
+        text.similar(stated, values[:, i])
+    return [
+        Component(
+            name=name, number=i + 1, values=values[:, i], lines=lines, units=(unit,), steps=(step,)
+        )
+        for i, name in enumerate(names)
+    ]

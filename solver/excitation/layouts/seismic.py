@@ -1,0 +1,54 @@
+"""What obspy reads where it is installed: MiniSEED, SAC and others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.errors import SceneError
+from solver.excitation.layouts.text import Component, Said
+
+TITLE = "by obspy"
+
+REMEDY = "a text, or obspy installed (pip install obspy), which reads MiniSEED, SAC and others"
+
+
+def components(path: Path) -> list[Component]:
+    """The traces of a file; they do not say their unit.
+
+    Raises:
+        SceneError: obspy is not installed, does not read the file, or finds gaps in it.
+    """
+    try:
+        import obspy
+    except ImportError:
+        raise SceneError(str(path), "binary data", REMEDY) from None
+    try:
+        traces: list[Any] = list(obspy.read(str(path)))
+    except Exception as error:  # whatever its readers raise
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise SceneError(str(path), f"what obspy does not read ({said})", REMEDY) from None
+    found: list[Component] = []
+    for number, trace in enumerate(traces, start=1):
+        values = np.asarray(trace.data, dtype=float)
+        step, calib = float(trace.stats.delta), float(getattr(trace.stats, "calib", 1.0))
+        name = str(trace.id)
+        if any(name == other.name for other in found):
+            raise SceneError(str(path), f"several traces of {name}", "one without gaps")
+        if len(values) < 2 or not np.isfinite(values).all() or not 0 < step < np.inf:
+            got = f"{name}: {len(values)} samples {step:g} s apart"
+            raise SceneError(str(path), got, "2 finite samples or more")
+        if calib != 1.0:
+            raise SceneError(str(path), f"{name} with a factor {calib:g} of its own", "1")
+        found.append(
+            Component(
+                name=name,
+                number=number,
+                values=values,
+                lines=list(range(1, len(values) + 1)),
+                steps=(Said(step, 0),),
+            )
+        )
+    return found

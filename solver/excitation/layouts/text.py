@@ -1,0 +1,192 @@
+"""What the layouts of recorded motions have in common: lines of text, what they say, components."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from solver.errors import SceneError
+from solver.excitation.numbers import number_in, words_of
+from solver.scene.checking import shown
+from solver.types import Array
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
+"""A number, as a regular expression without groups."""
+
+CLOSE = 1e-4
+"""Relative difference up to which two printed intervals are the same."""
+
+_END_OF_NUMBER = re.compile(r"(?<=[\d.])(?=[-+\s])")
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Said(Generic[T]):
+    """What a line of a file says: the value, and the number of the line, from 1."""
+
+    value: T
+    line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Component:
+    """One accelerogram of a file."""
+
+    name: str = ""
+    """What the file calls it; empty: nothing."""
+    number: int = 1
+    """Which of several it is, from 1: of columns the number in the file."""
+    values: Array
+    """The samples in the unit below, (n,)."""
+    lines: list[int]
+    """The number of the line of each sample, n of them."""
+    units: tuple[Said[str], ...] = ()
+    """The units that the header states: keys of `UNITS`, or others than accelerations have."""
+    steps: tuple[Said[float], ...] = ()
+    """The times between samples that the header states, s."""
+    time: Array | None = None
+    """The times of the samples where the file has them, s, (n,)."""
+    even: float | None = None
+    """The time between samples as these times tell it, s; None: none, or not the same for all."""
+    notes: tuple[str, ...] = ()
+    """What was done to the samples, in words: what counts were multiplied by, a mean taken off."""
+
+
+@dataclass(frozen=True, slots=True)
+class TextFile:
+    """The lines of a file."""
+
+    path: Path
+    lines: list[str]
+
+    def error(self, line: int, got: str, allowed: str) -> SceneError:
+        """The refusal of a line, by its number from 1."""
+        return SceneError(f"{self.path}: line {line}", got, allowed)
+
+    def optional(
+        self, pattern: str, among: Iterable[int] | None = None
+    ) -> Said[re.Match[str]] | None:
+        """The first line that has a pattern, of all or of those with these numbers; None: none."""
+        seen = re.compile(pattern, re.IGNORECASE)
+        for line in range(1, len(self.lines) + 1) if among is None else among:
+            found = seen.search(self.lines[line - 1])
+            if found:
+                return Said(found, line)
+        return None
+
+    def said(
+        self, pattern: str, what: str, among: Iterable[int] | None = None
+    ) -> Said[re.Match[str]]:
+        """The first line that has a pattern, which the layout asks for; `what`: in words."""
+        found = self.optional(pattern, among)
+        if found is None:
+            raise SceneError(str(self.path), "a header without it", what)
+        return found
+
+    def count(self, pattern: str, what: str, among: Iterable[int] | None = None) -> Said[int]:
+        """A number of samples: the first group of the pattern."""
+        found = self.said(pattern, what, among)
+        if int(found.value[1]) < 2:
+            raise self.error(found.line, shown(found.value[0].strip()), f"{what}, 2 or more")
+        return Said(int(found.value[1]), found.line)
+
+    def positive(self, pattern: str, what: str, among: Iterable[int] | None = None) -> Said[float]:
+        """A positive number: the first group of the pattern."""
+        found = self.said(pattern, what, among)
+        value = number_in(found.value[1])
+        if value is None or not 0 < value < math.inf:
+            raise self.error(found.line, shown(found.value[0].strip()), f"{what}, above 0")
+        return Said(value, found.line)
+
+    def agree(self, one: Said[T], other: Said[T], what: str) -> None:
+        """Refuse two numbers that should be the same."""
+        if not math.isclose(float(one.value), float(other.value), rel_tol=CLOSE):  # type: ignore[arg-type]
+            got, allowed = f"{what} {other.value:g}", f"{one.value:g} as in line {one.line}"
+            raise self.error(other.line, got, allowed)
+
+    def similar(self, peak: Said[re.Match[str]] | None, values: Array) -> None:
+        """Refuse a largest value, a group of a pattern, that is less than half of that of samples.
+
+        Or more than twice: headers speak of raw and of filtered samples, but in one unit.
+        """
+        most = float(np.abs(values).max())
+        said = abs(float(peak.value[1])) if peak else 0.0
+        if peak and said and most and not 0.5 <= most / said <= 2.0:
+            got, allowed = f"a peak of {said:g}", f"{most:.4g}, the largest of the values"
+            raise self.error(peak.line, got, allowed)
+
+    def block(
+        self, after: int, count: Said[int], *, width: int | None = None, columns: int | None = None
+    ) -> tuple[Array, list[int]]:
+        """So many samples in reading order, from the line after a number on, and their lines.
+
+        `width` is that of the numbers where the file states it, and `columns` how many stand in
+        each line; of several columns there are as many rows as samples, (n, columns).
+        """
+        values: list[float] = []
+        lines: list[int] = []
+        wanted = count.value * (columns or 1)
+        expected = f"{count.value} {'rows' if columns else 'values'}, as line {count.line} says"
+        line = after
+        while len(values) < wanted:
+            line += 1
+            if line > len(self.lines):
+                got = f"the end of the file after {len(values) // (columns or 1)} of them"
+                raise self.error(len(self.lines), got, expected)
+            row = self.row(line, width)
+            if columns and row and len(row) != columns:
+                raise self.error(line, f"a line of {len(row)}", f"{columns} columns")
+            values += row
+            lines += [line] * (1 if columns and row else len(row))
+        if len(values) > wanted:
+            raise self.error(line, "more values", expected)
+        found = np.array(values)
+        return (found.reshape(-1, columns) if columns else found), lines
+
+    def row(self, line: int, width: int | None = None) -> list[float]:
+        """The numbers of a line, which may touch where they stand in columns of one width."""
+        text = self.lines[line - 1]
+        words = words_of(text)
+        numbers = [number_in(word) for word in words]
+        if None in numbers:
+            cut = [number_in(cell) for cell in _cells(text, width)]
+            numbers = cut if cut and None not in cut else numbers
+        for number, word in zip(numbers, words, strict=False):
+            if number is None or not math.isfinite(number):
+                touch = " that do not touch" if re.search(r"\d[-+.]\d+[-+.]", word) else ""
+                got = text.strip() if len(words) <= 2 else word
+                raise self.error(line, shown(got), f"finite numbers{touch}")
+        return [number for number in numbers if number is not None]
+
+    def nothing_after(self, line: int, count: Said[int], *, whole: bool = True) -> None:
+        """Refuse values after the last one: in the whole rest, or in the next line with words."""
+        for later in range(line + 1, len(self.lines) + 1):
+            words = words_of(self.lines[later - 1])
+            if (whole and self.row(later)) or (words and number_in(words[0]) is not None):
+                raise self.error(later, "more values", f"{count.value}, as line {count.line} says")
+            if words and not whole:
+                return
+
+
+def _cells(text: str, width: int | None) -> list[str]:
+    """The cells of a line of equal widths; none where its numbers do not end in such a grid."""
+    text = text.rstrip()
+    if width is None:
+        ends = [found.start() for found in _END_OF_NUMBER.finditer(text)] + [len(text)]
+        width = ends[0]
+        if not width or any(end % width for end in ends):
+            return []
+    return [text[i : i + width] for i in range(0, len(text), width)]
+
+
+def width_of(form: str) -> int | None:
+    """The width of the numbers of a Fortran format such as 8F10.5; None: it states none."""
+    found = re.search(r"\d*\s*[a-z]+(\d+)", form, re.IGNORECASE)
+    return int(found[1]) or None if found else None
