@@ -13,7 +13,7 @@ help:
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
 	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make docs-tables   the tables of docs/output.md and docs/scene.md, from the code"
-	@echo "make tables  all tables and pictures that are older than the code, long; goes on where it was stopped; ONLY=hertz for one"
+	@echo "make tables  all tables and pictures anew, hours; ONLY=hertz for one"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
 	@echo "make try-image   the same, and a demo in it as another user"
 
