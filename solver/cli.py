@@ -172,14 +172,10 @@ def build_parser() -> Parser:
 def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -> None:
     """Say before a run what to be careful of, and on several ranks where it writes."""
     from solver.results.doubtful_input import cautions_of_input
-    from solver.run.rank_gain import ranks_in_words
 
     for text in cautions_of_input(scene, ground):
         tell(f"caution: {text}\n")
     if ranks > 1:
-        slower = ranks_in_words(scene, ranks)
-        if slower:
-            tell(f"caution: {slower}\n")
         # Now: an mpirun that is interrupted passes on nothing of what ranks say after that.
         tell(f"writing to {folder}, up to the last step where it is interrupted\n")
 

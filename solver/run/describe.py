@@ -14,7 +14,6 @@ from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
 from solver.reference.platform_rocking import restitution_on_platform
 from solver.results.cautions import cautions_of_scene
-from solver.run.rank_gain import ranks_in_words
 from solver.scene import BlockSpec, Scene
 from solver.scene.cells import box_nodes
 from solver.scene.damping import DampingSpec
@@ -47,7 +46,6 @@ def describe(scene: Scene) -> str:
         of = f" of {block.name}" if len(scene.blocks) > 1 else ""
         lines.append((f"mesh{of}", block.mesh_size(scene.dimension)))
         lines += _linear_solver(block, scene)
-    lines += [("two ranks", text) for text in [ranks_in_words(scene, 2)] if text]
     lines.append(("time", _steps(scene.time)))
     lines += [("caution", text) for text in cautions_of_scene(scene, ground)]
     return table(lines)

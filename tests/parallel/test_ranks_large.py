@@ -1,16 +1,14 @@
-"""Large bodies on two ranks: where they are factorized, and what is said before a run."""
+"""Large bodies on two ranks: where they are factorized."""
 
 from __future__ import annotations
 
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import ROOT, on_ranks, outside_mpirun
-from scenes import GRANITE
+from processes import ROOT, outside_mpirun
 
 RUNS = """
 import json
@@ -51,17 +49,3 @@ def test_the_first_rank_solves_for_all_as_each_does_and_as_mumps() -> None:
     for other in (first, mumps):
         assert other[1] == each[1] == "completed"
         np.testing.assert_allclose(other[2], each[2], rtol=0, atol=1e-11)
-
-
-@pytest.mark.mpi
-def test_ranks_that_cost_are_named_before_the_run(tmp_path: Path) -> None:
-    """In one line of the first rank; on one rank nothing is said."""
-    scene = GRANITE + "[time]\nend = 0.003\nstep = 0.001\n"
-    (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
-    two = on_ranks(2, tmp_path, "run", "scene.toml", "-o", "two").stderr.splitlines()
-    said = [line for line in two if "ranks are expected" in line]
-    assert len(said) == 1
-    assert said[0].startswith("caution: 2 ranks are expected to take 2.7 times as long as one")
-    assert two.index(said[0]) < next(k for k, line in enumerate(two) if "writing to" in line)
-    one = on_ranks(1, tmp_path, "run", "scene.toml", "-o", "one").stderr
-    assert "ranks are expected" not in one

@@ -36,16 +36,6 @@ def test_check_tells_the_numbers_of_the_paper_s_block(granite: Path, capsys: Cap
     assert list(granite.parent.iterdir()) == [granite]
 
 
-def test_check_says_that_two_ranks_are_slower(granite: Path, capsys: Captured) -> None:
-    """Where the body is small; nothing of large bodies, and of rigid ones."""
-    assert main(["check", "granite.toml"]) == 0
-    said = "two ranks 2 ranks are expected to take 2.7 times as long as one: 238 unknowns"
-    assert said in " ".join(capsys.readouterr().out.split())
-    for other in ("block.cells=[100, 300]", "block.model='rigid'"):
-        assert main(["check", "granite.toml", "--set", other]) == 0
-        assert "two ranks" not in capsys.readouterr().out
-
-
 def test_check_tells_the_damping_that_is_given(granite: Path, capsys: Captured) -> None:
     assert main(["check", "granite.toml", "--set", "damping={mass=10, stiffness=1e-4}"]) == 0
     text = " ".join(capsys.readouterr().out.split())
