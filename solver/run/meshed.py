@@ -22,44 +22,7 @@ from solver.stepping.interfaces import Standing
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
-from solver.stepping.system import Link
 from solver.types import Array
-
-ROWS_AT_ONCE = 50
-"""Steps whose rows are made together, on one rank: one after another they take a third of the time
-that each takes between two steps, when other code has been through the processor's caches."""
-
-MOST_UNKNOWNS = 10_000
-"""Unknowns of all steps that wait, at most: with their contact points they take a megabyte or two.
-Rows of large bodies are made at once."""
-
-ROWS_WATCHED = 25
-"""Steps whose rows are made together where a row may end the run: what is solved after it is in
-vain."""
-
-
-class _Step(NamedTuple):
-    """A step that was taken, and waits for its row to be made.
-
-    Attributes:
-        state: Where it led.
-        exchange: What it exchanged.
-        dt: Its length, s.
-        links: The interfaces that took part.
-        standing: How they stood.
-        is_damped: Whether it was damped.
-        is_coarse: Whether it misses the tolerance, for want of a shorter one.
-        rejected: How many steps had been refused by then.
-    """
-
-    state: State
-    exchange: Exchange
-    dt: float
-    links: Sequence[Link]
-    standing: Standing
-    is_damped: bool
-    is_coarse: bool
-    rejected: int
 
 
 class _Ahead(NamedTuple):
@@ -91,7 +54,7 @@ class MeshedRun:
         self.state, remark = initial_state(scene, self.assembly)
         self.remarks: Sequence[str] = [remark] if remark else []
         self._observer = Observer(self.assembly, self.state, scene_columns(scene))
-        self._steps = self._rejected = self._iterations = 0
+        self._steps = self._iterations = 0
         self._damped = self._coarse = 0
         span = scene.time
         self._ladder = Ladder(span.step, span.end, span.smallest, span.largest)
@@ -102,7 +65,6 @@ class MeshedRun:
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
         self._ahead: _Ahead | None = None
-        self._waiting: list[_Step] = []
         self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
@@ -156,27 +118,17 @@ class MeshedRun:
         self._row = saved["row"]
 
     def loop(self, desk: RunContext) -> tuple[str, str]:
-        """Step to the end; returns status and reason.
-
-        Whatever ends it, the rows of all steps are made that were taken.
-        """
-        try:
-            status, reason = self._advance_to_end(desk)
-        except BaseException as trouble:
-            # On several ranks none waits.
-            ended = self._make_rows(desk) if self._stepper.system.comm.size == 1 else ""
-            if not ended or not isinstance(trouble, Exception):
-                raise
-            status, reason = "completed", ended  # before the step that came to grief
+        """Step to the end; returns status and reason."""
+        status, reason = self._advance_to_end(desk)
         self._last_row(desk)
         desk.files.snapshot(self.state.time)
         return status, reason
 
     def _advance_to_end(self, desk: RunContext) -> tuple[str, str]:
         """Take steps until the run ends; returns status and reason."""
-        ladder = self._ladder
+        ladder, judge = self._ladder, self._judge
+        due = desk.files.next_snapshot(self.state.time)
         status, reason = "completed", ""
-        due, stop = desk.files.next_snapshot(self.state.time), self._next_stop(desk)
         while not ladder.done:
             stopped = desk.stopped(self.state.time)
             if stopped:
@@ -190,32 +142,20 @@ class MeshedRun:
                 self._log(f"step rejected {where}: {trouble}")
                 if ladder.reject():
                     continue
-                status, reason = "not converged", f"{where}: {trouble}"
-                break
-            judge = self._judge
+                return "not converged", f"{where}: {trouble}"
             coarse = judge is not None and not judge.accepts(new, step, self._following)
             if judge is not None and coarse and ladder.shorten(judge.halvings):
                 continue
             ladder.accept(climb=judge is None or judge.climbs())
-            self._take(new, exchange, step, is_coarse=coarse)
+            ended = self._take(desk, new, exchange, step, is_coarse=coarse)
+            if ended:
+                return "completed", ended
             desk.show(new.time, step, exchange.iterations)
-            shows = ladder.time >= due * (1 - 1e-12)
-            waits = self._steps + len(self._waiting) < stop and not desk.files.late
-            if not waits or (shows and desk.watch.ends_runs):
-                ended = self._make_rows(desk)
-                if ended:
-                    return "completed", ended
-            if shows:
+            if ladder.time >= due * (1 - 1e-12):
                 desk.files.snapshot(self.state.time)
                 due = desk.files.next_snapshot(self.state.time)
-            if not waits:
-                desk.keep(self, self._steps, self.state.time)
-                stop = self._next_stop(desk)
-        ended = self._make_rows(desk)
-        if ended:  # before whatever it was
-            return "completed", ended
-        if status != "not converged":
-            desk.keep(self, self._steps, self.state.time, ends=True)
+            desk.keep(self, self._steps, self.state.time)
+        desk.keep(self, self._steps, self.state.time, ends=True)
         return status, reason
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
@@ -229,7 +169,7 @@ class MeshedRun:
     def _following(self, start: State, dt: float) -> State | None:
         """Look ahead to the state a step after another; None if the step fails.
 
-        The stepper stands where it stood: rows and fields of the step before are read through it.
+        The stepper stands where it stood: row and fields of the step before are read through it.
         """
         before = self._stepper.standing()
         try:
@@ -241,44 +181,16 @@ class MeshedRun:
             self._stepper.stand(before)
         return new
 
-    def _take(self, new: State, exchange: Exchange, dt: float, *, is_coarse: bool) -> None:
-        """Go on from where a step of length dt (s) led; its row waits."""
-        stepper, damped = self._stepper, self.state.is_damped(dt)
-        how = stepper.links, stepper.standing(), damped, is_coarse, self._ladder.rejected
+    def _take(
+        self, desk: RunContext, new: State, exchange: Exchange, dt: float, *, is_coarse: bool
+    ) -> str:
+        """Go on from where a step of length dt (s) led; returns why the run ends there, or ""."""
+        self._damped += self.state.is_damped(dt)
         self.state = new
-        self._waiting.append(_Step(new, exchange, dt, *how))
-
-    def _next_stop(self, desk: RunContext) -> float:
-        """Number of the step up to which steps may wait: the next checkpoint, if not sooner."""
-        system = self._stepper.system
-        most = ROWS_WATCHED if desk.watch.ends_runs else ROWS_AT_ONCE
-        few = max(1, MOST_UNKNOWNS // system.unknowns) if system.comm.size == 1 else 1
-        return min(self._steps + min(most, few), desk.files.schedule.next_step(self._steps))
-
-    def _make_rows(self, desk: RunContext) -> str:
-        """Write down the steps that wait; returns why the run ends with one of them, if it does.
-
-        The run then stands where that step led, and steps refused after it are not counted.
-        """
-        self._rejected = self._ladder.rejected
-        waiting, self._waiting = self._waiting, []  # an error leaves no gap between rows
-        for taken in waiting:
-            # `stand` would set the solver up for the faces of that step, and then again for these.
-            taken.standing.restore(taken.links)
-            reason = self._record(desk, taken)
-            if reason:
-                self.state, self._rejected = taken.state, taken.rejected
-                self._stepper.stand(taken.standing)
-                return reason
-        return ""
-
-    def _record(self, desk: RunContext, taken: _Step) -> str:
-        """Write down a step; returns why the run ends with it, if it does."""
         self._steps += 1
-        self._iterations += taken.exchange.iterations
-        self._damped += taken.is_damped
-        self._coarse += taken.is_coarse
-        self._row = self._observer.row(taken.state, taken.exchange, taken.dt, taken.links)
+        self._iterations += exchange.iterations
+        self._coarse += is_coarse
+        self._row = self._observer.row(new, exchange, dt)
         found = desk.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(desk)
@@ -297,7 +209,7 @@ class MeshedRun:
         bodies = [body for body, _ in system.meshed]
         return {
             "steps": self._steps,
-            "rejected_steps": self._rejected,
+            "rejected_steps": self._ladder.rejected,
             "damped_steps": self._damped,
             "coarse_steps": self._coarse,
             "newton_iterations": self._iterations,

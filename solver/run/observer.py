@@ -23,7 +23,6 @@ from solver.parallel import global_sum
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver, write_base_shear
 from solver.stepping.state import Exchange, State
-from solver.stepping.system import Link
 from solver.types import Array
 
 STORED = ("kinetic", "strain", "gravity", "spring", "interface")
@@ -101,22 +100,15 @@ class Observer:
         if self._platform is not None:
             self._platform.velocity = saved["platform"]
 
-    def row(
-        self,
-        state: State,
-        exchange: Exchange,
-        step: float,
-        links: Sequence[Link] | None = None,
-    ) -> Array:
+    def row(self, state: State, exchange: Exchange, step: float) -> Array:
         """The values of a history row, in the order of the columns.
 
         Args:
             state: Where a step led.
             exchange: What it exchanged.
             step: Its length, s.
-            links: The interfaces, as they stood in it; None: those of the last one.
         """
-        links = self._stepper.links if links is None else links
+        links = self._stepper.links
         layout, row, run = self._layout, self._row, self._run
         row[run.time_s], row[run.step_s] = state.time, step
         row[run.newton_iterations] = exchange.iterations
