@@ -13,7 +13,6 @@ import json
 import os
 import pickle
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.overrides import differing
 
-FORMAT = 10
+FORMAT = 11
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -45,7 +44,6 @@ TYPES = {
     "solver.contact.projection": ("ContactKinematics", "EdgeInterpolation", "Projection"),
     "solver.rigid.plane.model": ("PlaneMemory", "PlaneState", "PlaneWork"),
     "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
-    "solver.run.redistribution": ("Owned",),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.compliance": ("SavedCompliance",),
@@ -70,10 +68,8 @@ class Checkpoint:
     """Rows of the history up to then."""
     part: int
     """Number of the part of the run that goes on."""
-    saved: Sequence[Any]
-    """What this rank saved; what each rank of then did, in order, where there were not as many."""
-    same_ranks: bool = True
-    """Whether there were as many ranks as now."""
+    saved: Any
+    """What this rank saved."""
 
 
 class Schedule:
@@ -112,8 +108,7 @@ def write_checkpoint(
     file: Path, scene: Scene, ground: GroundMotion, kept: Checkpoint, comm: Comm
 ) -> None:
     """Write a checkpoint; the file is the old one or the new one, never half; collective."""
-    (saved,) = kept.saved
-    own = pickle.dumps(saved, protocol=5)
+    own = pickle.dumps(kept.saved, protocol=5)
     parts = [own] if isinstance(comm, Single) else comm.gather(own, root=0)
     if comm.rank != 0 or parts is None:
         return
@@ -144,7 +139,7 @@ def write_checkpoint(
 
 
 def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm) -> Checkpoint:
-    """The checkpoint in the folder of a run, for this rank; of any number of ranks.
+    """The checkpoint in the folder of a run, for this rank, of as many ranks as now.
 
     Raises:
         SceneError: There is none, it is damaged, or it belongs to something else.
@@ -177,19 +172,20 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
     if scene.time.end < reached * (1 - 1e-12):
         allowed = f"time.end >= {reached:g}, reached by the checkpoint"
         raise SceneError("time.end", f"{scene.time.end:g}", allowed)
-    same = len(parts) == comm.size
-    saved = _loaded(parts[comm.rank : comm.rank + 1] if same else parts)
+    if len(parts) != comm.size:
+        raise SceneError(where, f"{file}, of {len(parts)} ranks", f"as many, not {comm.size}")
+    saved = _loaded(parts[comm.rank])
     if any_rank(comm, saved is None):
         got = f"{file}, which holds what no run has saved"
         raise SceneError(where, got, "a checkpoint as it was written")
     counts = int(header["rows"]), int(header["part"]) + 1
-    return Checkpoint(reached, *counts, saved or [], same)
+    return Checkpoint(reached, *counts, saved)
 
 
-def _loaded(parts: Sequence[bytes]) -> list[Any] | None:
-    """What ranks have saved; None where a type is no part of a checkpoint."""
+def _loaded(part: bytes) -> Any:
+    """What a rank has saved; None where a type is no part of a checkpoint."""
     try:
-        return [_Reader(io.BytesIO(part)).load() for part in parts]
+        return _Reader(io.BytesIO(part)).load()
     except (pickle.UnpicklingError, AttributeError, ImportError):
         return None
 

@@ -260,7 +260,7 @@ class RunFiles:
         self.flush()
         began = time.perf_counter()
         part = 1 if self._resumed is None else self._resumed.part
-        kept = Checkpoint(now, len(self._history), part, [saved])
+        kept = Checkpoint(now, len(self._history), part, saved)
         self._together(
             lambda: write_checkpoint(folder / NAME, self._scene, ground, kept, self._comm)
         )

@@ -8,13 +8,16 @@ from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
+import numpy as np
+
 from solver.build.assembly import Assembly, build, initial_state
+from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
+from solver.parallel import any_rank
 from solver.run.files import Fields
 from solver.run.observer import Observer
-from solver.run.redistribution import owned_by_rank, redistributed, refuse_other_places
 from solver.run.simulate import RunContext
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
@@ -97,16 +100,23 @@ class MeshedRun:
             "observer": self._observer.saved(),
             "counts": (self._steps, self._iterations, self._damped, self._coarse),
             "row": self._row,
-            "owned": owned_by_rank(self._stepper.system),
+            "places": self._places,
         }
 
-    def redistributed(self, saved: Sequence[dict[str, Any]]) -> dict[str, Any]:
-        """What this rank would have saved, from what another number of ranks did; collective."""
-        return redistributed(self._stepper.system, saved)
+    @property
+    def _places(self) -> list[Array]:
+        """Places of this rank's nodes in the undeformed mesh of each meshed body, (nodes, d), m."""
+        return [body.nodes for body, _ in self._stepper.system.meshed]
 
     def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from where another engine of the same scene was saved; collective."""
-        refuse_other_places(self._stepper.system, saved["owned"])
+        """Go on from where another engine of the same scene was saved; collective.
+
+        Raises:
+            SceneError: Gmsh or the partition is not that of the checkpoint.
+        """
+        same = all(map(np.array_equal, saved["places"], self._places))
+        if any_rank(self._stepper.system.comm, not same):
+            raise SceneError("--resume", "a checkpoint of another mesh", "that of this run")
         self.state = saved["state"]
         self._stepper.resume(saved["stepper"])
         self._ladder = saved["ladder"]

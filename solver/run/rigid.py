@@ -98,10 +98,6 @@ class RigidRun:
             "row": self._row,
         }
 
-    def redistributed(self, saved: Sequence[dict[str, Any]]) -> dict[str, Any]:
-        """What any rank saved: all of them hold the same."""
-        return saved[0]
-
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved."""
         self._system.restore(saved["system"])

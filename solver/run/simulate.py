@@ -160,9 +160,6 @@ class Engine(Protocol):
     def saved(self) -> dict[str, Any]:
         """How the run stands, for `resume`."""
 
-    def redistributed(self, saved: Sequence[dict[str, Any]]) -> dict[str, Any]:
-        """What this rank would have saved, from what another number of ranks did; collective."""
-
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved; collective."""
 
@@ -318,9 +315,9 @@ def _run(
         history.append(first)
         desk.watch.look(np.array(first)[None])
     else:
-        saved = [own for own, _ in resumed.saved]
-        engine.resume(saved[0] if resumed.same_ranks else engine.redistributed(saved))
-        desk.watch.resume(resumed.saved[0][1])
+        own, before = resumed.saved
+        engine.resume(own)
+        desk.watch.resume(before)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
     ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
