@@ -9,13 +9,15 @@ of an elastic block at rest among them, are not rocking and are not counted.
 The restitution of an impact is the ratio of the angular velocities after and before it. On level
 ground at rest it is the square root of the ratio of the energies that a rigid block has at the
 peaks after and before, over its rotary inertia 4/3 m R^2 (Housner 1963):
-p^2 (cos(alpha - |theta|) - cos(alpha)). A base that moves does work on the block between two peaks,
-and an incline from one side to the other; there both angular velocities are read next to the impact
-(`solver.results.angular_velocity`).
+p^2 (cos(alpha - |theta|) - cos(alpha)); where damping takes lambda theta' in the swings, theta' of
+Housner's equation with that term at the impact, which is then no loss of it. A base that moves
+does work on the block between two peaks, and an incline from one side to the other; there both
+angular velocities are read next to the impact (`solver.results.angular_velocity`).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,6 +37,9 @@ LARGEST_OFFSET = 0.02
 
 #: Lean out of the plane of rocking, over the largest angle, with which a block rolls.
 LARGEST_ASIDE = 0.01
+
+#: Steps of Runge and Kutta over a swing with drag.
+SWING_STEPS = 64
 
 #: A block rocks when one of its corners is lifted by more than this part of its width, in a swing.
 SMALLEST_LIFT = 2e-4
@@ -118,6 +123,39 @@ def rocking_energy(angle: float, shape: Block, gravity: float) -> float:
     return float(shape.frequency(gravity) ** 2 * (np.cos(alpha - abs(angle)) - np.cos(alpha)))
 
 
+def speed_at_impact(peak: float, shape: Block, gravity: float, drag: float = 0.0) -> float:
+    """Speed with which a rigid block that is at rest at a peak comes to its impact, 1/s.
+
+    By theta'' = -p^2 sin(alpha - |theta|) sgn(theta) - drag theta', with the drag, 1/s, of damping
+    that is proportional to mass. With a negative drag it is the speed after an impact that leads to
+    the peak: the same swing backwards. NaN where a block has no swing from there.
+    """
+    if drag == 0.0:
+        energy = rocking_energy(peak, shape, gravity)
+        return math.sqrt(2 * energy) if energy >= 0 else math.nan
+    if not (0 < abs(peak) < shape.slenderness and gravity > 0):
+        return math.nan
+    peak, square = abs(peak), shape.frequency(gravity) ** 2
+
+    def slope(s: float, ratio: float) -> float:
+        """Of theta' over s, where theta = peak (1 - s^2); the ratio is s/theta'."""
+        pull = square * math.sin(shape.slenderness - peak * (1 - s * s))
+        return 2 * peak * (pull * ratio - drag * s)
+
+    first = math.sqrt(2 * peak * square * math.sin(shape.slenderness - peak))  # theta'/s at s = 0
+    speed, h = 0.0, 1 / SWING_STEPS
+    for k in range(SWING_STEPS):
+        s = k * h
+        a = slope(s, s / speed if k else 1 / first)
+        b = slope(s + h / 2, (s + h / 2) / (speed + h / 2 * a))
+        c = slope(s + h / 2, (s + h / 2) / (speed + h / 2 * b))
+        d = slope(s + h, (s + h) / (speed + h * c))
+        speed += h / 6 * (a + 2 * b + 2 * c + d)
+        if not speed > 0:  # overdamped by far
+            return math.nan
+    return speed
+
+
 def impacts(
     time: Array,
     angle: Array,
@@ -127,13 +165,15 @@ def impacts(
     *,
     gives_way: bool = False,
     aside: Array | None = None,
+    drag: float = 0.0,
 ) -> list[Impact]:
     """The impacts of a block: the ends of its swings, by its rocking angles theta, rad.
 
     On a base that moves or is no level ground `acceleration` has the angular acceleration of a
     rigid block at these angles, 1/s2; None: it is level and at rest. A base that gives way is moved
     by impacts, too. In space `aside` is the lean out of the plane of the angles, rad: a block that
-    rolls over its corners has no restitution in one plane.
+    rolls over its corners has no restitution in one plane. `drag` is lambda of the swings on level
+    ground at rest, 1/s.
     """
     found = swings(time, angle, shape.slenderness)
     result = []
@@ -145,7 +185,7 @@ def impacts(
         if aside is not None and _rolls(swing, following, angle, aside):
             kept = None
         elif acceleration is None:
-            kept = _restitution(swing, following, time, angle, shape, gravity)
+            kept = _restitution(swing, following, time, angle, shape, gravity, drag)
         else:
             scale = 1 / shape.frequency(gravity) if gravity > 0 else np.inf
             settled = at + SETTLING * scale if gives_way else at
@@ -198,9 +238,15 @@ def _crossing(time: Array, angle: Array, i: int) -> float:
 
 
 def _restitution(
-    before: Swing, after: Swing | None, time: Array, angle: Array, shape: Block, gravity: float
+    before: Swing,
+    after: Swing | None,
+    time: Array,
+    angle: Array,
+    shape: Block,
+    gravity: float,
+    drag: float,
 ) -> float | None:
-    """Square root of the ratio of the energies at the peaks."""
+    """Ratio of the speeds at the impact that belong to the peaks."""
     if after is not None:
         if not after.turned:
             return None
@@ -210,11 +256,9 @@ def _restitution(
         if time[-1] - time[before.last] < 2 * (time[before.last] - before.peak_s):
             return None
         peak = float(np.max(np.abs(angle[before.last + 1 :])))
-    start = rocking_energy(before.peak_rad, shape, gravity)
-    end = rocking_energy(peak, shape, gravity)
-    if start <= 0 or end < 0:
-        return None
-    return float(np.sqrt(end / start))
+    start = speed_at_impact(before.peak_rad, shape, gravity, drag)
+    end = speed_at_impact(peak, shape, gravity, -drag)
+    return end / start if start > 0 and math.isfinite(end) else None
 
 
 def _ratio_of_velocities(

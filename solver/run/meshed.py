@@ -12,6 +12,7 @@ from solver.build.assembly import Assembly, build, initial_state
 from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
+from solver.run.describe import damping_of_block
 from solver.run.files import Fields
 from solver.run.observer import Observer
 from solver.run.redistribution import owned_by_rank, redistributed, refuse_other_places
@@ -108,6 +109,9 @@ class MeshedRun:
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
         )
+        for block in scene.blocks:
+            for _, text in damping_of_block(block, scene):
+                log(f"damping of {block.name}: {text}")
         reduction = self.assembly.support.reduction
         if reduction is not None:
             unknowns, modes, nodes, left = reduction.in_words()
