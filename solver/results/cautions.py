@@ -26,7 +26,7 @@ MOST_COARSE = 0.01
 """Part of the steps that may miss the tolerance for want of shorter ones."""
 
 FASTER = 1.02
-"""Restitution beyond which an impact gave a block energy that something else had."""
+"""Ratio of angular velocities beyond which an impact gave a block energy of something else."""
 
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
@@ -108,12 +108,12 @@ def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -
     found = []
     for block in scene.blocks:
         impacts = blocks[block.name]["impacts"] if block.on == "foundation" else []
-        faster = [i for i in impacts if (i["restitution"] or 0.0) > FASTER]
+        faster = [i for i in impacts if i.get("ratio", 0.0) > FASTER]
         if faster:
             first = faster[0]
             found.append(
                 f"{block.name} comes from its impact at {first['time_s']:.4g} s "
-                f"{first['restitution']:.3g} times as fast as it met it: the foundation vibrates, "
+                f"{first['ratio']:.3g} times as fast as it met it: the foundation vibrates, "
                 "and step, mesh and its damping decide what follows"
             )
     return found

@@ -73,6 +73,8 @@ class BlockMotion:
     """Force from what carries the block, N, (rows, 1 or 2)."""
     lift: Array
     """Gap of the bottom corner that is highest, m."""
+    low: Array
+    """That of the one that is lowest, m."""
     shape: Block
     """The block as it stands in that plane."""
     fell: bool
@@ -92,13 +94,15 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
     else:
         gaps, second = ["gap_left_m", "gap_right_m"], [""]
+    gap = _stack(history, name, gaps)
     return BlockMotion(
         time=history["time_s"],
         angle=leans.angle,
         lean=total_lean(history, name),
         slip=_stack(history, name, [f"slip{direction}_m" for direction in second]),
         friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
-        lift=_stack(history, name, gaps).max(axis=1),
+        lift=gap.max(axis=1),
+        low=gap.min(axis=1),
         shape=leans.shape,
         fell=_fell(history, block, carrier),
         aside=leans.aside,

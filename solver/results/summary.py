@@ -97,6 +97,7 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
         _free_acceleration(motion, drag),
         gives_way=scene.carrier_moves,
         aside=motion.aside,
+        low=motion.low,
         drag=drag,
     )
     impacts = rated_by_velocities(scene, history, block, impacts)
@@ -124,9 +125,17 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
-        "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
+        "impacts": [_impact(impact) for impact in impacts],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
     }
+
+
+def _impact(impact: rocking.Impact) -> dict[str, Any]:
+    """Entries of an impact: its restitution, or why it has none, and what was read instead."""
+    known: dict[str, Any] = {"time_s": impact.time_s, "restitution": impact.restitution}
+    if impact.restitution is None:
+        known["reason"] = impact.reason
+    return known | ({} if impact.ratio is None else {"ratio": impact.ratio})
 
 
 def _free_acceleration(motion: BlockMotion, drag: float) -> Array | None:

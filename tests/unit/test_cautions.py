@@ -212,7 +212,8 @@ def test_of_foundations_that_nothing_damps(overrides: tuple[str, ...], warned: b
 @pytest.mark.parametrize(("ratio", "warned"), [(1.994, True), (0.99, False), (None, False)])
 def test_of_impacts_that_a_block_comes_faster_from(ratio: float | None, warned: bool) -> None:
     asked = parse_scene(f"{BLOCK}\n{PLATE}[time]\nend = 2.0\n")
-    impacts = [{"time_s": 0.2, "restitution": 0.9}, {"time_s": 0.5, "restitution": ratio}]
+    read = {} if ratio is None else {"ratio": ratio}
+    impacts = [{"time_s": 0.2, "restitution": 0.9}, {"time_s": 0.5, "restitution": None} | read]
     found = cautions_of_impacts(asked, {"block": {"impacts": impacts}})
     assert len(found) == warned
     assert not warned or "impact at 0.5 s 1.99 times as fast" in found[0]
