@@ -87,7 +87,8 @@ class Scene(Checked):
             raise not_applicable("motion.second", "3-D scenes only")
         for block in self.blocks:
             if block.restitution is not None and not self.is_rigid:
-                raise not_applicable(f"{block.name}.restitution", "scenes without a mesh only")
+                allowed = "scenes in which nothing is meshed only"
+                raise not_applicable(f"{block.name}.restitution", allowed)
         self._check_bed()
         object.__setattr__(self, "time", self._filled_time())
         refuse_beside(self)
@@ -236,9 +237,13 @@ class Scene(Checked):
 
     @property
     def is_rigid(self) -> bool:
-        """Whether nothing in the scene is meshed."""
+        """Whether the engine of rigid blocks runs it: nothing is meshed.
+
+        It does not know the ends of a plate that is held, but the law of impact with a restitution.
+        """
+        firm = self.foundation.is_firm and any(block.restitution for block in self.blocks)
         rigid = all(block.model == "rigid" for block in self.blocks)
-        return rigid and not self.foundation.needs_mesh_engine
+        return rigid and (firm or not self.foundation.needs_mesh_engine)
 
     @property
     def has_platform(self) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rockslip import Result, parse_scene, simulate
+from rockslip import Result, SceneError, parse_scene, simulate
 from solver.reference.platform_rocking import restitution_on_platform
 from solver.results.report import report
 from solver.results.rocking import HOPS
@@ -116,6 +116,36 @@ def test_of_a_block_that_slides_as_it_rocks_on_a_base_that_moves(case: str) -> N
             assert impact["restitution"] == pytest.approx(beside, rel=2e-3)
             checked += 1
     assert checked >= 2
+
+
+HELD = {
+    **{"kind": "elastic", "width": 1.0, "height": 0.2, "young": 5e10, "poisson": 0.2},
+    "density": 2400.0,
+}
+"""A plate that is held everywhere and not meshed."""
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_on_a_plate_that_is_held(dimension: int) -> None:
+    """It is as firm as the ground: all digits are the same."""
+    plate = HELD | ({"thickness": 0.8} if dimension == 3 else {})
+    ground, held = rocks(dimension), rocks(dimension, foundation=plate)
+    assert len(told(held)) >= 3 and told(held)[:2] == [pytest.approx(GIVEN, abs=1e-5)] * 2
+    for column in ground.history:
+        assert np.array_equal(ground.history[column], held.history[column]), column
+
+
+def test_a_run_ends_at_the_edge_of_such_a_plate() -> None:
+    """After 0.375 m at 1 m/s, without friction."""
+    free = {"tilt_deg": 0.0, "velocity": [1.0, 0.0], "friction": 0.0}
+    result = rocks(block=free, foundation=HELD)
+    assert result.summary["end_s"] == pytest.approx(0.375, abs=1.1e-3)
+    assert result.summary["reason"].startswith("block came to the edge of the plate at t = 0.37")
+
+
+def test_on_a_mesh_it_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"block\.restitution.*nothing is meshed"):
+        rocks(foundation=HELD | {"meshed": True})
 
 
 @pytest.mark.parametrize("tilt", [3.0, 8.0])
