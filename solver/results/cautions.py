@@ -26,7 +26,7 @@ MOST_COARSE = 0.01
 """Part of the steps that may miss the tolerance for want of shorter ones."""
 
 FASTER = 1.02
-"""Restitution beyond which an impact gave a block energy that something else had."""
+"""Ratio of angular velocities beyond which an impact gave a block energy of something else."""
 
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
@@ -53,15 +53,28 @@ def _crossing_time(block: BlockSpec) -> float:
 
 
 def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
-    """Cautions about a run of meshed blocks, by its losses and the scale of its balance, J."""
+    """Cautions about a run of meshed bodies, by its losses and the scale of its balance, J.
+
+    Where nothing deforms, contact takes what the law of impact says, whatever the steps.
+    """
     share = unresolved_share(loss)
     lost = sum(impact_losses(loss).values())
-    if scene.is_rigid or share <= UNRESOLVED or not lost > NOTABLE * scale:
+    deforms = scene.foundation.is_meshed or _elastic(scene)
+    if not deforms or share <= UNRESOLVED or not lost > NOTABLE * scale:
         return []
+    by_law = ", ".join(block.name for block in scene.blocks if _lands_by_law(scene, block))
+    besides = f" (or, for {by_law}, to the law of impact)" if by_law else ""
     return [
-        f"{100 * share:.0f} % of what impacts lost went to time integration and undamped contact, "
-        f"so that step and mesh decide how long blocks rock{_remedy(scene)}"
+        f"{100 * share:.0f} % of what impacts lost went to time integration and undamped contact"
+        f"{besides}, so that step and mesh decide how long blocks rock{_remedy(scene)}"
     ]
+
+
+def _lands_by_law(scene: Scene, block: BlockSpec) -> bool:
+    """Whether neither a block nor what carries it deforms."""
+    carrier = scene.carrier_of(block)
+    firm = not scene.foundation.is_meshed if carrier is None else carrier.model == "rigid"
+    return block.model == "rigid" and firm
 
 
 def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
@@ -98,12 +111,12 @@ def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -
     found = []
     for block in scene.blocks:
         impacts = blocks[block.name]["impacts"] if block.on == "foundation" else []
-        faster = [i for i in impacts if (i["restitution"] or 0.0) > FASTER]
+        faster = [i for i in impacts if i.get("ratio", 0.0) > FASTER]
         if faster:
             first = faster[0]
             found.append(
                 f"{block.name} comes from its impact at {first['time_s']:.4g} s "
-                f"{first['restitution']:.3g} times as fast as it met it: the foundation vibrates, "
+                f"{first['ratio']:.3g} times as fast as it met it: the foundation vibrates, "
                 "and step, mesh and its damping decide what follows"
             )
     return found

@@ -3,13 +3,16 @@
 A block has overturned where it leans, against upright, beyond the angle from which it does not come
 back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
 plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
-holds it any more. Both are told from the columns of a history, in the same way for all engines.
+holds it any more. Where rigid blocks with a restitution stand on a plate, their engine takes it for
+the ground, and a run ends where a corner touches that beyond its edge. All are told from the
+columns of a history, in the same way for all engines.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -19,6 +22,9 @@ from solver.results.motion import Columns, boxes, centres, slenderness, total_le
 from solver.results.rocking import no_return
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Mask
+
+AT_LEVEL = 1e-6
+"""Height of a corner that touches the ground, at most, over the height of its block."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +50,14 @@ class Watch:
         self._before: Array | None = None
         self._overturning = scene.blocks if scene.time.stop == "overturned" else ()
         self._falling = () if scene.is_rigid else tuple(b for b in scene.blocks if _ends(scene, b))
+        without_ends = scene.is_rigid and scene.foundation.top is not None
+        self._leaving = scene.blocks if without_ends else ()
         self._tops = [_Top(scene, self._names, block) for block in self._falling]
 
     @property
     def ends_runs(self) -> bool:
         """Whether there is something to look for."""
-        return bool(self._overturning or self._falling)
+        return bool(self._overturning or self._falling or self._leaving)
 
     @property
     def before(self) -> Array | None:
@@ -64,7 +72,7 @@ class Watch:
         """The first of some rows, (n, columns), after which the run ends; None: it goes on."""
         if not self.ends_runs:
             return None
-        if len(rows) == 1 and not self._overturning:
+        if len(rows) == 1 and not (self._overturning or self._leaving):
             values = rows[0].tolist()
             if all(top.carries(values) for top in self._tops):
                 self._before = rows.copy()
@@ -74,6 +82,8 @@ class Watch:
         self._before = rows[-1:].copy()
         lost = [(fallen(self._scene, table, block), block, "fell") for block in self._falling]
         lost += [(beyond_return(table, block), block, "overturned") for block in self._overturning]
+        what = "came to the edge of the plate"
+        lost += [(beyond_edge(self._scene, table, block), block, what) for block in self._leaving]
         found = [(int(np.argmax(m[1:])), block, what) for m, block, what in lost if m[1:].any()]
         if not found:
             return None
@@ -171,6 +181,17 @@ def beyond_return(history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block leans beyond the angle from which it does not come back."""
     lost = no_return(slenderness(history, block))
     return np.asarray(np.abs(total_lean(history, block.name)) > lost)
+
+
+def beyond_edge(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
+    """In which rows a corner of a block touches the level of the foundation's top beside it."""
+    box, dimension = boxes(history, block), scene.dimension
+    assert scene.foundation.top is not None
+    half = np.array(scene.foundation.top[: dimension - 1]) / 2
+    arms = np.array(list(product((-1, 1), repeat=dimension))) * box.half
+    corners = box.centres[:, None] + np.einsum("nij,kj->nki", box.frames, arms)
+    beside = (np.abs(corners[..., :-1]) > half * (1 + AT_LEVEL)).any(axis=-1)
+    return np.asarray((beside & (corners[..., -1] <= AT_LEVEL * block.height)).any(axis=1))
 
 
 def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:

@@ -7,7 +7,6 @@ the block slides on ground that moves, or where what carries it is a block that 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -20,13 +19,16 @@ from solver.results.motion import (
     is_spatial,
     leaning,
 )
-from solver.results.rocking import SMALLEST_SWING, Impact
+from solver.results.rocking import HOPS, NOT_TOLD, SMALLEST_SWING, Impact
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
 HELD = 1e-4
 """Slip of a block, over its width, up to which it holds: as ground for the block on it, and where
 it rocks itself."""
+
+CARRIER_MOVES = "what carries it moves, and vibration or space hides how fast both turn"
+SLIDES = "it slides, and vibration hides how fast it turns"
 
 BESIDE = 3
 """Rows on either side of an impact whose angular velocities are taken, without the nearest one."""
@@ -39,8 +41,8 @@ def rated_by_velocities(
 
     On what holds they stay as they are, but for those of a block that slides meanwhile on a base
     that moves, or down an incline. Of rigid blocks the columns tell how fast they turn beside an
-    impact; vibration hides it in others, and they have no restitution. Neither have blocks in space
-    on one that moves.
+    impact; vibration hides it in others, and on foundations that deform, where an impact takes
+    more rows than those: they have no restitution. Neither have blocks in space on one that moves.
     """
     if not impacts:
         return impacts
@@ -48,11 +50,12 @@ def rated_by_velocities(
     if carrier is None or _holds(scene, history, carrier):
         return _rated_where_it_slides(scene, history, block, impacts)
     if is_spatial(history, block.name) or "elastic" in (block.model, carrier.model):
-        return [replace(impact, restitution=None) for impact in impacts]
+        return [Impact.of(impact.time_s, None, CARRIER_MOVES) for impact in impacts]
     names = [f"{each.name}.angular_velocity_rad_s" for each in (block, carrier)]
     rate, time = history[names[0]] - history[names[1]], history["time_s"]
     times = [impact.time_s for impact in impacts]
-    return [replace(i, restitution=_ratio(time, rate, i.time_s, times)) for i in impacts]
+    rated = [Impact.of(at, _ratio(time, rate, at, times), NOT_TOLD) for at in times]
+    return [i if i.reason == HOPS else new for i, new in zip(impacts, rated, strict=True)]
 
 
 def _rated_where_it_slides(
@@ -62,7 +65,8 @@ def _rated_where_it_slides(
     motion = block_motion(scene, history, block)
     if motion.base is None or scene.gravity == 0:
         return impacts  # by peaks: friction counts as loss
-    least = (HELD if block.model == "rigid" else SMALLEST_WAY) * block.width
+    told = block.model == "rigid" and not scene.foundation.is_meshed
+    least = (HELD if told else SMALLEST_WAY) * block.width
     window = WINDOW / motion.shape.frequency(scene.gravity)
     rate = angular_velocity(history, block.name, leaning(history, block).direction)
     times = [impact.time_s for impact in impacts]
@@ -71,10 +75,8 @@ def _rated_where_it_slides(
         near = np.abs(motion.time - impact.time_s) <= window
         slides = near.any() and np.ptp(motion.displacement[near], axis=0).max() > least
         if slides and impact.restitution is not None:
-            known = None
-            if block.model == "rigid":
-                known = _ratio(motion.time, rate, impact.time_s, times)
-            impact = replace(impact, restitution=known)
+            known = _ratio(motion.time, rate, impact.time_s, times) if told else None
+            impact = Impact.of(impact.time_s, known, NOT_TOLD if told else SLIDES)
         found.append(impact)
     return found
 

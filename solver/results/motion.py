@@ -86,6 +86,8 @@ class BlockMotion:
     """Force from what carries the block, N, (rows, 1 or 2)."""
     lift: Array
     """Gap of the bottom corner that is highest, m."""
+    low: Array
+    """That of the one that is lowest, m."""
     shape: Block
     """The block as it stands in that plane."""
     fell: bool
@@ -119,6 +121,7 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         turn=_turn(history, block, carrier),
         friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
         lift=corners.max(axis=1),
+        low=corners.min(axis=1),
         shape=leans.shape,
         fell=_fell(history, block, carrier),
         aside=leans.aside,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
 from solver.results.cautions import loss_shares
+from solver.results.rocking import NO_SWING
 
 UNKNOWN = "unknown"
 """What stands in the place of a number that nobody knows."""
@@ -82,11 +84,14 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         times = " ".join(f"{impact['time_s']:.4f}" for impact in impacts[:LISTED])
         known = [impact["restitution"] for impact in impacts]
         ratios = " ".join(_number(ratio, ".3f") for ratio in known[:LISTED]) + more
+        reasons = Counter(i["reason"] for i in impacts if i.get("reason", NO_SWING) != NO_SWING)
+        none = "; ".join(f"{reason} ({count})" for reason, count in reasons.items())
         if all(_number(ratio) == UNKNOWN for ratio in known):
-            ratios = UNKNOWN
+            ratios = "" if none else UNKNOWN
         impact_word = "impact" if len(impacts) == 1 else "impacts"
         lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
-        lines.append(f"  restitution   {ratios}")
+        told = [ratios] * bool(ratios) + [f"none: {none}"] * bool(none)
+        lines.append(f"  restitution   {'; '.join(told)}")
     return lines
 
 

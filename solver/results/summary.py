@@ -90,14 +90,18 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     motion = block_motion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
+    damping = scene.damping_of(block) if block.model == "elastic" else None
+    drag = damping.mass if damping else 0.0
     impacts = rocking.impacts(
         time,
         angle,
         shape,
         scene.gravity,
-        _free_acceleration(motion),
+        _free_acceleration(motion, drag),
         gives_way=scene.carrier_moves,
         aside=motion.aside,
+        low=motion.low,
+        drag=drag,
     )
     impacts = rated_by_velocities(scene, history, block, impacts)
     over, off = overturned_at(history, block), fell_at(scene, history, block)
@@ -128,16 +132,28 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
-        "impacts": [{"time_s": i.time_s, "restitution": i.restitution} for i in impacts],
+        "impacts": [_impact(impact) for impact in impacts],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
     }
 
 
-def _free_acceleration(motion: BlockMotion) -> Array | None:
-    """Angular acceleration of a rigid block on such a base, 1/s2; None where it is at rest."""
+def _impact(impact: rocking.Impact) -> dict[str, Any]:
+    """Entries of an impact: its restitution, or why it has none, and what was read instead."""
+    known: dict[str, Any] = {"time_s": impact.time_s, "restitution": impact.restitution}
+    if impact.restitution is None:
+        known["reason"] = impact.reason
+    return known | ({} if impact.ratio is None else {"ratio": impact.ratio})
+
+
+def _free_acceleration(motion: BlockMotion, drag: float) -> Array | None:
+    """Angular acceleration of a rigid block on such a base, 1/s2; None where it is at rest.
+
+    With a drag, lambda of the block, 1/s, less lambda theta'.
+    """
     if motion.base is None:
         return None
-    return rocking_acceleration(motion.angle, motion.shape, motion.base[:, 0], motion.base[:, 1])
+    free = rocking_acceleration(motion.angle, motion.shape, motion.base[:, 0], motion.base[:, 1])
+    return free - drag * np.gradient(motion.angle, motion.time) if drag else free
 
 
 def _platform(history: History) -> dict[str, float]:

@@ -88,7 +88,7 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     lines.append(("  restitution", _restitution(block, shape, scene)))
     if scene.dimension == 3:
         lines += _along_y(block, scene)
-    return lines + _damping(block, scene) + _sliding(block, scene) + _start(block)
+    return lines + damping_of_block(block, scene) + _sliding(block, scene) + _start(block)
 
 
 def _along_y(block: BlockSpec, scene: Scene) -> Lines:
@@ -125,7 +125,7 @@ def _on_firm_ground(block: BlockSpec, scene: Scene) -> bool:
     return block.on == "foundation" and not moves
 
 
-def _damping(block: BlockSpec, scene: Scene) -> Lines:
+def damping_of_block(block: BlockSpec, scene: Scene) -> Lines:
     """Damping of an elastic block, and what it means for its first bending mode."""
     damping = scene.damping_of(block)
     if block.model != "elastic" or damping is None:

@@ -16,6 +16,7 @@ from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
 from solver.parallel import any_rank
+from solver.run.describe import damping_of_block
 from solver.run.files import Fields
 from solver.run.observer import Observer
 from solver.run.simulate import RunContext
@@ -73,6 +74,9 @@ class MeshedRun:
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
         )
+        for block in scene.blocks:
+            for _, text in damping_of_block(block, scene):
+                log(f"damping of {block.name}: {text}")
         reduction = self.assembly.support.reduction
         if reduction is not None:
             unknowns, modes, nodes, left = reduction.in_words()

@@ -112,7 +112,7 @@ class BlockSpec(Checked):
     """Between it and what carries it; see [friction](#friction). Default: that of `[contact]`."""
     restitution: Annotated[float, Number(above=0, at_most=1)] | None = None
     """e of impacts on what carries it; see [restitution](#restitution). Rigid blocks only, where
-    nothing is meshed. Default: impacts without rebound."""
+    nothing is meshed, also on a plate that is held. Default: impacts without rebound."""
 
     def __post_init__(self) -> None:
         """Check the values."""

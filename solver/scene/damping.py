@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from solver.errors import SceneError
-from solver.scene.checking import Checked
+from solver.scene.checking import OPEN, Checked, is_open
 from solver.scene.material import Material, Plane
 from solver.scene.ranges import NotNegative
 
@@ -85,8 +85,19 @@ class DampingSpec(Checked):
 
     mass: NotNegative = 0.0
     """lambda_R, 1/s."""
-    stiffness: NotNegative = 0.0
-    """beta_R, s."""
+    stiffness: NotNegative = OPEN
+    """beta_R, s. Default: `0.0`; where `mass` is above 0, [that of elastic
+    blocks](#default-damping)."""
+
+    def __post_init__(self) -> None:
+        """Check the values; beta_R stays open where lambda_R alone is given."""
+        Checked.__post_init__(self)
+        if is_open(self.stiffness) and not self.mass:
+            object.__setattr__(self, "stiffness", 0.0)
+
+    def closed(self, stiffness: float) -> DampingSpec:
+        """The damping with this beta_R, s, where that is open."""
+        return replace(self, stiffness=stiffness) if is_open(self.stiffness) else self
 
     def ratio(self, frequency: float) -> float:
         """Ratio of critical damping of a mode by its natural frequency, rad/s."""

@@ -87,7 +87,8 @@ class Scene(Checked):
             raise not_applicable("motion.second", "3-D scenes only")
         for block in self.blocks:
             if block.restitution is not None and not self.is_rigid:
-                raise not_applicable(f"{block.name}.restitution", "scenes without a mesh only")
+                allowed = "scenes in which nothing is meshed only"
+                raise not_applicable(f"{block.name}.restitution", allowed)
         self._check_bed()
         object.__setattr__(self, "time", self._filled_time())
         refuse_beside(self)
@@ -96,7 +97,7 @@ class Scene(Checked):
 
             refuse_overlaps(self)
         refuse_beyond(self, self.known_shaking)
-        object.__setattr__(self, "blocks", tuple(self._damped(block) for block in self.blocks))
+        self._fill_damping()
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
@@ -138,14 +139,30 @@ class Scene(Checked):
             raise error.under(block.name) from None
         return filled
 
+    def _fill_damping(self) -> None:
+        """Give elastic blocks the default damping, or its beta_R where only lambda_R is given.
+
+        What `[damping]` leaves open they then have for themselves, and nobody else but a meshed
+        foundation.
+        """
+        filled = tuple(self._damped(block) for block in self.blocks)
+        given, before = self.damping, self.blocks
+        object.__setattr__(self, "blocks", filled)
+        if given is not None and is_open(given.stiffness):
+            moved = filled != before and not self.foundation.is_meshed
+            object.__setattr__(self, "damping", None if moved else given.closed(0.0))
+
     def _damped(self, block: BlockSpec) -> BlockSpec:
-        """A block with the default damping, if it is elastic and nothing is said about damping."""
-        if block.model != "elastic" or self.damping is not None or block.damping is not None:
+        """A block with nothing left open about its damping, if it is elastic."""
+        given = block.damping or self.damping
+        known = given is not None and not is_open(given.stiffness)
+        if block.model != "elastic" or known:
             return block
         try:
-            return replace(block, damping=self.default_damping(block))
+            default = self.default_damping(block)
         except SceneError as error:  # beyond the range of numbers
             raise error.under(f"{block.name}.damping") from None
+        return replace(block, damping=given.closed(default.stiffness) if given else default)
 
     def _filled_time(self) -> TimeSpec:
         """Time stepping with nothing left open."""
@@ -220,9 +237,13 @@ class Scene(Checked):
 
     @property
     def is_rigid(self) -> bool:
-        """Whether nothing in the scene is meshed."""
+        """Whether the engine of rigid blocks runs it: nothing is meshed.
+
+        It does not know the ends of a plate that is held, but the law of impact with a restitution.
+        """
+        firm = self.foundation.is_firm and any(block.restitution for block in self.blocks)
         rigid = all(block.model == "rigid" for block in self.blocks)
-        return rigid and not self.foundation.needs_mesh_engine
+        return rigid and (firm or not self.foundation.needs_mesh_engine)
 
     @property
     def has_platform(self) -> bool:
@@ -263,7 +284,8 @@ class Scene(Checked):
 
     def damping_of(self, body: BlockSpec | PlateSpec | FrameSpec) -> DampingSpec | None:
         """Rayleigh damping of a meshed body: its own, or that of all."""
-        return self.damping if body.damping is None else body.damping
+        given = body.damping or self.damping
+        return None if given is None else given.closed(0.0)  # open: that of a foundation
 
     def bending_frequency(self, block: BlockSpec) -> float:
         """First natural frequency (rad/s) of an elastic block that is held at its base."""

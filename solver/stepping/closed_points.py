@@ -83,6 +83,7 @@ def correct_closed_points(
     mobility: Array,
     step: float,
     taken: float,
+    lands: bool,
     counts: Indices,
     q: Array,
 ) -> tuple[bool, float, float, float]:
@@ -102,6 +103,7 @@ def correct_closed_points(
         mobility: G M^-1 G^T itself.
         step: Length of the step, s.
         taken: Energy that friction took in it, J.
+        lands: Whether a rigid body landed in it.
         counts: Of outcomes of local problems.
         q: The correction.
     """
@@ -114,6 +116,7 @@ def correct_closed_points(
         impulse_bounds(closed, mu, cohesion, step),
         taken,
         counts,
+        lands,
     )
     if not found.found:
         return False, 0.0, 0.0, 0.0

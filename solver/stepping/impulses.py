@@ -112,11 +112,12 @@ class VelocityImpulses:
         pressed: Indices,
         dt: float,
         taken: float,
+        lands: bool,
     ) -> VelocityCorrection | None:
         """The correction after a step at the points that are `pressed`; None: none was found.
 
         By displacements (m) at t_{n+1} and velocities (m/s) before it; friction took `taken` in the
-        step, J.
+        step, J; `lands`: a rigid body landed in it.
         """
         operator = self._operator(pressed, u, contacts)
         velocity, W = self._velocity(u, v, contacts).take(pressed, axis=0), operator.W
@@ -131,10 +132,10 @@ class VelocityImpulses:
         )
         q = np.empty(velocity.shape)
         if q.size > MANY_ROWS:
-            found = self._correct_many(points, velocity, W, operator.W, dt, taken, q)
+            found = self._correct_many(points, velocity, W, operator.W, dt, taken, lands, q)
         else:
-            counts = self._local.counts
-            found = correct_closed_points(*points, velocity, W, operator.W, dt, taken, counts, q)
+            how = dt, taken, lands, self._local.counts
+            found = correct_closed_points(*points, velocity, W, operator.W, *how, q)
         is_found, contact, friction, reversal = found
         if not is_found:
             return None
@@ -148,13 +149,15 @@ class VelocityImpulses:
         mobility: Array,
         dt: float,
         taken: float,
+        lands: bool,
         q: Array,
     ) -> tuple[bool, float, float, float]:
         """As `correct_closed_points`, for more points than compiled code solves for at once."""
         closed, first, force, mu, cohesion = points
         impulse = impulses(closed, force, dt).reshape(q.shape)
         bounds = impulse_bounds(closed, mu, cohesion, dt)
-        found = impulse_correction(self._local, velocity, W, impulse, bounds, taken, closed)
+        how = bounds, taken, closed, lands
+        found = impulse_correction(self._local, velocity, W, impulse, *how)
         if found is None:
             return False, 0.0, 0.0, 0.0
         q[:] = found.q

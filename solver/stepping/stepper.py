@@ -296,7 +296,7 @@ class Stepper:
             at_supports, p[system.fixed] = p[system.fixed], 0.0
         contacts, lost = remembered(self.links, old, solution.contacts, dt)
         sums = step_sums(system, ends, p - step.p)
-        correction = self._velocity_correction(u, v, solution, dt, lost.friction)
+        correction = self._velocity_correction(u, v, solution, step, lost.friction)
         held, ground = state.held, None
         if system.grounded:
             forces = HeldForces(solution.held, at_supports)
@@ -335,7 +335,7 @@ class Stepper:
         return new, exchange
 
     def _velocity_correction(
-        self, u: Array, v: Array, solution: StepSolution, dt: float, rubbed: float
+        self, u: Array, v: Array, solution: StepSolution, step: Step, rubbed: float
     ) -> VelocityCorrection:
         """What contact at velocity level changes after a step in which friction took `rubbed`."""
         correction: VelocityCorrection | None = None
@@ -344,5 +344,8 @@ class Stepper:
         if self.velocity_solve and len(closed):
             if self._impulses is None:
                 self._impulses = VelocityImpulses(self.system, self.links, self.local)
-            correction = self._impulses.correct(u, v, solution.contacts, closed, dt, rubbed)
+            sides = zip(self._rigid, pressed, step.start.contacts, strict=True)
+            lands = any(rigid and np.any(own & ~(old.force[:, 0] > 0)) for rigid, own, old in sides)
+            how = step.dt, rubbed, lands
+            correction = self._impulses.correct(u, v, solution.contacts, closed, *how)
         return correction or UNCHANGED

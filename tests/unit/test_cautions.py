@@ -60,6 +60,20 @@ def test_of_a_run(
     assert all(word in found[0] for word in words)
 
 
+@pytest.mark.parametrize("plate", [{"meshed": True}, {"meshed": False}, {"support": "bottom"}])
+def test_what_the_law_of_impact_takes_is_no_loss_of_steps(plate: dict[str, object]) -> None:
+    """A rigid block on a plate that is held, meshed or not, loses what Housner's does."""
+    size = {"width": 4.0, "height": 0.3, "young": 5e10, "poisson": 0.2, "density": 2400.0}
+    block = {"name": "a", "model": "rigid", "width": 0.5, "height": 1.0, "mass": 1200.0}
+    tables = {"block": [block], "foundation": {"kind": "elastic"} | size | plate}
+    alone = parse_scene(tables | {"time": {"end": 1.0}})
+    assert bool(cautions_of_run(alone, loss(0.0, 1.0), 10.0)) == ("support" in plate)
+    other = block | {"name": "b", "model": "elastic", "offset": 1.0, "young": 5e10, "poisson": 0.2}
+    both = parse_scene(tables | {"block": [block, other], "time": {"end": 1.0}})
+    (told,) = cautions_of_run(both, loss(0.0, 1.0), 10.0)
+    assert ("(or, for a, to the law of impact)" in told) == ("support" not in plate)
+
+
 def test_what_dashpots_of_contact_take_is_resolved() -> None:
     lost = loss(0.0, 1.0) | {"contact_damping_J": 9.0}
     assert unresolved_share(lost) == pytest.approx(0.1)
@@ -198,7 +212,8 @@ def test_of_foundations_that_nothing_damps(overrides: tuple[str, ...], warned: b
 @pytest.mark.parametrize(("ratio", "warned"), [(1.994, True), (0.99, False), (None, False)])
 def test_of_impacts_that_a_block_comes_faster_from(ratio: float | None, warned: bool) -> None:
     asked = parse_scene(f"{BLOCK}\n{PLATE}[time]\nend = 2.0\n")
-    impacts = [{"time_s": 0.2, "restitution": 0.9}, {"time_s": 0.5, "restitution": ratio}]
+    read = {} if ratio is None else {"ratio": ratio}
+    impacts = [{"time_s": 0.2, "restitution": 0.9}, {"time_s": 0.5, "restitution": None} | read]
     found = cautions_of_impacts(asked, {"block": {"impacts": impacts}})
     assert len(found) == warned
     assert not warned or "impact at 0.5 s 1.99 times as fast" in found[0]

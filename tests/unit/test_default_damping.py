@@ -11,6 +11,8 @@ from scenes import BLOCK
 from scipy.linalg import expm
 
 from rockslip import Scene, parse_scene
+from solver.excitation.motion import read_ground
+from solver.results.cautions import cautions_of_scene
 from solver.scene import DampingSpec, scene_to_toml
 from solver.scene.damping import cantilever_frequency
 from solver.scene.material import Material
@@ -131,7 +133,8 @@ def test_similar_blocks_have_the_same_part_of_critical() -> None:
     [
         (("damping.stiffness=0",), DampingSpec()),
         (("damping={}",), DampingSpec()),
-        (("damping.mass=0.5",), DampingSpec(mass=0.5)),
+        (("damping.mass=0.0",), DampingSpec()),
+        (("damping={mass=0.5, stiffness=0}",), DampingSpec(mass=0.5, stiffness=0.0)),
         (("damping.stiffness=1e-4",), DampingSpec(stiffness=1e-4)),
         (("block.damping={}",), DampingSpec()),
         (("block.damping={stiffness=1e-5}",), DampingSpec(stiffness=1e-5)),
@@ -140,6 +143,25 @@ def test_similar_blocks_have_the_same_part_of_critical() -> None:
 )
 def test_what_is_written_is_taken(overrides: tuple[str, ...], expected: DampingSpec) -> None:
     assert damping(*overrides) == expected
+
+
+@pytest.mark.parametrize("table", ["damping", "block.damping"])
+def test_it_stays_beside_damping_by_mass(table: str) -> None:
+    """lambda_R alone says nothing of beta_R; foundations have none."""
+    expected = DampingSpec(mass=0.5, stiffness=damping().stiffness)
+    assert damping(f"{table}.mass=0.5") == expected
+    asked = scene(f"{table}.mass=0.5")
+    assert parse_scene(asked.to_dict()) == asked
+    assert cautions_of_scene(asked, read_ground(asked)) == []
+    plate = (
+        "foundation={kind='elastic', support='bottom', width=2.0, height=0.2, young=5e10,"
+        " poisson=0.2, density=2e3}"
+    )
+    on_plate = scene(f"{table}.mass=0.5", plate)
+    assert on_plate.damping_of(on_plate.blocks[0]) == expected
+    below = DampingSpec(mass=0.5, stiffness=0.0) if table == "damping" else None
+    assert on_plate.damping_of(on_plate.foundation) == below  # type: ignore[arg-type]
+    assert parse_scene(on_plate.to_dict()) == on_plate
 
 
 def test_rigid_blocks_and_meshed_foundations_have_none() -> None:

@@ -181,3 +181,6 @@ def test_the_page_tells_forces_in_kilonewtons_and_means_of_what_is_known() -> No
     )
     _, row = _blocks(cast(Run, run))
     assert row == ["block", "3", "0.25", "12", "-3.4", "150", "2", "3", "0.85", "rock at 1.5 s"]
+    entry["impacts"] = [{"restitution": None, "reason": "it hops"}] * 2
+    _, row = _blocks(cast(Run, run))
+    assert row[7:9] == ["2", "none: it hops"]

@@ -77,8 +77,9 @@ def test_a_model_of_one_to_fifteen(keeps: Any, masses: float) -> None:
     assert new.default_damping(2).stiffness == pytest.approx(new.damping.stiffness)  # type: ignore[union-attr]
     assert prototype.time.end / model.time.end == pytest.approx(time)
     damped = parse_scene(scaled_tables(scene(damping={"mass": 3.0}), Scale(1 / 15, keeps), {}))
-    assert damped.damping is not None
-    assert damped.damping.mass == pytest.approx(3.0 * time)  # a rate, 1/s
+    own = damped.blocks[0].damping
+    assert own is not None
+    assert own.mass == pytest.approx(3.0 * time)  # a rate, 1/s
     friction = model.friction_of(new)
     assert 20.0 / friction.decay == pytest.approx(1 / time)
     assert 10.0 / friction.cohesion == pytest.approx(stress)

@@ -10,7 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rockslip import Result, parse_scene, simulate
+from rockslip import Result, SceneError, parse_scene, simulate
+from solver.reference.platform_rocking import restitution_on_platform
+from solver.results.report import report
+from solver.results.rocking import HOPS
 
 GIVEN = 0.9
 
@@ -113,3 +116,67 @@ def test_of_a_block_that_slides_as_it_rocks_on_a_base_that_moves(case: str) -> N
             assert impact["restitution"] == pytest.approx(beside, rel=2e-3)
             checked += 1
     assert checked >= 2
+
+
+HELD = {
+    **{"kind": "elastic", "width": 1.0, "height": 0.2, "young": 5e10, "poisson": 0.2},
+    "density": 2400.0,
+}
+"""A plate that is held everywhere and not meshed."""
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_on_a_plate_that_is_held(dimension: int) -> None:
+    """It is as firm as the ground: all digits are the same."""
+    plate = HELD | ({"thickness": 0.8} if dimension == 3 else {})
+    ground, held = rocks(dimension), rocks(dimension, foundation=plate)
+    assert len(told(held)) >= 3 and told(held)[:2] == [pytest.approx(GIVEN, abs=1e-5)] * 2
+    for column in ground.history:
+        assert np.array_equal(ground.history[column], held.history[column]), column
+
+
+def test_a_run_ends_at_the_edge_of_such_a_plate() -> None:
+    """After 0.375 m at 1 m/s, without friction."""
+    free = {"tilt_deg": 0.0, "velocity": [1.0, 0.0], "friction": 0.0}
+    result = rocks(block=free, foundation=HELD)
+    assert result.summary["end_s"] == pytest.approx(0.375, abs=1.1e-3)
+    assert result.summary["reason"].startswith("block came to the edge of the plate at t = 0.37")
+
+
+def test_on_a_mesh_it_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"block\.restitution.*nothing is meshed"):
+        rocks(foundation=HELD | {"meshed": True})
+
+
+@pytest.mark.parametrize("tilt", [3.0, 8.0])
+def test_a_squat_elastic_block_that_hops_has_none(tilt: float) -> None:
+    """A cube of steel: its peaks said 0.43, 1.03, 0.28 and 2.73; half of its energy is in hops."""
+    cube = {
+        **{"width": 0.1, "height": 0.1, "thickness": 0.1, "density": 7850.0, "tilt_deg": tilt},
+        **{"young": 2.1e11, "poisson": 0.3, "cells": [4, 4]},
+    }
+    tables = {"block": [cube], "contact": {"friction": 0.6}, "time": {"end": 0.18}}
+    summary = simulate(parse_scene(tables)).summary
+    impacts = summary["blocks"]["block"]["impacts"]
+    assert len(impacts) >= 4
+    assert {(impact["restitution"], impact["reason"]) for impact in impacts} == {(None, HOPS)}
+    assert f"none: {HOPS} ({len(impacts)})" in report(summary)
+
+
+def test_of_a_rigid_block_on_a_deck_that_bends() -> None:
+    """An impact on it takes time: the rows beside its instant lie within it, and told 0.995.
+
+    By the angles of 0.4/p it is that of a platform as heavy as the deck, within 0.02.
+    """
+    deck = {
+        **{"kind": "elastic", "support": "rollers", "width": 3.0, "height": 0.1},
+        **{"density": 2400.0, "young": 3e9, "poisson": 0.2, "cells": [24, 2], "period": 0.5},
+        **{"damping_ratio": 0.05, "damping": {"stiffness": 1e-4}},
+    }
+    block = {"model": "rigid", "width": 0.25, "height": 1.0, "density": 2000.0, "tilt_deg": 5.0}
+    tables = {"block": [block], "foundation": deck, "contact": {"friction": 0.7}}
+    scene = parse_scene(tables | {"time": {"end": 0.6}})
+    found = told(simulate(scene))
+    shape = scene.blocks[0].shape
+    expected = restitution_on_platform(shape, scene.platform().mass)
+    assert found[:2] == [pytest.approx(expected, abs=0.02)] * 2

@@ -232,5 +232,6 @@ def test_refused_scenes() -> None:
     """Beside a mesh."""
     tables = scene(1.0, restitution=0.9).to_dict()
     plate = {"kind": "elastic", "width": 1.0, "height": 0.2, "density": 2.7e3, "young": 5e10}
-    with pytest.raises(SceneError, match=r"^block\.restitution applies to scenes without a mesh"):
-        parse_scene(tables | {"foundation": plate | {"poisson": 0.2}})
+    words = r"^block\.restitution applies to scenes in which nothing is meshed"
+    with pytest.raises(SceneError, match=words):
+        parse_scene(tables | {"foundation": plate | {"poisson": 0.2, "support": "bottom"}})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -105,6 +105,12 @@ def _status(summary: Mapping[str, Any]) -> str:
     return f"{summary['model']}, {summary['status']}{end}{reason}."
 
 
+def _why_none(impacts: Sequence[Mapping[str, Any]]) -> str:
+    """Why no impact has a restitution."""
+    reasons = dict.fromkeys(impact["reason"] for impact in impacts if impact.get("reason"))
+    return f"none: {'; '.join(reasons)}" if reasons else _number(None)
+
+
 def _blocks(run: Run) -> list[list[str]]:
     """A row for each block."""
     rows = [list(HEADING)]
@@ -126,7 +132,7 @@ def _blocks(run: Run) -> list[list[str]]:
                 _number(entry.get("peak_displacement_m"), 1e3),
                 _number(entry.get("peak_turn_rad"), math.degrees(1.0)),
                 str(len(entry["impacts"])),
-                _number(sum(known) / len(known) if known else None),
+                _number(sum(known) / len(known)) if known else _why_none(entry["impacts"]),
                 mode,
             ]
         )

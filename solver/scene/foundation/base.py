@@ -97,6 +97,11 @@ class Foundation(Checked):
         """Whether it deforms as a body."""
         return bool(self.mesh_label)
 
+    @property
+    def is_firm(self) -> bool:
+        """Whether it is as firm as the ground itself, a face with ends that nothing meshes."""
+        return False
+
     def unknowns(self, dimension: Dimension) -> int:
         """Number of unknowns of its mesh; 0 where it has none."""
         return 0

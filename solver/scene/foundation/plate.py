@@ -115,6 +115,11 @@ class PlateSpec(Foundation):
             refuse_both_dampings(self.damping_ratio, self.damping)
 
     @property
+    def is_firm(self) -> bool:
+        """Whether all of it is held, and nothing meshes it."""
+        return self.support == "fixed" and not self.meshed
+
+    @property
     def on_spring(self) -> bool:
         """Whether it is on rollers."""
         return self.support == "rollers"

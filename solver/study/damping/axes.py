@@ -165,7 +165,7 @@ def _put_young(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> 
 def _put_beta(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
     """beta_R of `[damping]` where the block has that, else that of the block itself, s."""
     own = table_of(tables, block)
-    owner = own if block.damping is not None else tables
+    owner = own if "damping" in own or "damping" not in tables else tables
     owner["damping"] = dict(owner.get("damping", {})) | {"stiffness": value}
 
 

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ import numpy as np
 from geometry.block import Block
 from solver.errors import SceneError
 from solver.excitation.numbers import number_in, read_lines, rows_of, split_header
-from solver.results.rocking import rocking_energy
+from solver.results.rocking import speed_at_impact
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import shown
 from solver.study.damping.restitution import Restitution, geometric_mean
@@ -102,7 +101,9 @@ def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target
         raise SceneError("--target", shown(word), allowed)
     time, angle = read_history(Path(text))
     peaks = measured_peaks(time, angle)
-    target = _of_history(Path(text), block.shape, scene.gravity, peaks, impacts, (time, angle))
+    damping = scene.damping_of(block)
+    swing = block.shape, scene.gravity, damping.mass if damping else 0.0
+    target = _of_history(Path(text), swing, peaks, impacts, (time, angle))
     released, tilt = math.degrees(peaks[0]), math.degrees(abs(block.tilt))
     if abs(released - tilt) > RELEASE * tilt:
         allowed = f"that of a release from {tilt:.3g} as in the scene, or another block.tilt_deg"
@@ -112,13 +113,16 @@ def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target
 
 def _of_history(
     file: Path,
-    shape: Block,
-    gravity: float,
+    swing: tuple[Block, float, float],
     peaks: Sequence[float],
     impacts: int,
     history: tuple[Array, Array],
 ) -> Target:
-    """The target of measured peaks (rad), that of the release included."""
+    """The target of measured peaks (rad), that of the release included.
+
+    Swings are those of a shape, under gravity (m/s2), with lambda of the scene (1/s).
+    """
+    shape, gravity, drag = swing
     if peaks and peaks[0] >= shape.slenderness:
         got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {shape.slenderness:.3g}"
         raise SceneError(f"{file}", got, COLUMNS)
@@ -126,8 +130,9 @@ def _of_history(
         raise SceneError(f"{file}", f"{len(peaks)} peaks", "a release and a peak on the other side")
     count = min(impacts, len(peaks) - 1)
     kept = peaks[: count + 1]
-    energy = [rocking_energy(peak, shape, gravity) for peak in kept]
-    ratios = [math.sqrt(b / a) for a, b in pairwise(energy)]
+    down = [speed_at_impact(peak, shape, gravity, drag) for peak in kept[:-1]]
+    up = [speed_at_impact(peak, shape, gravity, -drag) for peak in kept[1:]]
+    ratios = [after / before for before, after in zip(down, up, strict=True)]
     return Target(
         restitution=geometric_mean(ratios),
         peaks=tuple(peak / kept[0] for peak in kept[1:]),
