@@ -56,11 +56,6 @@ def test_few_files_stand_at_the_root_of_the_solver() -> None:
     assert len(list((REPOSITORY / "solver").glob("*.py"))) <= 10
 
 
-def test_files_are_short(drawing: ModuleType) -> None:
-    lengths = {name: len(file.read_text().splitlines()) for name, file in drawing.modules().items()}
-    assert {name: length for name, length in lengths.items() if length > 350} == {}
-
-
 def test_no_prefix_of_file_names_stands_for_a_folder(drawing: ModuleType) -> None:
     """Three files of one folder that begin with the same word want a folder of their own."""
     words = Counter(
