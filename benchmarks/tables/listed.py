@@ -326,7 +326,7 @@ EVIDENCE: dict[str, Evidence] = {
     "foundation": _demo(
         "demos/foundation/block_on_foundation.py", "foundation.png", (*MESHED, *ANSWER), 3
     ),
-    "yard": _demo("demos/yard/container_yard.py", "yard.png", (*ALL, *MOTION), 10),
+    "yard": _demo("demos/yard/container_yard.py", "yard.png", (*ALL, *MOTION), 25),
     "laboratory": _demo("demos/laboratory/laboratory_model.py", "laboratory.png", ALL, 10),
     # The names of the packages stand in the script; tests hold the tree to them.
     "architecture": Evidence(
