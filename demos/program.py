@@ -15,9 +15,11 @@ from rockslip import Scene, read_run, simulate
 from solver.cli import INTERRUPTED
 from solver.errors import RockslipError
 from solver.parallel import abort_on_exceptions, on_first_rank
+from solver.results.endings import cut_short
 from solver.results.runs import Run
 from solver.run.folders import claim_folder
 from solver.run.progress import Progress
+from solver.study.tables import early_ends
 
 Made = TypeVar("Made")
 
@@ -92,10 +94,12 @@ def judged(
 ) -> int:
     """Print the table, if there is one, draw and check the runs in some folders; the exit code.
 
+    The table begins with those of its runs that end before their motion does.
     The picture goes into the folder that holds those of the runs.
     """
     runs = [read_run(folder) for folder in folders]
-    told = [] if table is None else [table(runs)]
+    told = early_ends({"cut_short": cut_short(run.summary)} for run in runs)
+    told += [] if table is None else [table(runs)]
     print("\n" + "\n\n".join([*told, str(picture(runs, folders[0].parent))]) + "\n")
     return verdict(program, checks(runs))
 

@@ -299,6 +299,7 @@ def run_reference(options: argparse.Namespace) -> int:
         reason=reason,
         model=model,
         cautions=cautions_of_input(scene, ground),
+        ground=ground,
     )
     write_whole(folder / "scene.toml", scene_to_toml(scene))
     write_json(folder / "summary.json", summary)

@@ -24,6 +24,8 @@ from benchmarks.error_runtime.measures import chosen, measures, words
 from benchmarks.error_runtime.reference import references
 from benchmarks.error_runtime.table import as_csv, everything, text
 from solver.errors import SceneError
+from solver.excitation.motion import read_ground
+from solver.results.endings import cut_short, motion_end
 from solver.run.simulate import simulate
 from solver.scene import Scene
 from solver.study.tables import write as write_file
@@ -78,10 +80,12 @@ def study(
     if not found:
         got = f"{sum(t.outcome.completed for t in trials)} completed runs in which nothing moves"
         raise SceneError("time.step", got, "two completed runs or more of a block that moves")
+    motion = motion_end(read_ground(scene))
+    early = cut_short({"end_s": scene.time.end, "motion_end_s": motion})
     blocks = tuple(block.name for block in scene.blocks)
     judged, missing = chosen(list(found), wanted)
     return Findings(
-        title=scene.title or "without a title",
+        title="; ".join(filter(None, (scene.title or "without a title", early))),
         machine=machine(),
         repeat=repeat,
         trials=trials,

@@ -423,14 +423,19 @@ def _under_the_earthquake(runs: list[Run]) -> Results:
     rocks = [fate(run) in ("rock", "fall") for run in runs]
     most = max(_over_friction(run) for run in runs if len(run.scene.blocks) == 1)
     shares = {run.label: felt(run) for run in runs}
-    pairs = [(name, name.replace(" 0.2", " 0.4")) for name in shares if name.endswith(" 0.2")]
+    slides = [run.label for run in runs if fate(run) == "slide"]
+    pairs = [(name.replace(" 0.4", " 0.2"), name) for name in slides if name.endswith(" 0.4")]
+    pairs = [pair for pair in pairs if pair[0] in slides]
     less = [shares[little] < shares[much] for little, much in pairs]
     against = sum(rock and not may for may, rock in zip(able, rocks, strict=True))
     return [
         (not against, f"{against} of {len(able) - sum(able)} stacks with B/H > mu rock, none may"),
         (any(rocks), f"{sum(rocks)} of {sum(able)} stacks with B/H < mu rock, at least one"),
         (most < 1e-9, f"friction over mu N by at most {max(most, 0):.1e} of a weight, 1e-9"),
-        (all(less), "the deck feels less of each stack with friction 0.2 than with 0.4"),
+        (
+            bool(less) and all(less),
+            "the deck feels less of each stack that slides with friction 0.2 than with 0.4",
+        ),
     ]
 
 

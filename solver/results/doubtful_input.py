@@ -6,6 +6,7 @@ import math
 
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
+from solver.results.endings import motion_end
 from solver.scene import BlockSpec, MotionSpec, Scene
 from solver.scene.footing import beyond_edge
 from solver.scene.time import STEPS_A_PERIOD
@@ -60,6 +61,7 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
         *_coarse_records(scene, ground),
         *_still_motions(scene, ground),
         *_motions_beyond_the_end(scene, ground),
+        *_unequal_ends(scene, ground),
         *_blind_steps(scene),
         *_points_beside_edges(scene),
         *_missing_rows(scene),
@@ -173,10 +175,20 @@ def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
         for where, start in late
         if start > end
     ]
-    stop = max((part.stop for part in ground.parts if part is not None), default=0.0)
+    stop = motion_end(ground)
     if not found and math.isfinite(stop) and stop > end:
         found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
     return found
+
+
+def _unequal_ends(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Components given by samples of which one ends before another."""
+    parts = zip(scene.directions, ground.parts, strict=True)
+    ends = {where: part.stop for where, part in parts if isinstance(part, SampledMotion)}
+    if len({round(end, 6) for end in ends.values()}) < 2:
+        return []
+    words = ", ".join(f"{end:g} s ({where})" for where, end in ends.items())
+    return [f"components of the motion end at {words}: each is zero after its end"]
 
 
 def _blind_steps(scene: Scene) -> list[str]:

@@ -11,12 +11,15 @@ columns of a history, in the same way for all engines.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from geometry.boxes import Boxes
+from solver.excitation.motion import GroundMotion
 from solver.history.history import scene_columns
 from solver.results.motion import Columns, boxes, centres, slenderness, total_lean
 from solver.results.rocking import no_return
@@ -25,6 +28,22 @@ from solver.types import Array, Mask
 
 AT_LEVEL = 1e-6
 """Height of a corner that touches the ground, at most, over the height of its block."""
+
+
+def motion_end(ground: GroundMotion) -> float:
+    """When the motion of the ground is over in all directions, s; 0 without any."""
+    return max((part.stop for part in ground.parts if part is not None), default=0.0)
+
+
+def cut_short(summary: Mapping[str, Any]) -> str:
+    """That a run ends before the motion of the ground does, by its summary, in words; or nothing.
+
+    Every table of such runs begins with it.
+    """
+    end, motion = summary["end_s"], summary.get("motion_end_s") or 0.0
+    if not motion > end * (1 + 1e-6):
+        return ""
+    return f"ends at {end:.6g} s, before its motion does at {motion:.6g} s"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from solver.results.cautions import loss_shares
+from solver.results.endings import cut_short
 from solver.results.rocking import NO_SWING
 
 UNKNOWN = "unknown"
@@ -25,9 +26,10 @@ LISTED = 8
 
 def report(summary: Mapping[str, Any]) -> str:
     """The result of a run, as lines of text."""
-    lines = [f"{summary['status']} at t = {summary['end_s']:.6g} s"]
-    if summary["reason"]:
-        lines[0] += f": {summary['reason']}"
+    early = cut_short(summary)
+    lines = [f"the run {early}"] if early else []
+    reason = f": {summary['reason']}" if summary["reason"] else ""
+    lines.append(f"{summary['status']} at t = {summary['end_s']:.6g} s{reason}")
     for name, block in summary["blocks"].items():
         lines += _block_lines(name, block)
     if "platform" in summary:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from solver.errors import of_file
+from solver.excitation.motion import GroundMotion
 from solver.history.history import History
 from solver.results import energy, rocking
 from solver.results.angular_velocity import rocking_acceleration
@@ -22,7 +23,7 @@ from solver.results.cautions import (
     cautions_of_steps,
     loss_shares,
 )
-from solver.results.endings import fell_at, overturned_at
+from solver.results.endings import fell_at, motion_end, overturned_at
 from solver.results.felt_mass import friction_mass_ratio
 from solver.results.flutter import cautions_of_flutter
 from solver.results.impact_rates import rated_by_velocities
@@ -47,12 +48,14 @@ def summarise(
     reason: str = "",
     model: str = "",
     cautions: Sequence[str] = (),
+    ground: GroundMotion | None = None,
 ) -> dict[str, Any]:
     """The content of summary.json: what was run, what came of it, how and with which programs.
 
     The status is "completed", "not converged" or "interrupted", the cost seconds, steps,
     iterations, unknowns and ranks by name. The model is what the history comes from, as pictures
-    name it; empty: what the scene says. The cautions are those that were known before.
+    name it; empty: what the scene says. The cautions are those that were known before. The ground
+    tells when its motion is over.
     """
     blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
     platform = _platform(history) if len(history) else {}
@@ -70,6 +73,7 @@ def summarise(
         "status": status,
         "reason": reason,
         "end_s": float(history["time_s"][-1]) if len(history) else 0.0,
+        **({"motion_end_s": motion_end(ground)} if ground is not None and ground.moves else {}),
         "versions": dict(versions),
         "blocks": blocks,
         "overlaps": overlaps(scene, history) if len(history) else [],

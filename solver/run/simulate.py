@@ -342,6 +342,7 @@ def _run(
         versions=versions(),
         reason=reason,
         cautions=cautions,
+        ground=desk.ground,
     )
     if scene.output.twin and status == "completed":
         summary["horizon"] = horizon_beside(scene, history, lambda: twin(scene))

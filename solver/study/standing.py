@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -26,13 +26,18 @@ def standing_block(path: Path, overrides: Sequence[str]) -> Tables:
     tables = read_toml(read_text(path), path.name)
     set_values(tables, overrides)
     motion = tables.pop("motion", None)
-    for direction in ("vertical", "second"):
-        if isinstance(motion, dict) and direction in motion:
-            allowed = "none: the motions of the study are along x"
-            raise SceneError(f"motion.{direction}", "a motion", allowed)
+    refuse_components(motion if isinstance(motion, dict) else ())
     scene = parse_scene(tables, folder=path.parent, source=path.name)
     refuse_others(scene)
     return tables
+
+
+def refuse_components(keys: Collection[str]) -> None:
+    """Refuse a motion that has not x alone, by the keys of its table."""
+    for direction in ("vertical", "second"):
+        if direction in keys:
+            allowed = "none: the motions of the study are along x"
+            raise SceneError(f"motion.{direction}", "a motion", allowed)
 
 
 def variant(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,15 @@ def in_markdown(table: Sequence[Sequence[str]]) -> list[str]:
     """Lines of a table of words in Markdown; the first row is the heading."""
     heading, *rows = table
     return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
+
+
+def early_ends(rows: Iterable[Row]) -> list[str]:
+    """Lines that a table of runs begins with: those of its runs that end before their motion does.
+
+    Rows hold what `solver.results.endings.cut_short` says under its name.
+    """
+    told = (row.get("cut_short") for row in rows)
+    return [f"a run {text}" for text in dict.fromkeys(told) if text]
 
 
 def column_names(rows: Sequence[Row]) -> list[str]:

@@ -298,23 +298,21 @@ def test_motions_are_found_in_all_ways(here: Path) -> None:
     """Folders, files, lists; each has a name of its own; the scene says the rest."""
     (here / "list.txt").write_text("# two\nmotions/weak.csv\n\nmotions/strong.csv  # last\n")
     words = ["motions", "motions/weak.csv", "@list.txt"]
-    found = find_motions(words, {"kind": "sine", "period": 1.0}, count=None, seed=None, folder=here)
+    found, notes = find_motions(words, {"kind": "sine", "period": 1.0}, count=None, seed=None)
     assert [motion.name for motion in found] == [
         "bad", "strong", "weak", "weak_2", "weak_3", "strong_2"
     ]  # fmt: skip
+    assert notes == ["motions shake along x", "not taken over from the scene: motion.period"]
     assert {motion.table["kind"] for motion in found} == {"record"}
     assert found[2].table["file"] == found[4].table["file"] == str(here / "motions" / "weak.csv")
     own = {"kind": "table", "units": "m/s2", "file": "x"}
-    (only,) = find_motions(["motions/bad.csv"], own, count=None, seed=None, folder=here)
+    (only,), _ = find_motions(["motions/bad.csv"], own, count=None, seed=None)
     assert only.table == own | {"file": str(here / "motions" / "bad.csv")}
-    (only,) = find_motions(["motions/bad.csv"], {"units": "g"}, count=None, seed=None, folder=here)
+    (only,), _ = find_motions(["motions/bad.csv"], {"units": "g"}, count=None, seed=None)
     assert (only.table["kind"], only.table["units"]) == ("record", "g")
-    own = {"kind": "record", "vertical": {"kind": "record", "file": "weak.csv"}}
-    (only,) = find_motions(["motions/bad.csv"], own, count=None, seed=None, folder=here / "motions")
-    assert only.table["vertical"]["file"] == str(here / "motions" / "weak.csv")
     (here / "list.txt").write_text("motions/weak.csv\nmotions/week.csv\n")
     with pytest.raises(SceneError, match=r"list\.txt: line 2: got motions/week"):
-        find_motions(["@list.txt"], None, count=None, seed=None, folder=here)
+        find_motions(["@list.txt"], None, count=None, seed=None)
 
 
 def test_means_of_ratios_by_hand() -> None:
@@ -364,7 +362,8 @@ def test_a_folder_gives_its_horizontal_components(tmp_path: Path) -> None:
     names = ("RSN1_A_B-UP.csv", "DLTDWN.csv", "x_V.csv", "q-UD.csv", "startup.csv", "B090.csv")
     for name in names:
         write_motion(tmp_path / name, 0.1)
-    found = find_motions([str(tmp_path)], None, count=None, seed=None)
+    found, notes = find_motions([str(tmp_path)], None, count=None, seed=None)
     assert [motion.name for motion in found] == ["B090", "startup"]
-    (named,) = find_motions([str(tmp_path / names[0])], None, count=None, seed=None)
+    assert notes[1].startswith("left out, for the scene has no [motion.vertical]: DLTDWN.csv, RSN1")
+    (named,), _ = find_motions([str(tmp_path / names[0])], None, count=None, seed=None)
     assert named.name == "RSN1_A_B-UP"

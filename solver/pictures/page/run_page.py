@@ -23,6 +23,7 @@ from solver.pictures.page.html import (
     verbatim,
 )
 from solver.pictures.pictures import picture_run
+from solver.results.endings import cut_short
 from solver.results.moving import moving_span
 from solver.results.report import CAUSES, overlap_lines, residual_slip
 from solver.results.runs import Run
@@ -59,6 +60,7 @@ def run_page(run: Run, folder: Path, *, filmed: bool) -> str:
     """The page of a run; its pictures are drawn into a folder, and where `filmed` the film, too."""
     pictures, summary = picture_run(run, folder), run.summary
     parts = [
+        *paragraphs([f"The run {early}."] if (early := cut_short(summary)) else []),
         *paragraphs([_status(summary)]),
         *cautions([*summary.get("cautions", []), *overlap_lines(summary)]),
         heading("Summary"),

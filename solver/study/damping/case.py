@@ -133,6 +133,7 @@ def run_case(case: DampingCase) -> dict[str, Any]:
     """Run a case on one process; its row, with the angle against time under `angle`."""
     from mpi4py import MPI
 
+    from solver.results.endings import cut_short
     from solver.results.motion import block_motion
     from solver.run.simulate import simulate
 
@@ -145,6 +146,7 @@ def run_case(case: DampingCase) -> dict[str, Any]:
         "status": result.status,
         "reason": summary["reason"],
         "end_s": summary["end_s"],
+        "cut_short": cut_short(summary),
         "mode": block["mode"],
         "impacts": block["impacts"],
         "peaks": block["peaks"],

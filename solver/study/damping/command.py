@@ -184,7 +184,7 @@ def _write(plan: Plan, rows: dict[str, dict[str, Any]], options: argparse.Namesp
     """Write the tables and pictures of what has been done."""
     from solver.study.damping import table
     from solver.study.damping.findings import as_json, lines, restitution_of
-    from solver.study.tables import write
+    from solver.study.tables import early_ends, write
 
     if not any(case.key in rows for case in plan.sweep.cases):
         return
@@ -195,7 +195,7 @@ def _write(plan: Plan, rows: dict[str, dict[str, Any]], options: argparse.Namesp
     told = list(table.remarks(whole, plan.sweep, found))
     title = plan.base.scene.title or "Restitution of impacts"
     write(plan.folder / "damping.csv", table.csv_text(whole))
-    write(plan.folder / "damping.md", table.markdown(title, cells, told))
+    write(plan.folder / "damping.md", table.markdown(title, cells, told, early_ends(whole)))
     summary = {
         "block": plan.base.block.name,
         "impacts": plan.impacts,
@@ -234,10 +234,11 @@ def _tell(plan: Plan, rows: dict[str, dict[str, Any]]) -> None:
     """Print the table, what it shows, and where it is."""
     from solver.study.damping import table
     from solver.study.damping.findings import lines
+    from solver.study.tables import early_ends
 
     whole = list(table.rows_of_table(plan.sweep, rows, plan.impacts))
     cells = table.words(whole, plan.sweep, plan.impacts)
     found = lines(plan.sweep, rows, plan.impacts)
     told = list(table.remarks(whole, plan.sweep, found))
-    say(table.plain_text(cells, told))
+    say(table.plain_text(cells, told, early_ends(whole)))
     say(f"written to {plan.folder}\n")

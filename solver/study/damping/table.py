@@ -29,6 +29,7 @@ def _measured(case: str, rows: Rows, impacts: int) -> dict[str, Any]:
     row = rows[case]
     found = restitution_of(row, impacts)
     told: dict[str, Any] = {"case": case, "status": row["status"], "reason": row["reason"]}
+    told |= {"cut_short": row["cut_short"]} if row.get("cut_short") else {}
     if found is None:
         return told
     told["reason"] = row["reason"] or found.too_few(row["end_s"])
@@ -110,12 +111,17 @@ def remarks(
         yield f"left out: {text}"
 
 
-def plain_text(cells: Sequence[Sequence[str]], lines: Sequence[str]) -> str:
-    """Table and remarks for a terminal."""
-    return "\n".join([*in_columns(cells), "", *lines]) + "\n"
+def plain_text(
+    cells: Sequence[Sequence[str]], lines: Sequence[str], first: Sequence[str] = ()
+) -> str:
+    """Table and remarks for a terminal, after what has to be known first."""
+    return "\n".join([*first, *in_columns(cells), "", *lines]) + "\n"
 
 
-def markdown(title: str, cells: Sequence[Sequence[str]], lines: Sequence[str]) -> str:
-    """Table and remarks as Markdown."""
+def markdown(
+    title: str, cells: Sequence[Sequence[str]], lines: Sequence[str], first: Sequence[str] = ()
+) -> str:
+    """Table and remarks as Markdown, after what has to be known first."""
     listed = [f"- {line}" for line in lines]
-    return "\n".join([f"# {title}", "", *in_markdown(cells), "", *listed]) + "\n"
+    before = [f"# {title}", "", *(text for line in first for text in (line, ""))]
+    return "\n".join([*before, *in_markdown(cells), "", *listed]) + "\n"

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.results.endings import overturned_at
+from solver.results.endings import cut_short, overturned_at
 from solver.results.motion import lean_over_alpha
 from solver.scene import Scene, parse_scene
 from solver.study.suite.engines import with_model
@@ -59,6 +59,7 @@ def run_case(case: HorizonCase) -> dict[str, Any]:
     first = simulate(twin_of(scene, 0.0), comm=MPI.COMM_SELF, many=True)
     row = {"status": first.status, "reason": first.summary["reason"], "engine": case.engine,
            "scale": case.scale, "end_s": first.summary["end_s"], "apart": APART,
+           "cut_short": cut_short(first.summary),
            "overturned": any(overturned_at(first.history, b) is not None for b in scene.blocks),
            "peak": _peak(scene, first.history), "twins": []}  # fmt: skip
     for perturbation in case.perturbations if first.status == "completed" else ():

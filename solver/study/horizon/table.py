@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.study.tables import in_columns
+from solver.study.tables import early_ends, in_columns
 
 Row = Mapping[str, Any]
 
@@ -65,7 +65,7 @@ def as_text(rows: Sequence[Row]) -> str:
         peak = "overturned" if row["overturned"] else f"{row['peak_angle_over_alpha']:.3f}"
         size = f"{row['perturbation']:g}"
         table.append([row["engine"], f"{row['scale']:g}", size, until, largest, peak])
-    lines = in_columns(table)
+    lines = [*early_ends(rows), *in_columns(table)]
     if not any(row["overturned"] or row["peak"] > MOVED for row in rows):
         lines.append("no block leaves the ground: a stronger motion may have a horizon")
     for run in rows:

@@ -73,6 +73,7 @@ class Plan:
         grid: The cells.
         ladders: Friction from infinity down, for each structure.
         motions: All motions that may be used.
+        notes: How they are made up, and what is left out.
         by: Ways to compute besides the closed form.
         title: Of the scene.
         text: The scene as TOML.
@@ -85,6 +86,7 @@ class Plan:
     grid: Grid
     ladders: dict[Structure, list[float]]
     motions: tuple[SuiteMotion, ...]
+    notes: tuple[str, ...]
     by: tuple[str, ...]
     title: str
     text: str
@@ -121,6 +123,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     from solver.scene.overrides import read_toml
     from solver.study.inertia.folder import FOLDER, known_runs
     from solver.study.inertia.runs import ladder
+    from solver.study.standing import refuse_components
     from solver.study.suite.motions import find_motions
 
     _check_numbers(options)
@@ -129,13 +132,9 @@ def prepare(options: argparse.Namespace) -> Plan:
     set_values(tables, options.overrides)
     synthetic = not options.motions or "synthetic" in options.motions
     count = COUNT if options.count is None and synthetic else options.count
-    motions = find_motions(
-        options.motions,
-        tables.pop("motion", None),
-        count=count,
-        seed=options.seed,
-        folder=path.parent,
-    )
+    motion = tables.pop("motion", None)
+    refuse_components(motion if isinstance(motion, dict) else ())
+    motions, notes = find_motions(options.motions, motion, count=count, seed=options.seed)
     scene = parse_scene(tables, folder=path.parent, source=path.name)
     by = tuple(sorted(set(options.by), reverse=True))
     grid = _grid(options, scene, tables, by)
@@ -155,6 +154,7 @@ def prepare(options: argparse.Namespace) -> Plan:
         grid=grid,
         ladders={structure: ladder(several) for structure, several in frictions.items()},
         motions=tuple(motions),
+        notes=tuple(notes),
         by=by,
         title=scene.title or path.stem,
         text=scene_to_toml(scene),
@@ -272,6 +272,7 @@ def _write(plan: Plan, count: int, failed: dict[str, str], options: argparse.Nam
             list(lines.values()),
             findings,
             failed,
+            plan.notes,
             title=f"Portion of the live load that counts as inertia: {plan.title}",
             scene=plan.text,
             command=command_of(options),

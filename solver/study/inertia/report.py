@@ -27,6 +27,7 @@ def write_all(
     lines: Sequence[Line],
     findings: Sequence[Finding],
     failed: Mapping[str, str],
+    notes: Sequence[str],
     *,
     title: str,
     scene: str,
@@ -39,15 +40,17 @@ def write_all(
         lines: The structures.
         findings: Of all cells.
         failed: Names of runs that failed, and why.
+        notes: On the motions.
         title: Of the study.
         scene: Its text.
         command: What repeats the study.
     """
     told = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
     write(folder / TABLE, csv_text(findings))
-    write(folder / TEXT, markdown(title, findings, told))
+    write(folder / TEXT, markdown(title, findings, told, notes))
     summary = {
         "motions": findings[0].motions,
+        "notes": list(notes),
         "widest_half_interval": widest(findings),
         "cells": [_entry(finding) for finding in findings],
         "failed": dict(sorted(failed.items())),

@@ -58,9 +58,12 @@ def interval(portion: Portion) -> str:
     return f"{number(portion.low)} to {number(portion.high)}"
 
 
-def markdown(title: str, findings: Sequence[Finding], failed: Sequence[str]) -> str:
-    """The table in Markdown, with what failed."""
+def markdown(
+    title: str, findings: Sequence[Finding], failed: Sequence[str], notes: Sequence[str]
+) -> str:
+    """The table in Markdown, with what failed and what is noted of the motions."""
     count = f"Motions: {findings[0].motions}. λ is by the mean of peaks unless it says geometric."
     lines = [f"# {title}", "", count, "", *in_markdown(words(findings))]
     lines += ["", *(f"- failed: {name}" for name in failed)] if failed else []
+    lines += ["", *(f"- {note}" for note in notes)]
     return "\n".join(lines) + "\n"

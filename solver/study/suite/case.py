@@ -83,30 +83,22 @@ def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:
 
 def scene_of(case: SuiteCase) -> tuple[Scene, GroundMotion]:
     """The scene of a case, which ends with its motion, and the motion of the ground."""
-    from solver.excitation.motion import GroundMotion, base_motion, read_ground
-    from solver.excitation.sampled import SampledMotion
+    from solver.excitation.motion import read_ground
+    from solver.results.endings import motion_end
 
     tables = with_model(case.tables, case.engine) | {"motion": dict(case.motion.table)}
     sets = [f"{key}={value}" for key, value in case.varied]
     scene = parse_scene(tables, folder=case.folder, overrides=sets)
     ground = read_ground(scene)
     if case.level is not None and case.intensity is not None:
-        assert isinstance(ground.along, SampledMotion)  # as all motions of suites
-        scene = _scaled(scene, case.level / case.intensity.of(ground.along))
+        scene = _scaled(scene, case.level / case.intensity.of_ground(ground))
         ground = read_ground(scene)
     time = scene.time
     if ground.along is None:  # no motion of a suite is one of these
         raise SceneError("motion", "nothing that moves", "a motion along x")
-    last = max(part.stop for part in ground.parts if part is not None)
     # Whole steps: a last, shorter one would need factorizations of its own.
-    end = math.ceil((last + case.tail) / time.step * (1 - 1e-9)) * time.step
-    # A formula may go on to the end of the run, which is another one now; files are read once.
-    specs = dict(scene.motions)
-    parts = (
-        part if isinstance(part, SampledMotion) else base_motion(specs.get(where), end, where)
-        for where, part in zip(scene.directions, ground.parts, strict=True)
-    )
-    return replace(scene, time=replace(time, end=end)), GroundMotion(tuple(parts))
+    end = math.ceil((motion_end(ground) + case.tail) / time.step * (1 - 1e-9)) * time.step
+    return replace(scene, time=replace(time, end=end)), ground
 
 
 def _scaled(scene: Scene, factor: float) -> Scene:
@@ -128,7 +120,6 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
     from mpi4py import MPI
 
     from solver.run.simulate import simulate
-    from solver.scene.units import G_UNIT
 
     scene, ground = scene_of(case)
     if case.engine == ODE:
@@ -142,7 +133,7 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
         "status": result.status,
         "reason": summary["reason"],
         "end_s": summary["end_s"],
-        "pga_g": ground.along.peak / G_UNIT if ground.along else 0.0,
+        **_peaks(scene, ground),
         **measures,
     }
     if case.reference:
@@ -158,6 +149,18 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
         "rejected_steps": cost["rejected_steps"],
         "wall_s": cost["wall_s"],
         "cautions": "; ".join(summary["cautions"]),
+    }
+
+
+def _peaks(scene: Scene, ground: GroundMotion) -> dict[str, float]:
+    """The largest acceleration of each component of the motion, g."""
+    from solver.scene.units import G_UNIT
+
+    parts = dict(zip(scene.directions, ground.parts, strict=True))
+    return {
+        f"pga{where.removeprefix('motion').replace('.', '_')}_g": part.peak / G_UNIT
+        for where, part in parts.items()
+        if part is not None
     }
 
 

@@ -61,6 +61,7 @@ class Plan:
         varied: The columns that vary: keys, engine and level.
         ensemble: Engines and levels of intensity.
         blocks: Names of the blocks.
+        notes: How motions are made up of components, and what is left out.
         rows: Rows of the cases that have been done before, by name.
     """
 
@@ -69,6 +70,7 @@ class Plan:
     varied: tuple[str, ...]
     ensemble: Ensemble
     blocks: tuple[str, ...]
+    notes: tuple[str, ...]
     rows: dict[str, dict[str, Any]]
 
 
@@ -120,16 +122,13 @@ def prepare(options: argparse.Namespace) -> Plan:
     path: Path = options.scene
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)
-    motions = find_motions(
-        options.motions,
-        tables.pop("motion", None),
-        count=options.count,
-        seed=options.seed,
-        folder=path.parent,
+    motions, notes = find_motions(
+        options.motions, tables.pop("motion", None), count=options.count, seed=options.seed
     )
     varied = list(variations(options.vary))
     base = parse_scene(tables, folder=path.parent, source=path.name)
-    ensemble = read_ensemble(options, tables, path.parent)
+    ensemble = read_ensemble(options, tables, path.parent, motions[0].beside)
+    notes += ensemble.notes(motions[0].beside)
     for values in varied:  # one that is no valid scene is refused before anything is written
         sets = [f"{key}={value}" for key, value in values]
         moving = tables | {"motion": dict(motions[0].table)}
@@ -153,6 +152,7 @@ def prepare(options: argparse.Namespace) -> Plan:
         varied=(*(key for key, _ in varied[0]), *ensemble.columns),
         ensemble=ensemble,
         blocks=tuple(block.name for block in base.blocks),
+        notes=tuple(notes),
         rows=finished(folder),
     )
 
@@ -218,6 +218,8 @@ def _row(case: SuiteCase, outcome: Mapping[str, Any] | Exception) -> dict[str, A
     from solver.study.cases import reason_of
 
     row: dict[str, Any] = {"motion": case.motion.name, **dict(case.varied), **_part(case).columns()}
+    if case.intensity is not None:
+        row["intensity"] = case.intensity.name
     if isinstance(outcome, Exception):
         return row | {"status": "failed", "reason": reason_of(outcome)}
     return row | dict(outcome)
@@ -243,11 +245,11 @@ def _write(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     if not ordered:
         return
     write(plan.folder / TABLE, as_csv(ordered))
-    write(plan.folder / TEXT, as_text(ordered, plan.varied))
+    write(plan.folder / TEXT, as_text(ordered, plan.varied, plan.notes))
     completed = sum(row["status"] == "completed" for row in ordered)
     counts = {"cases": len(plan.cases), "completed": completed}
     counts["failed"] = len(ordered) - completed
-    found: dict[str, Any] = {"ratios": ratios(ordered, plan.varied)}
+    found: dict[str, Any] = {"notes": plan.notes, "ratios": ratios(ordered, plan.varied)}
     if plan.ensemble.is_one:
         from solver.study.suite.findings import write_findings
 
@@ -269,8 +271,8 @@ def _tell(plan: Plan, rows: Mapping[str, dict[str, Any]]) -> None:
     if plan.ensemble.is_one and ordered:
         failed = [row for row in ordered if row["status"] != "completed"]
         text = (plan.folder / FRAGILITY_TEXT).read_text(encoding="utf-8")
-        lines = remarks(failed, plan.varied) + cautions(ordered, plan.varied)
+        lines = remarks(failed, plan.varied) + cautions(ordered, plan.varied) + [*plan.notes]
         say(text + "".join(f"{line}\n" for line in lines))
     else:
-        say(as_text(ordered, plan.varied) if ordered else "")
+        say(as_text(ordered, plan.varied, plan.notes) if ordered else "")
     say(f"{completed} of {len(plan.cases)} completed; written to {plan.folder}\n")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError, missing_key
 from solver.scene.checking import shown
 from solver.study.suite.engines import ELASTIC, ENGINES, ODE, with_model
-from solver.study.suite.intensity import Intensity
+from solver.study.suite.intensity import HORIZONTAL, ROTD50, Intensity
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,15 @@ class Ensemble:
         """Columns in which its cases differ."""
         return tuple(next(self.parts()).columns())
 
+    def notes(self, beside: Collection[str]) -> list[str]:
+        """How its levels are meant, and when its runs end."""
+        if self.intensity is None:
+            return []
+        of = "" if self.intensity.horizontal else " along x"
+        factor = "; all components of an event have one factor" if beside else ""
+        ends = "runs end before their motions do once a block has overturned"
+        return [f"levels are of {self.axis}{of}{factor}", ends]
+
     @property
     def axis(self) -> str:
         """The measure with its unit."""
@@ -72,29 +81,44 @@ def add_ensemble(parser: argparse.ArgumentParser) -> None:
         help="scale each motion to these intensities, or LOW:HIGH:COUNT",
     )
     add("--intensity", metavar="IM", help="of the levels: PGA or PSA:T (g), PGV (m/s); default PGA")
+    add("--horizontal", metavar="HOW", choices=HORIZONTAL,
+        help=f"how two horizontal components are measured: {', '.join(HORIZONTAL)}; "
+        f"default {ROTD50}")  # fmt: skip
     add("--engines", metavar="NAMES", help=f"of {', '.join(ENGINES)}, beside each other")
 
 
-def read_ensemble(options: argparse.Namespace, tables: Mapping[str, Any], folder: Path) -> Ensemble:
+def read_ensemble(
+    options: argparse.Namespace, tables: Mapping[str, Any], folder: Path, beside: Collection[str]
+) -> Ensemble:
     """The ensemble of a command line; tables and folder are those of the scene, without motion.
+
+    `beside` holds the keys of the components that its motions have besides that along x.
 
     Raises:
         SceneError: An option is none, or the scene is not one for an engine.
     """
     from solver.scene import parse_scene
-    from solver.study.standing import numbers, refuse_others, words
+    from solver.study.standing import numbers, refuse_components, refuse_others, words
 
-    if options.intensity and not options.levels:
-        raise missing_key("--levels", "beside --intensity")
+    for option in ("intensity", "horizontal"):
+        if getattr(options, option) and not options.levels:
+            raise missing_key("--levels", f"beside --{option}")
+    if options.horizontal and "second" not in beside:
+        allowed = "it for a scene with [motion.second]"
+        raise SceneError("--horizontal", options.horizontal, allowed)
     engines = tuple(words("--engines", options.engines, ENGINES)) if options.engines else ()
     for engine in engines:
         scene = parse_scene(with_model(tables, engine), folder=folder)
         if engine == ODE:
             refuse_others(scene)
+            refuse_components(beside)
             if options.reference:
                 got = shown(options.engines)
                 raise SceneError("--engines", got, f"{ENGINES[0]}, {ELASTIC} beside --reference")
     if not options.levels:
         return Ensemble(engines)
     levels = tuple(sorted(numbers("--levels", options.levels)))
-    return Ensemble(engines, levels, Intensity.read(options.intensity or "PGA"))
+    intensity = Intensity.read(options.intensity or "PGA")
+    if "second" in beside:
+        intensity = replace(intensity, horizontal=options.horizontal or ROTD50)
+    return Ensemble(engines, levels, intensity)

@@ -128,7 +128,8 @@ def write_findings(
 ) -> dict[str, Any]:
     """Write tables and pictures of an ensemble; returns what the summary says of it."""
     found = samples(rows, varied, blocks)
-    table = [sample.row() for sample in found]
+    measure = {"intensity": ensemble.axis} if ensemble.intensity else {}
+    table = [sample.row() | measure for sample in found]
     curves = list(fits(found))
     apart = distances(found)
     write(folder / FRAGILITY, as_csv(table, column_names(table)))

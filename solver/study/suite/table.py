@@ -13,6 +13,8 @@ from solver.study.tables import Row, column_names, in_columns
 #: Columns of the text: end of the name in the CSV, heading, factor, format; `NAME.` of a block.
 SHOWN = (
     ("pga_g", "PGA g", 1.0, ".3f"),
+    ("pga_second_g", "along y", 1.0, ".3f"),
+    ("pga_vertical_g", "vertical", 1.0, ".3f"),
     ("platform.peak_drift_m", "drift mm", 1e3, ".3f"),
     ("reference.platform.peak_drift_m", "reference", 1e3, ".3f"),
     ("platform.peak_drift_ratio", "ratio", 1.0, ".4f"),
@@ -37,8 +39,8 @@ def as_csv(rows: Sequence[Row]) -> str:
     return tables.as_csv(rows, column_names(sorted(rows, key=len, reverse=True)))
 
 
-def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
-    """The most important numbers, then the means of the ratios, then what went wrong."""
+def as_text(rows: Sequence[Row], varied: Sequence[str], notes: Sequence[str] = ()) -> str:
+    """The most important numbers, the means of the ratios, what went wrong, and what is noted."""
     names = column_names(rows)
     there = [key for key in names if any(row.get(key) is not None for row in rows)]
     named = ["motion", *varied, "status"]
@@ -57,6 +59,7 @@ def as_text(rows: Sequence[Row], varied: Sequence[str]) -> str:
     means = [_sentence(mean, varied) for mean in ratios(rows, varied)]
     lines += ["", *means] if means else []
     lines += remarks(rows, varied) + cautions(rows, varied)
+    lines += ["", *notes] if notes else []
     return "\n".join(lines) + "\n"
 
 
