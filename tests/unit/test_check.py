@@ -210,11 +210,12 @@ def test_check_of_a_record(granite: Path, capsys: Captured) -> None:
     record = "kind='record', file='push.txt', dt=0.01"
     text = checked(capsys, f"motion={{{record}, vertical={{{record}, scale=-0.5, start=0.0123}}}}")
     for part in (
-        "base motion PGA 0.1019 g = 1 m/s2 samples 401, 0.01 s apart, 4 s long, from 0 s",
+        "base motion PGA 0.1019 g = 1 m/s2 read as columns: 401 samples, 0.01 s apart (motion.dt), "
+        "in m/s2 (line 1) samples 401, 0.01 s apart, 4 s long, from 0 s",
         "PGV 4.0000 m/s PGD 8.0000 m duration D5-95 3.60 s Arias intensity 0.6405 m/s",
         "PSA in g, 5 % 0.1 s 0.1890, 0.2 s 0.1890, 0.5 s 0.1890, 1 s 0.1890, 2 s 0.1890, 4 s 0.18",
         "steps 0.001 s divides 0.01 s: 10 between two samples",
-        "vertical PGA 0.05097 g = 0.5 m/s2 samples 401, 0.01 s apart, 4 s long, from 0.0123 s",
+        "in m/s2 (line 1), times -0.5 (scale) samples 401, 0.01 s apart, 4 s long, from 0.0123 s",
         "PGV 2.0000 m/s PGD 4.0000 m duration D5-95 3.60 s Arias intensity 0.1601 m/s",
         "steps the first sample, at 0.0123 s, is inside one: they take the mean acceleration",
     ):
@@ -227,7 +228,8 @@ def test_check_of_tables_and_pulses(granite: Path, capsys: Captured) -> None:
     (granite.parent / "table.csv").write_text("1 0\n2 0.5\n4 0\n")
     text = checked(capsys, "motion={kind='table', file='table.csv'}")
     for part in (
-        "PGA 0.5 g = 4.905 m/s2 samples 3, 1 to 2 s apart, 3 s long, from 1 s",
+        "PGA 0.5 g = 4.905 m/s2 read as columns: 3 samples, in g (default of tables) samples 3, "
+        "1 to 2 s apart, 3 s long, from 1 s",
         "PGV 7.3575 m/s",
         "PGD 12.2625 m",
         "PSA in g, 5 % 0.1 s 0.50",
@@ -250,11 +252,13 @@ def test_check_of_a_bad_record(granite: Path, capsys: Captured) -> None:
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.strip().endswith(
-        f"{file}: line 5: got the end of the file after 2 values, allowed 3 values, NPTS of line 4"
+        f"{file}: line 5: got the end of the file after 2 values, allowed 3 values, as line 4 says"
     )
+    file.write_text("A\nB\nUNITS OF G\nNPTS= 3, DT= .01\n1 2 3\n")
     vertical = "motion={vertical={kind='record', file='bad.AT2', dt=0.1}}"
     assert main(["check", "granite.toml", "--set", vertical]) == 2
-    assert "motion.vertical.dt applies to files that do not say the time" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "motion.vertical.dt: got 0.1, allowed 0.01, as line 4 of " in said
     assert main(["check", "granite.toml", "--set", "motion={kind='record', file='.'}"]) == 2
     message = capsys.readouterr().err
     assert "motion.file: got " in message and "(a folder), allowed a file that exists" in message

@@ -199,7 +199,7 @@ BINARY = (
     ("text", "message"),
     [
         (peer("NPTS=7, DT=.005", count=6),
-         "motion.AT2: line 6: got the end of the file after 6 of them, "
+         "motion.AT2: line 6: got the end of the file after 6 values, "
          "allowed 7 values, as line 4 says"),
         (peer("NPTS=6, DT=.005"),
          "motion.AT2: line 6: got more values, allowed 6 values, as line 4 says"),
@@ -215,7 +215,7 @@ BINARY = (
         (peer("NPTS=1, DT=.005"), "motion.AT2: line 4: " + COUNT.format('"NPTS=1, DT=.005"')),
         (TITLE, "motion.AT2: line 2: " + COUNT.format('"A QUAKE, 1/2/2003, A STATION, 90"')),
         (TITLE + UNITS + "NPTS=7, DT=.005\n",
-         "motion.AT2: line 4: got the end of the file after 0 of them, "
+         "motion.AT2: line 4: got the end of the file after 0 values, "
          "allowed 7 values, as line 4 says"),
         ("", f"motion.AT2: line 1: got an empty file, {EXPECTED}"),
         ("\n \n", f"motion.AT2: line 1: got an empty file, {EXPECTED}"),

@@ -133,12 +133,13 @@ class TextFile:
         values: list[float] = []
         lines: list[int] = []
         wanted = count.value * (columns or 1)
-        expected = f"{count.value} {'rows' if columns else 'values'}, as line {count.line} says"
+        noun = "rows" if columns else "values"
+        expected = f"{count.value} {noun}, as line {count.line} says"
         line = after
         while len(values) < wanted:
             line += 1
             if line > len(self.lines):
-                got = f"the end of the file after {len(values) // (columns or 1)} of them"
+                got = f"the end of the file after {len(values) // (columns or 1)} {noun}"
                 raise self.error(len(self.lines), got, expected)
             row = self.row(line, width)
             if columns and row and len(row) != columns:
