@@ -211,8 +211,9 @@ class TestRun:
 
 
 def test_light_commands_import_nothing_heavy(granite: Path) -> None:
-    """Neither `check` nor `reference` waits for dolfinx."""
-    for words in ("'check', 'granite.toml'", "'reference', 'granite.toml', '-q'"):
+    """Neither `check` of rigid blocks nor `reference` waits for dolfinx."""
+    rigid = "'check', 'granite.toml', '--set', 'block.model=\"rigid\"'"
+    for words in (rigid, "'reference', 'granite.toml', '-q'"):
         code = (
             f"import sys; from solver.cli import main; main([{words}]);"
             f" sys.exit(' '.join(set({HEAVY}) & set(sys.modules)))"

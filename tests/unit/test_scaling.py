@@ -74,7 +74,7 @@ def test_a_model_of_one_to_fifteen(keeps: Any, masses: float) -> None:
     assert old.young / new.young == pytest.approx(stress)  # type: ignore[operator]
     assert old.velocity[0] / new.velocity[0] == pytest.approx(time)
     assert old.damping.stiffness / new.damping.stiffness == pytest.approx(time)  # type: ignore[union-attr]
-    assert new.default_damping(2).stiffness == pytest.approx(new.damping.stiffness)  # type: ignore[union-attr]
+    assert model.default_damping(new).stiffness == pytest.approx(new.damping.stiffness)  # type: ignore[union-attr]
     assert prototype.time.end / model.time.end == pytest.approx(time)
     damped = parse_scene(scaled_tables(scene(damping={"mass": 3.0}), Scale(1 / 15, keeps), {}))
     own = damped.blocks[0].damping
