@@ -11,6 +11,10 @@ with v <- v + M^-1 G^T q. Points that slipped in the step keep the direction of 
 against the slip of the step, and stay at their bound, which follows P_n: the velocity at the end of
 the step is ahead of its slip by half a step. All others obey the law.
 
+Where a rigid body lands in the step, the slip of the step is that of the flight before, or that of
+the old pivot; an impulse is now to stop the body, whatever the length of the step, and its friction
+has to oppose the slip that it leaves. There all points obey the law.
+
 The correction may return energy only as far as friction took it in this step. Where it would return
 more, points that slip keep their friction, then all do, and else the velocities stay as they are.
 """
@@ -89,14 +93,14 @@ class Rung(NamedTuple):
 
 @compiled
 def rung_of(d: int, number: int, W: Array, free: Array, impulse: Array, bounds: Bounds) -> Rung:
-    """The problem that is tried first, second or third.
+    """The problem of a number.
 
-    In the first, points that slipped stay at their bound; in the second they keep their friction;
-    in the third all points do.
+    In 0 all points obey the law; in 1, points that slipped stay at their bound; in 2 they keep
+    their friction; in 3 all points do.
 
     Args:
         d: Rows of a point.
-        number: 0 to 2.
+        number: 0 to 3.
         W: Of the points, (d m, d m), 1/kg.
         free: Velocities without impulses, (d m,), m/s.
         impulse: dt f of the step, (d m,), N s.
@@ -107,12 +111,12 @@ def rung_of(d: int, number: int, W: Array, free: Array, impulse: Array, bounds: 
     mu, cohesion = bounds.mu.copy(), bounds.cohesion.copy()
     for i in range(len(mu)):
         n, size = d * i, _tangential(d, impulse, i)
-        if number < 2 and not at_bound(bounds, i, impulse[n], size):
+        if number == 0 or (number < 3 and not at_bound(bounds, i, impulse[n], size)):
             continue
         mu[i] = cohesion[i] = 0.0
         for k in range(n + 1, n + d):
             given[k], start[k] = impulse[k], 0.0
-            if number == 0 and size > 0.0:
+            if number == 1 and size > 0.0:
                 given[k] *= bounds.cohesion[i] / size
                 ratio[k] = bounds.mu[i] / size * impulse[k]
             for row in range(len(W)):
@@ -169,6 +173,7 @@ def correct_impulses(
     bounds: Bounds,
     taken: float,
     counts: Indices,
+    lands: bool = False,
 ) -> ImpulseCorrection:
     """Correct the impulses of closed points.
 
@@ -180,10 +185,11 @@ def correct_impulses(
         bounds: Of the impulses: mu and dt c.
         taken: Energy that friction took in the step, J.
         counts: Of outcomes of local problems.
+        lands: Whether a rigid body landed in the step.
     """
     regular, taken = regularised(W), max(taken, 0.0)
     free, states = velocity - product(regular, impulse), np.empty(len(bounds.mu), np.int64)
-    for number in range(3):
+    for number in range(0 if lands else 1, 4):
         rung = rung_of(d, number, regular, free, impulse, bounds)
         total = rung.start
         if solve(d, rung.W, rung.free, rung.bounds, total, states, counts):
@@ -222,11 +228,12 @@ def correct_many(
     bounds: Bounds,
     taken: float,
     points: Indices | None,
+    lands: bool,
 ) -> ImpulseCorrection:
     """As `correct_impulses`, for many points of some numbers; `local` counts the outcomes."""
     regular, taken = regularised(W), max(taken, 0.0)
     free = velocity - regular @ impulse
-    for number in range(3):
+    for number in range(0 if lands else 1, 4):
         rung, total = rung_of(d, number, regular, free, impulse, bounds), impulse - 0.0
         shape = len(total) // d, d
         unknown = rung.W.reshape(shape * 2), rung.free.reshape(shape), rung.bounds
@@ -247,6 +254,7 @@ def impulse_correction(
     bounds: Bounds,
     taken: float,
     points: Indices | None = None,
+    lands: bool = False,
 ) -> ImpulseCorrection | None:
     """The correction after a step, or None where no point is closed or none was found.
 
@@ -258,7 +266,7 @@ def impulse_correction(
         return None
     flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
     if impulse.size > MANY_ROWS:
-        found, q, contact, friction = correct_many(local, d, *flat, bounds, taken, points)
+        found, q, contact, friction = correct_many(local, d, *flat, bounds, taken, points, lands)
     else:
-        found, q, contact, friction = correct_impulses(d, *flat, bounds, taken, local.counts)
+        found, q, contact, friction = correct_impulses(d, *flat, bounds, taken, local.counts, lands)
     return ImpulseCorrection(found, q.reshape(m, d), contact, friction) if found else None

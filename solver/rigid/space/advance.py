@@ -6,8 +6,9 @@ import numpy as np
 
 from solver.history.columns import RowLayout
 from solver.law.compiled import borrowed, compiled
+from solver.rigid.space.contact import HAIR
 from solver.rigid.space.friction import touched
-from solver.rigid.space.impact import HAIR, collide, gaps_after, step_to_impact
+from solver.rigid.space.impact import collide, gaps_after, step_to_impact
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.rows import RUN, record
 from solver.rigid.space.solve import solve

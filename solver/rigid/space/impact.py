@@ -11,7 +11,14 @@ from solver.law.compiled import compiled
 from solver.law.friction import remember_open
 from solver.law.impact import impact, rebounds
 from solver.rigid.bracket import next_length
-from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
+from solver.rigid.space.contact import (
+    HAIR,
+    chosen,
+    contacts_of,
+    halfway,
+    rotations,
+    rows_of,
+)
 from solver.rigid.space.friction import friction_at_start, touched
 from solver.rigid.space.model import (
     BEARING,
@@ -26,9 +33,6 @@ from solver.rigid.space.solve import solve
 from solver.rigid.space.velocity import mobility, push, spins
 from solver.rigid.space.watch import count_impulses
 from solver.types import Array, Mask
-
-HAIR = 1e-9
-"""Points nearer than this, relative to the largest half length, do not land: they are there."""
 
 LOCATED = 1e-10
 """A gap at which a point touches, relative to the same."""
