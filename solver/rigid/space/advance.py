@@ -122,7 +122,7 @@ def run(
         else:
             _accept(model, state, s, start, end, tally)
             if hits:
-                collide(model, state, end, tally)
+                collide(model, state, dt, end, tally)
             done += s.dt
             if done > dt * (1 - 1e-9):
                 tally /= dt

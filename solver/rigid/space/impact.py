@@ -115,24 +115,29 @@ def _touch(model: SpaceModel, state: SpaceState, points: SpaceContacts, lands: M
 
 
 @compiled
-def collide(model: SpaceModel, state: SpaceState, ground: Array, tally: Array) -> None:
+def collide(model: SpaceModel, state: SpaceState, dt: float, ground: Array, tally: Array) -> None:
     """Give the velocities a jump where points that touch approach each other, and book it.
+
+    What lands within the smallest piece of a step lands at once.
 
     Args:
         model: The bodies.
         state: At the impact; its velocities change.
+        dt: Length of the step, s.
         ground: Acceleration of the ground, m/s2.
         tally: Of the impulses, as of `watch`.
     """
-    frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
-    points = contacts_of(model, state, frames, 0.0, ground)
+    frames, hair, soon = rotations(state.quaternion), HAIR * np.max(model.half), SMALLEST_PIECE * dt
+    points = contacts_of(model, state, frames, soon, ground)
+    spin, rows = spins(state, frames), rows_of(points, frames, state.place)
+    after = points.gap + soon * changes(points, rows, state.velocity, spin)[:, 0]
     touching = np.zeros(len(points.gap))
-    touching[points.gap <= hair] = 1.0
+    touching[(points.gap <= hair) | (after <= 0.0)] = 1.0
     points = chosen(points, touching)
     m = len(points.body)
     if m == 0:
         return
-    rows, spin = rows_of(points, frames, state.place), spins(state, frames)
+    rows = rows_of(points, frames, state.place)
     velocity = changes(points, rows, state.velocity, spin)
     place, slope = np.empty((m, 3)), np.empty((m, 3))
     for q in range(m):
