@@ -10,8 +10,9 @@ middle of the two that are farthest apart. A point takes the rebound of the plac
 that stands on one edge, or in the plane on one corner, and lands on the opposite one leaves the
 first with e times the speed of the landing: omega+ = e omega- about the new one, as in Housner's
 equation. One that lands flat rebounds with e times its speed, as in Newton's law. A point that
-lands alone has no rebound. (A matrix of restitution with e off the diagonal: see Glocker, An
-introduction to impacts, 2006.)
+lands alone has no rebound, and neither has in space an edge: of points on one line the speed at
+which both ends land is not given back. (A matrix of restitution with e off the diagonal: see
+Glocker, An introduction to impacts, 2006.)
 
 Below Housner's e, less than what friction and pressure leave, the old pivots have to be held back:
 there alone an impulse may pull.
@@ -32,7 +33,8 @@ from solver.types import Array, Indices, Mask
 
 #: Rounds in which the diagonal that makes W definite acts on what the last one changed only.
 ROUNDS = 3
-#: A point that moves by less than this part of the speed of the landing is a pivot.
+#: A point that moves by less than this part of the speed of the landing is a pivot, and one that
+#: is less than this part of a line's length beside it is on it.
 PIVOT = 1e-6
 #: Tries to find an impulse, ten times as large each, that pulling impulses stay below.
 TRIES = 8
@@ -59,6 +61,19 @@ class Impact(NamedTuple):
 
 
 @compiled
+def _on_a_line(place: Array, pair: Indices, i: int, start: Array, way: Array) -> bool:
+    """Whether the points of the two bodies of point i lie on the line from a place along a way."""
+    length = np.sum(way * way)
+    for j in range(len(pair)):
+        if pair[j] == pair[i]:
+            aside = place[j] - start
+            aside = aside - np.sum(aside * way) / length * way
+            if np.sum(aside * aside) > PIVOT**2 * length:
+                return False
+    return True
+
+
+@compiled
 def rebounds(
     restitution: Array, pair: Indices, place: Array, slope: Array, velocity: Array
 ) -> Rebounds:
@@ -67,7 +82,8 @@ def rebounds(
     Args:
         restitution: e of each point, (m,).
         pair: Number of the two bodies that touch there, (m,).
-        place: Of the points, in coordinates of which v_n of a pair is a linear function, (m, k), m.
+        place: Of the points, in coordinates of which v_n of a pair is a linear function, (m, k), m;
+            k is 1 in the plane.
         slope: Of that function, (m, k), 1/s.
         velocity: v_n before the impact, (m,), m/s.
     """
@@ -84,7 +100,10 @@ def rebounds(
         if a >= 0:
             way = place[a] + place[b] - 2.0 * place[i]
             opposite = velocity[i] + np.sum(slope[i] * way)
-            speed[i] = restitution[i] * max(-opposite, 0.0)
+            together = 0.0
+            if place.shape[1] > 1 and _on_a_line(place, pair, i, place[a], place[b] - place[a]):
+                together = max(min(-velocity[a], -velocity[b]), 0.0)
+            speed[i] = restitution[i] * max(-opposite - together, 0.0)
             pivots[i] = opposite < 0.0 and abs(velocity[i]) < PIVOT * abs(opposite)
     return Rebounds(speed, pivots)
 

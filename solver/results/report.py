@@ -59,6 +59,8 @@ def _horizon(found: Mapping[str, Any]) -> str:
     if found["status"] != "completed":
         return f"horizon: not known, the twin is {found['status']}"
     more = f"{found['perturbation']:g} more {PERTURBED[found['perturbed']]}"
+    if found.get("tolerance") is not None:
+        more += f" at tolerance {found['tolerance']:g}"
     if found["time_s"] is None:
         return f"horizon: {more} changes nothing up to the end"
     beyond = f"{more} makes a difference of {found['apart']:g} alpha there"

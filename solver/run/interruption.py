@@ -58,4 +58,8 @@ class Interruption:
 
     def requested(self) -> bool:
         """Whether the run is to stop; collective, the same on every rank."""
-        return any_rank(self._comm, self._signal is not None or self._over)
+        return self.anywhere(self._signal is not None or self._over)
+
+    def anywhere(self, here: bool) -> bool:
+        """Whether something is so on any rank; collective, the same on every rank."""
+        return any_rank(self._comm, here)

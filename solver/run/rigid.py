@@ -7,6 +7,7 @@ PETSc or Gmsh.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,8 +31,14 @@ if TYPE_CHECKING:
     from solver.run.simulate import RunContext
 
 
-#: Steps after which someone may interrupt the run, as machine code or interpreted.
-STEPS_AT_ONCE = {True: 5000, False: 200}
+#: Most steps after which someone may interrupt the run, as machine code or interpreted.
+STEPS_AT_ONCE = {True: 500, False: 20}
+
+#: Wall time of steps at once above which there are fewer the next time, s; else there are more.
+LONG = 0.5
+
+#: Steps for which the motion of the ground is found at once.
+STEPS_AHEAD = 5000
 
 
 class RigidRun:
@@ -55,9 +62,9 @@ class RigidRun:
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
         self._motion, self._ground = ground or read_ground(scene), None
         machine_code = runs_machine_code()
-        self._at_once = STEPS_AT_ONCE[machine_code]
+        self._most, self._at_once = STEPS_AT_ONCE[machine_code], 1
         if self._motion.moves:
-            self._ground = SteppedGround(self._motion, scene.time.step, self._at_once)
+            self._ground = SteppedGround(self._motion, scene.time.step, STEPS_AHEAD)
         self._system = self._start()
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
@@ -115,7 +122,11 @@ class RigidRun:
                 status = "interrupted"
                 desk.keep(self, self._steps, self._steps * span.step, ends=True)
                 break
+            began = time.perf_counter()
             status, reason = self._piece(desk, self._next_stop(desk, total))
+            slow = desk.interruption.anywhere(time.perf_counter() - began > LONG)
+            more = max(1, self._at_once // 4) if slow else 2 * self._at_once
+            self._at_once = min(more, self._most)
             if not reason:
                 desk.keep(self, self._steps, self._steps * span.step)
         if not reason:

@@ -33,7 +33,7 @@ from solver.run.files import Fields, RunFiles
 from solver.run.folders import renew_folder
 from solver.run.garbage import rarely_collected
 from solver.run.interruption import Interruption
-from solver.run.twin import horizon_beside, refuse_without_twin, twin_of
+from solver.run.twin import finer_twin_of, horizon_beside, refuse_without_twin
 from solver.scene import Scene
 from solver.scene.checking import shown
 
@@ -286,7 +286,7 @@ def _twin(
     """The twin of a scene, run without any files, up to a time of the performance counter, s."""
     left = None if until is None else until - time.perf_counter()
     alike: dict[str, Any] = {"comm": comm, "many": many, "petsc_options": petsc_options}
-    return simulate(twin_of(scene), seconds=left, **alike)
+    return simulate(finer_twin_of(scene), seconds=left, **alike)
 
 
 def _run(

@@ -44,8 +44,8 @@ class OutputSpec(Checked):
     table as `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: never."""
     twin: bool = False
     """Whether the scene is run once more with a motion that is stronger by a millionth, or without
-    motion from such a start: `summary.json` then says up to which time both are the same. It takes
-    as long as the run."""
+    motion from such a start, and adaptive steps of a fourth of the tolerance: `summary.json` then
+    says up to which time both are the same. It takes as long as the run, adaptive 1.6 times."""
 
     def snapshot_time(self, end: float) -> float:
         """Time between two snapshots, s, of a run to a time, s."""

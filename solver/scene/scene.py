@@ -167,10 +167,12 @@ class Scene(Checked):
     def _filled_time(self) -> TimeSpec:
         """Time stepping with nothing left open."""
         fastest = max(block.shape.frequency(self.gravity) for block in self.blocks)
+        spin = max(math.hypot(*block.spins) for block in self.blocks)
         try:
             return self.time.in_scene(
                 is_rigid=self.is_rigid,
                 frequency=fastest,
+                spin=spin if self.dimension == 3 else 0.0,  # turns are exact in the plane
                 period=min(
                     (motion.shortest_period for _, motion in self.motions), default=math.inf
                 ),

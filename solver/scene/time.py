@@ -14,6 +14,9 @@ LONGEST_STEP = 0.04
 """Longest adaptive step over the time scale of rocking, 1/p."""
 STEP_OF_RIGID_SCENES = 1e-3
 """Step of scenes in which nothing is meshed, over the time scale of rocking."""
+LARGEST_TURN = 0.01
+"""Largest angle by which rigid blocks in space, which turn by 2 arctan(w dt/2) in a step, turn in
+the first step of a scene without `time.step`, rad: what they turn by is wrong by 8e-6 of it."""
 STEPS_A_PERIOD = 20
 """Fewest steps in the shortest period of the ground's motion."""
 FEWEST_STEPS = 100
@@ -35,7 +38,8 @@ class TimeSpec(Checked):
     step: Positive = OPEN
     """dt of fixed steps, s; no longer than `end`. What it decides:
     [small steps](method.md#small-steps). Default: none: steps are adaptive and resolve each impact,
-    and `step` becomes a quarter of `largest`; where nothing is meshed, a thousandth of 1/p."""
+    and `step` becomes a quarter of `largest`; where nothing is meshed, a thousandth of 1/p, in 3-D
+    no longer than what a block turns by 0.01 rad in as it starts."""
     stop: Literal["end", "overturned"] = "end"
     """Whether the run goes on to `end`, or ends once a block
     [has overturned](output.md#when-a-run-ends-early)."""
@@ -91,13 +95,13 @@ class TimeSpec(Checked):
             object.__setattr__(self, "damped_steps", 0 if self.adaptive else DAMPED_STEPS)
 
     def in_scene(
-        self, *, is_rigid: bool, frequency: float, period: float, stiffest: float
+        self, *, is_rigid: bool, frequency: float, spin: float, period: float, stiffest: float
     ) -> TimeSpec:
         """Time stepping in a scene with or without a mesh, nothing left open.
 
-        The frequency is p of the block that rocks fastest, 1/s, 0 without gravity; the period the
-        shortest of the ground's motion, s; `stiffest` the longest step that the stiffest meshed
-        body allows, s.
+        The frequency is p of the block that rocks fastest, 1/s, 0 without gravity; `spin` how fast
+        a rigid one turns in space at the start, rad/s; the period the shortest of the ground's
+        motion, s; `stiffest` the longest step that the stiffest meshed body allows, s.
         """
         if not is_open(self.step):
             if self.largest is not None and self.step <= stiffest < self.largest:
@@ -108,6 +112,8 @@ class TimeSpec(Checked):
             share = STEP_OF_RIGID_SCENES if is_rigid else LONGEST_STEP
             longest = min(longest, share / frequency)
         if is_rigid:
+            if spin > 0.0:
+                longest = min(longest, LARGEST_TURN / spin)
             return replace(self, step=self._whole(rounded_down(longest)))
         if self.largest is not None:
             longest = self.largest

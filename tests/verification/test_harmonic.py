@@ -72,6 +72,19 @@ def test_steady_rocking_has_no_horizon() -> None:
     assert horizon(scene, *runs) is None
 
 
+def test_a_history_that_its_tolerance_decides_has_a_horizon() -> None:
+    """A finer one leans 5 % more; a millionth of the motion changes nothing to the end."""
+    block = SIZE | STONE | {"young": 5e9, "cells": [2, 6]}
+    motion = {"kind": "sine", "amplitude_g": 0.5, "period": 0.45, "cycles": 4}
+    time = {"end": 2.0, "tolerance": 0.04}
+    tables = {"block": [block], "motion": motion, "time": time, "output": {"twin": True}}
+    scene = parse_scene(tables)
+    result = simulate(scene)
+    found = result.summary["horizon"]
+    assert found["tolerance"] == 0.01 and found["time_s"] < 1.5
+    assert horizon(scene, result.history, simulate(twin_of(scene)).history) is None
+
+
 def test_a_scene_without_motion_has_a_twin_with_another_start() -> None:
     scene = parse_scene({
         "block": [SIZE | {"model": "rigid", "tilt_deg": 3.0, "velocity": [0.1, 0.0]}],

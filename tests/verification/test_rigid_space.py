@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.arrangement import Pose, initial_position_in_space
 from geometry.block import Block
+from rockslip import parse_scene, simulate
 from solver.reference.housner import housner
 from solver.rigid.space.system import SpaceSystem
 from solver.rigid.start import RigidBlock
@@ -80,6 +81,33 @@ def test_free_tumbling_keeps_energy_and_momentum() -> None:
     np.testing.assert_allclose(momentum(), before, atol=1e-11 * np.abs(before).max())
     assert np.ptp(kinetic) < 1e-11 * kinetic[0]
     assert min(axis) < -0.9 < 0.9 < max(axis)
+
+
+def spinning(spin: tuple[float, ...], end: float) -> dict[str, Array]:
+    """Times and motion of a square block that spins without gravity, in default steps."""
+    size = {"model": "rigid", "width": 0.3, "thickness": 0.3, "height": 0.5, "density": 2000.0}
+    thrown = size | {"velocity": [0.0, 0.0, 20.0], "angular_velocity": list(spin)}
+    scene = {"dimension": 3, "gravity": 0.0, "block": [thrown], "time": {"end": end}}
+    history = simulate(parse_scene(scene)).history
+    return {name.removeprefix("block."): history[name] for name in history.columns}
+
+
+@pytest.mark.parametrize("end", [2.0, 60.0])
+def test_default_steps_see_what_spins(end: float) -> None:
+    """They were a hundredth of the run."""
+    found = spinning((0.0, 0.0, 20.0), end)
+    assert found["angle_z_rad"] == pytest.approx(20.0 * found["time_s"], rel=1e-5)
+
+
+def test_default_steps_see_a_top_that_turns_about_its_momentum() -> None:
+    """At the rate L/J of its moment of inertia across the axis, without torque."""
+    found, across, along = spinning((6.0, 0.0, 12.0), 2.0), 0.3**2 + 0.5**2, 2 * 0.3**2
+    momentum = np.array([across * 6.0, 0.0, along * 12.0])
+    size = float(np.linalg.norm(momentum))
+    spin = np.stack([found[f"angular_velocity_{d}_rad_s"] for d in "xyz"], axis=1)
+    aside = spin - np.outer(spin @ momentum, momentum) / size**2
+    turned = np.unwrap(np.arctan2(aside @ np.cross(momentum / size, aside[0]), aside @ aside[0]))
+    assert turned == pytest.approx(size / across * found["time_s"], rel=2e-5, abs=1e-9)
 
 
 def test_rocking_on_an_edge_is_housners() -> None:

@@ -111,6 +111,22 @@ def test_a_corner_that_lands_alone_does_not_rebound() -> None:
     nothing_from_nothing(result)
 
 
+@pytest.mark.parametrize("direction", [0.0, 1e-6, 90.0])
+def test_an_edge_that_lands_alone_does_not_rebound(direction: float) -> None:
+    """It is the corner of the plane, also where its ends land nanoseconds after each other."""
+    thrown: dict[str, Any] = {"width": 0.5, "thickness": 0.5, "tilt_deg": 10.0, "restitution": 0.8}
+    tilt = {"tilt_direction_deg": direction}
+    space = simulate(scene(0.5, 2e-4, velocity=[0.0, 0.0, 1.0], **thrown, **tilt))
+    asked = {"block": [SIZE | thrown | {"velocity": [0.0, 1.0]}], "contact": {"friction": 0.7}}
+    plane = simulate(parse_scene(asked | {"time": {"end": 0.5, "step": 2e-4}}))
+    lean = space.history["block.angle_x_rad" if direction == 90.0 else "block.angle_y_rad"]
+    expected = plane.history["block.angle_rad"] * (-1 if direction == 90.0 else 1)
+    assert lean == pytest.approx(expected, abs=1e-6)
+    height = space.history["block.centre_z_m"]
+    assert height == pytest.approx(plane.history["block.centre_y_m"], abs=1e-6)
+    nothing_from_nothing(space)
+
+
 @pytest.mark.parametrize("friction", [0.05, 0.7])
 @pytest.mark.parametrize("restitution", [0.2, 0.7, 1.0])
 def test_nothing_is_gained(restitution: float, friction: float) -> None:

@@ -33,10 +33,12 @@ from solver.rigid.plane.model import (
     PlaneWork,
 )
 from solver.rigid.plane.step import finish_step, solve_step
+from solver.rigid.plane.velocity import hits
 
-#: Impacts and ends of slip closer to the ends of a step than this part of it are left there.
+#: Impacts closer to the ends of a step than this part of it are taken there; ends of slip are not.
 SMALLEST_PIECE = 1e-3
-#: Pieces that one step may be cut into.
+#: Cuts of one step for each block. What lands later in it, as a block that comes to rest does, does
+#: so within a piece: its impact is of first order then, and obeys the law of impact all the same.
 CUTS = 5
 #: Tries to find where to cut.
 LOCATING = 30
@@ -58,15 +60,6 @@ def smallest_gap(
         gap = distance(system, system.face_of[k], work.face[i], x, y)[0]
         smallest = min(smallest, gap)
     return smallest
-
-
-@compiled
-def hits(system: PlaneModel, work: PlaneWork) -> bool:
-    """Whether a point that was clear at the start of the solved step carries a force."""
-    for i in range(work.counts[0]):
-        if work.state[i] != OPEN and work.gap[i] > TOUCHING * system.size:
-            return True
-    return False
 
 
 @compiled
@@ -106,8 +99,8 @@ def locate_impact(
 ) -> float:
     """Length of the step after which the first clear point touches; that step is then solved.
 
-    The steps that are tried leave the clear points out. With a restitution, an impact near an end
-    of the step is taken there, a hair late or early; without one it is left to the whole step.
+    The steps that are tried leave the clear points out. An impact near an end of the step is taken
+    there, a hair late or early.
 
     Returns:
         The length, s; 0 where none was found inside the step.
@@ -121,8 +114,8 @@ def locate_impact(
             return 0.0
         gap = smallest_gap(system, state, work, touching, near)
         if abs(gap) <= 0.1 * TOUCHING * system.size:
-            if inside(length, step) > 0.0 or not np.any(system.restitution > 0.0):
-                return inside(length, step)
+            if inside(length, step) > 0.0:
+                return length
             length = step if length > 0.5 * step else SMALLEST_PIECE * step
             return length if solve_step(system, state, memory, work, length, ground) else 0.0
         if k == 0 and gap > 0.0:
@@ -218,20 +211,21 @@ def full_step(
     """
     work.impulse[:, :] = 0.0
     work.pushed[0] = 0.0
-    done, piece, cuts, rejected = 0.0, dt, 0, 0
+    done, piece, rejected, locating = 0.0, dt, 0, True
+    cuts = CUTS * len(system.half)
     while done < dt * (1 - 1e-12):
         piece = min(piece, dt - done)
-        begin = later(ground, done)
-        taken, lands = piece_of_step(system, state, memory, work, piece, begin, cuts < CUTS)
+        begin, cutting = later(ground, done), locating and cuts > 0
+        taken, lands = piece_of_step(system, state, memory, work, piece, begin, cutting)
         if taken < 0.0:
             rejected += 1
             piece *= 0.5
             if piece < smallest:
                 return -1
         elif taken == 0.0:
-            cuts = CUTS
+            locating = False
         else:
-            cuts += 1
+            cuts, locating = cuts - 1, True
             finish_step(system, state, memory, work, taken, begin)
             if lands and np.any(system.restitution > 0.0):
                 collide(system, state, memory, work)

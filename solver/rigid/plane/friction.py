@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.friction import Bounds, followed, held, slips
+from solver.law.friction import Bounds, eased, followed, held, slips
 from solver.law.newton import OPEN, STICK
 from solver.rigid.plane.contact import area
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
@@ -30,9 +30,9 @@ def begin_friction(
 
 @compiled
 def follow_friction(
-    system: PlaneModel, memory: PlaneMemory, work: PlaneWork, W: Array, dt: float
+    system: PlaneModel, memory: PlaneMemory, work: PlaneWork, W: Array, dt: float, share: float
 ) -> bool:
-    """Adapt friction to the slip that was found; True where that changed anything."""
+    """Adapt friction to the slip that was found, as far as `eased`; True where anything changed."""
     changed = False
     for i in range(work.counts[0]):
         if work.state[i] == OPEN:
@@ -45,6 +45,7 @@ def follow_friction(
         friction, coheres = followed(
             system.friction, system.upper[k], memory.past[k], work.friction[i], speed, slid
         )
+        friction = eased(system.friction, system.upper[k], work.friction[i], friction, share)
         if abs(friction - work.friction[i]) > 1e-13:
             work.friction[i] = friction
             changed = True

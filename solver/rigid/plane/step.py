@@ -13,7 +13,7 @@ import math
 
 from solver.law.compiled import compiled
 from solver.law.dense import product
-from solver.law.friction import remember, remember_open
+from solver.law.friction import ITERATIONS, SHARES, remember, remember_open
 from solver.law.local_problem import solve
 from solver.law.newton import OPEN
 from solver.rigid.plane.contact import local_place, write_rows
@@ -33,7 +33,6 @@ from solver.types import Array
 CONVERGED = 1e-16
 #: Diagonal added to the compliance of the points, relative to its own.
 REGULAR = 1e-9
-ITERATIONS = 40
 
 
 @compiled
@@ -106,7 +105,7 @@ def contact_iteration(
     count = work.counts[0]
     begin_friction(system, state, memory, work)
     force, states, fixed = work.force[: 2 * count], work.state[:count], work.fixed[: 2 * count]
-    for _ in range(ITERATIONS):
+    for k in range(ITERATIONS * len(SHARES)):
         work.counts[1] += 1
         write_rows(system, state.q, work.increment, work)
         W = definite_compliance(system, work)
@@ -118,7 +117,7 @@ def contact_iteration(
             work.place[row] = fixed[row] + pushed[row]
         if next_increment(system, work) > CONVERGED * system.size:
             continue
-        if not follow_friction(system, memory, work, W, dt):
+        if not follow_friction(system, memory, work, W, dt, SHARES[k // ITERATIONS]):
             return True
     return False
 

@@ -12,7 +12,7 @@ from solver.law.compiled import compiled
 from solver.law.friction import Bounds
 from solver.law.newton import OPEN
 from solver.law.velocity import correct_impulses
-from solver.rigid.plane.contact import write_rows
+from solver.rigid.plane.contact import TOUCHING, write_rows
 from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.model import PlaneModel, PlaneState, PlaneWork
 from solver.types import Array
@@ -23,6 +23,7 @@ def correct_velocity(
     system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, taken: float
 ) -> None:
     """Solve contact at velocity level and book what it takes; friction took `taken` (J) before."""
+    lands = hits(system, work)
     keep_closed(work)
     count = work.counts[0]
     if count == 0:
@@ -34,12 +35,21 @@ def correct_velocity(
         velocity[row] = change(system, work, row, state.v)
     bounds = Bounds(work.friction[:count], dt * work.cohesion[:count], np.inf)
     impulse = dt * work.force[: 2 * count]
-    found = correct_impulses(2, W, velocity, impulse, bounds, taken, work.counts[2:])
+    found = correct_impulses(2, W, velocity, impulse, bounds, taken, work.counts[2:], lands)
     if found.found:
         push(system, work, found.q, system.flexibility, state.v)
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
         add_impulses(system, work, 1.0, found.q)
+
+
+@compiled
+def hits(system: PlaneModel, work: PlaneWork) -> bool:
+    """Whether a point that was clear at the start of the solved step carries a force."""
+    for i in range(work.counts[0]):
+        if work.state[i] != OPEN and work.gap[i] > TOUCHING * system.size:
+            return True
+    return False
 
 
 @compiled

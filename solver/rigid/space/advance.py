@@ -6,8 +6,9 @@ import numpy as np
 
 from solver.history.columns import RowLayout
 from solver.law.compiled import borrowed, compiled
+from solver.rigid.space.contact import HAIR
 from solver.rigid.space.friction import touched
-from solver.rigid.space.impact import HAIR, collide, gaps_after, step_to_impact
+from solver.rigid.space.impact import collide, gaps_after, step_to_impact
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.rows import RUN, record
 from solver.rigid.space.solve import solve
@@ -121,7 +122,7 @@ def run(
         else:
             _accept(model, state, s, start, end, tally)
             if hits:
-                collide(model, state, end, tally)
+                collide(model, state, dt, end, tally)
             done += s.dt
             if done > dt * (1 - 1e-9):
                 tally /= dt

@@ -21,6 +21,9 @@ from solver.rigid.space.model import SpaceContacts, SpaceMemory, SpaceModel, Spa
 from solver.rigid.space.rotation import cross, rotation_of, to_space
 from solver.types import Array
 
+HAIR = 1e-9
+"""Points nearer than this, relative to the largest half length, do not land: they are there."""
+
 
 @compiled
 def rotations(quaternion: Array) -> Array:

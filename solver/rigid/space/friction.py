@@ -10,6 +10,7 @@ from solver.law.compiled import compiled
 from solver.law.friction import (
     TOUCHING_SLOPE,
     Bounds,
+    eased,
     followed,
     held,
     points_at_bound,
@@ -92,8 +93,9 @@ def follow_law(
     slip: Array,
     dt: float,
     law: tuple[Array, Array],
+    share: float,
 ) -> bool:
-    """Bring friction to the slip (m, 2) that was found, m; whether it changed.
+    """Bring friction to the slip (m, 2) that was found, m, as far as `eased`; whether it changed.
 
     The points that slide are those of `sliding_of`; `law` has coefficients and cohesive forces,
     which are changed in place.
@@ -103,6 +105,7 @@ def follow_law(
         k, past = contacts.pair[q], past_of(model, state, contacts, q)
         speed = math.hypot(slip[q, 0], slip[q, 1]) / dt if sliding[q] else 0.0
         new, coheres = followed(model.law, k, past, mu[q], speed, sliding[q])
+        new = eased(model.law, k, mu[q], new, share)
         if abs(new - mu[q]) > 1e-12 * model.law.static[k]:
             mu[q], changed = new, True
         if not coheres and cohesion[q] > 0.0:

@@ -11,7 +11,14 @@ from solver.law.compiled import compiled
 from solver.law.friction import remember_open
 from solver.law.impact import impact, rebounds
 from solver.rigid.bracket import next_length
-from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
+from solver.rigid.space.contact import (
+    HAIR,
+    chosen,
+    contacts_of,
+    halfway,
+    rotations,
+    rows_of,
+)
 from solver.rigid.space.friction import friction_at_start, touched
 from solver.rigid.space.model import (
     BEARING,
@@ -26,9 +33,6 @@ from solver.rigid.space.solve import solve
 from solver.rigid.space.velocity import mobility, push, spins
 from solver.rigid.space.watch import count_impulses
 from solver.types import Array, Mask
-
-HAIR = 1e-9
-"""Points nearer than this, relative to the largest half length, do not land: they are there."""
 
 LOCATED = 1e-10
 """A gap at which a point touches, relative to the same."""
@@ -111,24 +115,29 @@ def _touch(model: SpaceModel, state: SpaceState, points: SpaceContacts, lands: M
 
 
 @compiled
-def collide(model: SpaceModel, state: SpaceState, ground: Array, tally: Array) -> None:
+def collide(model: SpaceModel, state: SpaceState, dt: float, ground: Array, tally: Array) -> None:
     """Give the velocities a jump where points that touch approach each other, and book it.
+
+    What lands within the smallest piece of a step lands at once.
 
     Args:
         model: The bodies.
         state: At the impact; its velocities change.
+        dt: Length of the step, s.
         ground: Acceleration of the ground, m/s2.
         tally: Of the impulses, as of `watch`.
     """
-    frames, hair = rotations(state.quaternion), HAIR * np.max(model.half)
-    points = contacts_of(model, state, frames, 0.0, ground)
+    frames, hair, soon = rotations(state.quaternion), HAIR * np.max(model.half), SMALLEST_PIECE * dt
+    points = contacts_of(model, state, frames, soon, ground)
+    spin, rows = spins(state, frames), rows_of(points, frames, state.place)
+    after = points.gap + soon * changes(points, rows, state.velocity, spin)[:, 0]
     touching = np.zeros(len(points.gap))
-    touching[points.gap <= hair] = 1.0
+    touching[(points.gap <= hair) | (after <= 0.0)] = 1.0
     points = chosen(points, touching)
     m = len(points.body)
     if m == 0:
         return
-    rows, spin = rows_of(points, frames, state.place), spins(state, frames)
+    rows = rows_of(points, frames, state.place)
     velocity = changes(points, rows, state.velocity, spin)
     place, slope = np.empty((m, 3)), np.empty((m, 3))
     for q in range(m):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.law.compiled import borrowed, compiled
-from solver.law.friction import Bounds
+from solver.law.friction import ITERATIONS, SHARES, Bounds
 from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
 from solver.rigid.space.friction import follow_law, friction_at_start, recalled, sliding_of, touched
@@ -28,8 +28,6 @@ from solver.rigid.space.motion import (
 )
 from solver.rigid.space.rotation import to_space
 from solver.types import Array, Indices
-
-ITERATIONS = 40
 
 EVENING = 0.9
 """Normal forces of which no motion tells (four corners carry a block) become even step by step: if
@@ -159,11 +157,12 @@ def solve(
         change, yielded = changes(lent, rows, moved, turned), softness * (force - held)
         slip = change[:, 1:] + yielded[:, 1:]
         slid = sliding_of(force, slip, softness, mu, cohesion)
-        again = follow_law(model, state, lent, slid, slip, dt, law)
+        share = SHARES[rounds // ITERATIONS]
+        again = follow_law(model, state, lent, slid, slip, dt, law, share)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)
         done = bool(found and not again and left <= ROUND_OFF * size)
-        if done or not found or rounds == ITERATIONS:
+        if done or not found or rounds == ITERATIONS * len(SHARES):
             break
     return SpaceSolution(
         done, dt, points, rounds, moved, turned, force, change, pushed, mu, cohesion, yielded, slid

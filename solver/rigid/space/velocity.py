@@ -7,7 +7,7 @@ import numpy as np
 from solver.law.compiled import compiled
 from solver.law.friction import Bounds
 from solver.law.velocity import correct_impulses
-from solver.rigid.space.contact import chosen, moved_on, rotations, rows_of
+from solver.rigid.space.contact import HAIR, chosen, moved_on, rotations, rows_of
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
 from solver.rigid.space.motion import act, changes, compliance
 from solver.rigid.space.rotation import product, to_body, to_space
@@ -68,7 +68,8 @@ def correct_velocity(
     W = compliance(shut, rows, yields, turning)
     velocity = changes(shut, rows, state.velocity, spins(state, frames)).reshape(3 * m)
     impulse, bounds = s.dt * s.force[kept], Bounds(s.mu[kept], s.dt * s.cohesion[kept], np.inf)
-    found = correct_impulses(3, W, velocity, impulse.reshape(3 * m), bounds, taken, state.settled)
+    flat, lands = impulse.reshape(3 * m), bool(np.any(shut.gap > HAIR * np.max(model.half)))
+    found = correct_impulses(3, W, velocity, flat, bounds, taken, state.settled, lands)
     if found.found:
         state.exchanged[3] += found.contact
         state.exchanged[1] += found.friction
