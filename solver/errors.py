@@ -123,7 +123,7 @@ def not_installed(error: ImportError | str) -> EnvironmentTrouble:
     """The error of a package that cannot be imported, or what is said of it, with advice."""
     said = " ".join(str(error).split())
     return EnvironmentTrouble(
-        f"{said}; the environment is described in README.md, ./in-env rockslip ... has it all"
+        f"{said}; the environment is described in docs/install.md, ./in-env rockslip ... has it all"
     )
 
 

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     from solver.scene import load_scene, scene_to_toml
 
     if find_spec("matplotlib") is None:  # told before the runs, not after them
-        raise EnvironmentTrouble("no matplotlib, which the picture needs; see README.md")
+        raise EnvironmentTrouble("no matplotlib, which the picture needs; see docs/install.md")
     _check_numbers(options)
     check_names(options.families or NAMES)
     check_patterns(options.measures)
