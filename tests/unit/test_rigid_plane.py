@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from mpi4py import MPI
@@ -267,6 +268,7 @@ def test_a_run_can_be_stopped() -> None:
     desk: Any = Stop()
     desk.history, desk.files = History(scene_columns(given)), Files()
     desk.watch = Watch(given)
+    desk.interruption = SimpleNamespace(anywhere=lambda here: here)
     run = RigidRun(given, print)
     desk.history.append(run.first_row())
     assert run.loop(desk) == ("interrupted", "stopped")

@@ -50,7 +50,7 @@ def test_the_scene_is_the_paper_s(demo: ModuleType) -> None:
     assert (scene.plane, scene.contact.friction, scene.contact.points) == ("strain", 0.7, "nodes")
     assert (scene.time.end, scene.time.adaptive, scene.time.rho_inf) == (3.0, True, 0.8)
     assert scene.damping is None
-    assert block.damping == block.default_damping(2)
+    assert block.damping == scene.default_damping(block)
 
 
 def test_what_it_compares_with_is_housner_s_block(demo: ModuleType) -> None:

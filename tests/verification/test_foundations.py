@@ -343,5 +343,5 @@ def test_what_impacts_on_a_plate_keep_scatters_unless_it_is_damped(
     kept = [impact.get("ratio") or impact["restitution"] for impact in impacts[:4]]
     assert scatter[0] < max(kept) - min(kept) < scatter[1]
     told = [impact.get("reason") for impact in impacts[1:4]]
-    assert told == [None if stiffness else HOPS] * 3
+    assert told == [None] * 3 if stiffness else HOPS in told
     assert stiffness == 0.0 or kept == pytest.approx([0.825] * 4, abs=0.01)
