@@ -1,5 +1,7 @@
 """Oscillators, platforms in space, plates, rollers, frames and reduced foundations."""
 
+import math
+
 from tests.oracles import own
 from tests.oracles.answers import (
     FALLS,
@@ -78,6 +80,7 @@ DIAGONAL = {**pulse("sine", 0.4 * HALF, period=0.5, cycles=3), "time.end": 3.0}
 DIAGONAL["motion.second"] = DIAGONAL["motion"]
 LONG = {**OSCILLATOR, **pulse("sine", 0.45, period=0.6, cycles=6), "block.friction": FALLS}
 TURNS = {**OSCILLATOR, "time.end": 0.7}
+STUCK = {**pulse("half_sine", 0.4, duration=0.3), "block.friction": 5.0, "time.end": 0.5}
 PUSH = pulse("half_sine", 0.6, duration=0.3)
 PUSH_BOTH = pulse("half_sine", 0.3, duration=0.3)
 PUSH_BOTH["motion.second"] = PUSH_BOTH["motion"]
@@ -124,6 +127,11 @@ ORACLES = [
         ("falling friction", {**LONG, "time.end": 5.0}, lambda: long_slip(5.0, 5e-3)),
         ("vertical motion", {"block.friction": 0.2, **vertical(0.3, 0.25)},
             driven(3e-3, 0.2, vertical=own.sine(0.3, 0.25))))),
+    *(Oracle(f"base shear balances momentum, {name}", base, {**OSCILLATOR, **STUCK, **changes}, {
+        "impulse of foundation.base_shear_N and 1500 kg times platform.velocity_m_s": closed(
+            -1500 * 0.4 * own.G * 0.3 * 2 / math.pi, "of the ground: 2 A T/pi", rel=rel)})
+      for name, base, changes, rel in (("plane", SQUAT, {}, 1e-9), ("space", SQUARE, {}, 1e-9),
+        ("elastic, which still vibrates", SQUAT, ELASTIC, 1e-6))),
     *(Oracle(f"oscillator, elastic block{name}", SQUAT,
              {**OSCILLATOR, **SINE, **ELASTIC, **changes}, numbers, slow=True)
       for name, changes, numbers in (

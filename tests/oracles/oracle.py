@@ -215,6 +215,9 @@ READERS: dict[str, Callable[..., Any]] = {
         run.history[name.format(k)][0] for k in range(1, int(last) + 1)
     ),
     r"last (\S+) \+ (\S+)": lambda run, *names: sum(run.history[name][-1] for name in names),
+    r"impulse of (\S+) and (\S+) kg times (\S+)": lambda run, force, mass, velocity: (
+        run.history[force] @ run.history["step_s"] + float(mass) * run.history[velocity][-1]
+    ),
     r"first (\S+)": lambda run, column: run.history[column][0],
     r"last (\S+)": lambda run, column: run.history[column][-1],
     r"peak (\S+)": lambda run, column: np.abs(run.history[column]).max(),

@@ -114,7 +114,7 @@ ORACLES = [
           ("sine", 0.4, {"period": 0.7}, 2.0))),
     *(Oracle(name, SQUAT, changes, numbers) for name, changes, numbers in (
         ("rebounds of a flat landing", {**UP, "block.restitution": 0.6}, {
-            f"block.gap_left_m at {t} s": closed(flown(v, t - after / own.G), "e v", abs=2e-4)
+            f"block.gap_left_m at {t} s": closed(flown(v, t - after / own.G), "e v", abs=5e-5)
             for t, v, after in ((0.1, 1.0, 0.0), (0.25, 0.6, 2.0), (0.38, 0.36, 3.2))}),
         ("plastic flat landing", UP, {
             "energy.loss.contact_J": closed(500.0, "m v2/2", rel=1e-6),

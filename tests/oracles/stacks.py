@@ -116,7 +116,7 @@ ORACLES = [
             "last upper.slip_m": closed(DRAG / 2, "v2/(2 mu g (1 + m/M))", rel=1e-4)}),
         ("lands on a block", {"upper.velocity": [0.0, 1.0], "upper.restitution": 0.5,
             "lower.restitution": 1.0, "time.end": 0.28}, {
-            "last upper.gap_left_m": closed(flown(0.5, 0.28 - 2 / own.G), "e v", abs=1e-3)}),
+            "last upper.gap_left_m": closed(flown(0.5, 0.28 - 2 / own.G), "e v", abs=5e-5)}),
         ("falls off a block",
             {"upper.velocity": [2.0, 0.0], "upper.friction": 0.05, "time.end": 2.0},
             {"upper.mode": word("fell", "2 m/s reach 4 m, the edge is at 0.8 m")}),
