@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test quick paraview lint site image try-image energy-grid suite docs-tables tables
+.PHONY: help demo test quick oracles paraview lint site image try-image energy-grid suite docs-tables tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -7,6 +7,7 @@ help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
 	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
+	@echo "make oracles the contract: key numbers of 220 scenes beside closed forms, programs and other engines"
 	@echo "make paraview   runs opened in a real ParaView, in an image of its own (tests/in_paraview)"
 	@echo "make lint    ruff and mypy"
 	@echo "make site    the documents as a site: site/index.html"
@@ -25,6 +26,10 @@ test:
 
 quick:
 	./in-env python3 -m pytest tests -n 2 --dist loadfile -m "not slow and not mpi"
+
+# ONLY=stacks: those whose topic or name has it; BESIDE=--beside: the values of today by another engine or step.
+oracles:
+	./in-env python3 -m tests.oracles $(ONLY) $(BESIDE)
 
 # ParaView has a VTK of its own: the runs are made in the environment, and looked at elsewhere.
 paraview:

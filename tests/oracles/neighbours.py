@@ -1,0 +1,78 @@
+"""Bodies side by side, which do not feel each other today: what the next issues have to give."""
+
+import math
+from typing import Any
+
+from tests.oracles import own
+from tests.oracles.oracle import Numbers, Oracle, Tables, closed, program, word
+
+APART = "blocks of which neither carries the other pass through one another"
+MATTER = {"model": "rigid", "young": 5e9, "poisson": 0.2, "cells": [12, 2]}
+STOPS = (4 - 0.4 * 0.1 * own.G) / (8 * 0.1 * own.G)
+PROTOTYPE = "../shared/prototypes/general at three steps; MuJoCo within 2e-3"
+
+
+def row(pitch: float, masses: tuple[float, ...], **keys: Any) -> list[Tables]:
+    """Blocks side by side, n1 from the left."""
+    return [
+        {"name": f"n{k + 1}", "mass": mass, "offset": k * pitch, **MATTER, **keys}
+        for k, mass in enumerate(masses)
+    ]
+
+
+def thrown(friction: float, *masses: float) -> Tables:
+    """Two blocks 0.2 m apart, the left one thrown at the other with 2 m/s."""
+    blocks = row(1.2, masses, width=1.0, height=0.5, friction=friction)
+    blocks[0]["velocity"] = [2.0, 0.0]
+    return {"block": blocks, "time": {"end": 0.5}}
+
+
+def past(*times: float) -> Numbers:
+    """Times at which dominoes pass 20 degrees."""
+    return {
+        f"time of n{k}.angle_rad past {math.radians(20):.7f}": program(time, PROTOTYPE, abs=1e-3)
+        for k, time in enumerate(times, 1)
+    }
+
+
+def ended(first: float, second: float, law: str, within: float = 2e-3) -> Numbers:
+    """How far two blocks have come, m."""
+    return {
+        "last n1.centre_x_m": closed(first, law, abs=within),
+        "last n2.centre_x_m": closed(1.2 + second, law, abs=within),
+    }
+
+
+DOMINOES: Tables = {
+    "block": row(0.4, 5 * (200.0,), width=0.1, height=1.0, friction=0.5),
+    "time": {"end": 1.8, "step": 1e-3},
+}
+DOMINOES["block"][0]["tilt_deg"] = 8.0
+POST = {**MATTER, "width": 0.4, "height": 1.0, "mass": 800.0}
+TRILITH: Tables = {
+    "block": [
+        {**POST, "name": "a", "offset": -0.8},
+        {**POST, "name": "b", "offset": 0.8},
+        {**MATTER, "name": "lintel", "on": ["a", "b"], "width": 2.2, "height": 0.3, "mass": 1320.0},
+    ],
+    "time": {"end": 0.2},
+}
+
+# fmt: off
+ORACLES = [
+    *(Oracle(name, tables, changes, numbers, today_wrong=APART)
+      for name, tables, changes, numbers in (
+        ("plastic impact, 30 kg on 70 kg", thrown(0.0, 30.0, 70.0), {},
+            ended(0.2 + 0.24, 0.24, "momentum: 0.6 m/s")),
+        ("the same with friction", thrown(0.1, 50.0, 50.0), {"time.end": 1.5},
+            ended(0.2 + STOPS, STOPS, "both slide on with half the speed")),
+        ("elastic bars exchange their velocities", thrown(0.0, 1000.0, 1000.0),
+            {"block.model": "elastic", "block.damping": {"stiffness": 0.0}},
+            ended(0.2, 0.8, "equal bars", 0.01)),
+        ("five dominoes", DOMINOES, {}, past(0.72633, 1.10477, 1.33693, 1.51517, 1.65475)))),
+    Oracle("first domino before its blow", DOMINOES, {}, {
+        "time of n1.angle_rad past 0.2617994": program(0.5433, "Housner's equation", abs=5e-4)}),
+    Oracle("lintel on two posts", TRILITH, {}, {"lintel.mode": word("rest"),
+        "last a.normal_force_N + b.normal_force_N": closed(2920 * own.G, "weight", rel=1e-9)},
+        today_wrong="a block on two carriers is refused"),
+]
