@@ -68,7 +68,7 @@ ORACLES = [
             "scale SCENE --lengths 15 -o model.toml && run model.toml -o OUT -q"))),
     Oracle("resumed, elastic", GRANITE, {"time.end": 0.1, "output.checkpoint": {"steps": 20}},
         DONE | quarter(1e-3) | {"last energy.ledger_error_J": closed(0.0, "energy", abs=1e-6)},
-        command="run SCENE -o OUT -q && run --resume OUT --set time.end=0.25 -q"),
+        command="run SCENE -o OUT -q && run --resume OUT --set time.end=0.25 -q", slow=True),
     Oracle("reference, sliding with falling friction", SQUAT,
         {**pulse("sine", 0.7, period=0.6, cycles=4), "block.friction": FALLS, "time.end": 3.0},
         lambda: DONE | {"block.peak_slip_m": program(
