@@ -7,7 +7,7 @@ help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
 	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
-	@echo "make oracles the contract: key numbers of 220 scenes beside closed forms, programs and other engines"
+	@echo "make oracles the contract: key numbers of 230 scenes beside closed forms, programs and other engines"
 	@echo "make paraview   runs opened in a real ParaView, in an image of its own (tests/in_paraview)"
 	@echo "make lint    ruff and mypy"
 	@echo "make site    the documents as a site: site/index.html"

@@ -114,7 +114,8 @@ def moved(kind: str, level: float, end: float, rel: float = 5e-5, **keys: float)
     }[kind]()
     answer = own.rocking(0.25, 1.0, end, ground=ground)
     if answer.overturned < end:
-        found = {"block.mode": word("overturned", ODE)}
+        time = program(answer.overturned, ODE, rel=5e-4)
+        found = {"block.mode": word("overturned", ODE), "block.overturned_at_s": time}
     else:
         found = {"block.peak_angle_rad": program(max(answer.peaks), ODE, rel=4 * rel)}
     for n, time in enumerate(answer.impacts[:2], 1):

@@ -14,7 +14,7 @@ from tests.oracles import (
     space,
     stacks,
     studies,
-)  # fmt: skip
+)
 from tests.oracles.oracle import Oracle, Value
 
 TOPICS: dict[str, list[Oracle]] = {

@@ -16,7 +16,7 @@ from tests.oracles.oracle import (
     program,
     today,
     word,
-)  # fmt: skip
+)
 from tests.oracles.rigid_ground import RIGID
 
 AUTO, WHOLE = {"foundation.modes": "auto"}, {"foundation.modes": None}

@@ -19,7 +19,8 @@ from tests.oracles.answers import (
     quarter,
     slides,
     stops,
-)  # fmt: skip
+    vertical,
+)
 from tests.oracles.oracle import Oracle, closed, program, word
 from tests.oracles.rigid_ground import (
     BOTH,
@@ -31,7 +32,7 @@ from tests.oracles.rigid_ground import (
     SQUAT,
     STANDS,
     THROWN,
-)  # fmt: skip
+)
 
 #: A bar without damping, and sqrt(E/rho), m/s.
 BAR = {
@@ -74,6 +75,8 @@ ORACLES = [
         ("free rocking, damping of mass too",
             {"time.end": 0.9, "block.damping": {"mass": 0.5, "stiffness": 3.65e-5}},
             first_swing(0.936, 0.0, 2, drag=0.5)),
+        ("free rocking, vertical motion", {**vertical(0.3, 0.3), **SHORT},
+            first_swing(0.936, 0.0, vertical=own.sine(0.3, 0.3))),
         ("free rocking, fixed steps", {"time.step": 5e-4, "time.end": 0.45}, quarter(3e-3)),
         ("free rocking, adaptive from a step", {"time.step": 1e-3, "time.adaptive": True, **SHORT},
             quarter(1e-3)),
@@ -110,10 +113,16 @@ ORACLES = [
         ("cohesion that holds", {**pulse("half_sine", 0.5, duration=0.2), "time.end": 0.4,
             "block.friction": {**BOUND, "cohesion": 4000.0}},
             holds("c A + mu m g = 1.4 m a", 2e-5)),
+        ("cohesion that is lost", {**PUSHED, "block.friction": {**BOUND, "cohesion": 2500.0}},
+            newmark(0.01, 0.3, 0.6, 0.2)),
         ("lands on a bed, 0.1 of critical", {**BED, "contact.damping": 0.1, "time.end": 0.15},
             lambda: on_bed(0.1, 0.15)),
         ("lands on a bed, 0.3 of critical", {**BED, "contact.damping": 0.3, "time.end": 0.14},
             lambda: on_bed(0.3, 0.14)))),
+    Oracle("restitution as told, damping of mass too", GRANITE,
+        {**SHORT, "block.damping": {"mass": 0.5, "stiffness": 3.65e-5}},
+        {"impact 1 restitution": closed(0.936, "with it the impacts follow Housner", abs=4e-3)},
+        today_wrong="read from peaks, which books what lambda_R takes in the swing"),
     Oracle("sine, slides, falling friction", SQUAT, {**ELASTIC, "block.friction": FALLS,
         **pulse("sine", 0.7, period=0.6, cycles=2), "time.end": 1.5},
         slides(0.01, falling, 1.5, ground=own.sine(0.7, 0.6, 2)), slow=True),

@@ -9,7 +9,7 @@ import numpy as np
 
 from tests.oracles import own
 from tests.oracles.answers import SLIDER, slides
-from tests.oracles.oracle import CASES, Numbers, Oracle, closed, program, word
+from tests.oracles.oracle import CASES, Numbers, Oracle, program, today, word
 from tests.oracles.rigid_ground import SQUAT
 
 STEP, COUNT = 0.02, 100
@@ -84,8 +84,8 @@ def synthetic(name: str, peak: float, **keys: Any) -> Oracle:
     """A synthetic motion under a block that sticks."""
     motion = {"kind": "synthetic", "seed": 3, **keys}
     changes = {"motion": motion, "block.friction": 5.0, "time.end": 20.0, "time.step": 5e-3}
-    words = "the same keys give the same motion"
-    numbers = {"peak base.acceleration_m_s2": closed(peak, words, rel=1e-4)}
+    source = "definition: the same keys give the same motion"
+    numbers = {"peak base.acceleration_m_s2": today(peak, rel=1e-4, source=source)}
     return Oracle(f"synthetic, {name}", SQUAT, changes, numbers)
 
 

@@ -156,7 +156,7 @@ class Run:
         """Run a scene in a folder, by `simulate` or by commands one after another."""
         if not commands:
             try:
-                result = simulate(parse_scene(tables, folder=folder), many=True)
+                result = simulate(parse_scene(tables, folder=folder))
             except SceneError as refusal:
                 return cls(refusal=str(refusal))
             return cls(summary=result.summary, history=result.history)

@@ -60,6 +60,7 @@ class Answer:
     impacts: list[float] = field(default_factory=list)
     peaks: list[float] = field(default_factory=list)
     overturned: float = math.inf
+    """Time at which it passes 2 alpha, s."""
     slip: float = 0.0
     peak_slip: float = 0.0
     drift: float = 0.0
@@ -160,7 +161,7 @@ def rocking(
         events = (
             event(lambda t, y, side: side * y[0] + (1e-15 if t == time else 0.0), -1.0),
             event(lambda t, y, side: side * y[1], -1.0, ends=False),
-            event(lambda t, y, side: side * y[0] - 1.5, 1.0),
+            event(lambda t, y, side: side * y[0] - 2 * alpha, 1.0),
         )
         phase = solve_ivp(rates, (time, end), state, args=(side,), events=events, **EXACT)
         answer.drift = max(answer.drift, float(np.abs(phase.y[2]).max()))

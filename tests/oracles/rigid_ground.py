@@ -17,7 +17,7 @@ from tests.oracles.answers import (
     slides,
     stops,
     vertical,
-)  # fmt: skip
+)
 from tests.oracles.oracle import Oracle, closed, scene, word
 
 GRANITE = scene("""
@@ -56,6 +56,11 @@ PUSHED = pulse("rectangular", 0.6, duration=0.2)
 BOTH = {**pulse("half_sine", 0.5, duration=0.5), **vertical(0.4, 0.25)}
 ONSET = {**STANDS, **pulse("rectangular", 0.5, duration=1.0), "time.end": 4e-3, "time.step": 1e-4}
 BOUND = {"cohesion_lost": True, "static": 0.3}
+JUMP = {
+    **pulse("half_sine", 0.6, duration=0.3),
+    "block.friction": {"static": 0.4, "dynamic": 0.3},
+}
+jumped = slides(2e-3, 0.3, 1.0, static=0.4, ground=own.sine(0.6, 0.6, 0.5))
 ROCK = -0.004 * 0.75 * own.G * (0.5 * 0.5 - 0.125) / (0.125**2 + 0.25)
 SLIDE_ROCK = -0.004 * 3 * own.G * (0.28 * 4 - 1) / (0.125 * (4 + 16 - 3 * 0.28 * 4))
 THRESHOLD = "nonlinear threshold 1.8015 g tan alpha at omega/p 2"
@@ -130,9 +135,7 @@ ORACLES = [
         ("friction that decays",
             {**pulse("sine", 0.7, period=0.6, cycles=4), "block.friction": FALLS, "time.end": 3.0},
             slides(5e-3, falling, 3.0, ground=own.sine(0.7, 0.6, 4))),
-        ("friction that jumps", {**pulse("half_sine", 0.6, duration=0.3),
-            "block.friction": {"static": 0.4, "dynamic": 0.3}},
-            slides(2e-3, 0.3, 1.0, static=0.4, ground=own.sine(0.6, 0.6, 0.5))),
+        ("friction that jumps", JUMP, jumped),
         ("cohesion", {**pulse("sine", 0.6, period=0.4, cycles=4), "time.end": 2.0,
             "block.friction": {"static": 0.3, "cohesion": 800.0}},
             slides(2e-3, 0.3, 2.0, cohesion=0.8, ground=own.sine(0.6, 0.4, 4))),

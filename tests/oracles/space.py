@@ -2,10 +2,12 @@
 
 from tests.oracles import own
 from tests.oracles.answers import (
+    FALLS,
     FINER,
     HALF,
     curves,
     downhill,
+    falling,
     first_swing,
     flown,
     moved,
@@ -13,10 +15,11 @@ from tests.oracles.answers import (
     pulse,
     quarter,
     rocks,
+    slides,
     stops,
     tumbles,
     vertical,
-)  # fmt: skip
+)
 from tests.oracles.oracle import Numbers, Oracle, changed, closed, program, word
 from tests.oracles.rigid_ground import ELASTIC, GRANITE, RIGID, SQUAT, STANDS
 
@@ -76,6 +79,11 @@ ORACLES = [
         ("thrown, ground accelerates across",
             {"block.velocity": [0.0, 1.5, 0.0], **pulse("rectangular", 0.2, duration=2.0)},
             lambda: curves(0.3, 0.2, 1.5, 1.0)),
+        ("friction that decays", {**pulse("sine", 0.7, period=0.6, cycles=2), "time.end": 1.5,
+            "block.friction": FALLS}, slides(5e-3, falling, 1.5, ground=own.sine(0.7, 0.6, 2))),
+        ("cohesion", {**pulse("sine", 0.6, period=0.4, cycles=2),
+            "block.friction": {"static": 0.3, "cohesion": 800.0}},
+            slides(2e-3, 0.3, 1.0, cohesion=0.8, ground=own.sine(0.6, 0.4, 2))),
         ("incline, slides", {"gravity_tilt_deg": 20.0}, downhill(1e-4)),
         ("rebound of a flat landing", {"block.velocity": [0.0, 0.0, 1.0], "time.end": 0.25,
             "block.restitution": 0.6, "time.step": 1e-3}, {

@@ -111,6 +111,8 @@ ORACLES = [
             newmark(1e-3, 0.2, 0.4, 0.2, "upper") | holds("mu 0.5 > 0.4", block="lower")),
         ("both slide as one", AS_ONE,
             newmark(1e-3, 0.2, 0.4, 0.2, "lower") | holds("mu larger than below", block="upper")),
+        ("heavy on light, slide as one", {**AS_ONE, "lower.mass": 1.0, "upper.mass": 1e4},
+            newmark(1e-3, 0.2, 0.4, 0.2, "lower")),
         ("upper one drags the lower", {"lower.friction": 0.0, "upper.velocity": [1.0, 0.0]}, {
             "last lower.slip_m": closed(0.2 * (1 - DRAG / 2), "0.2 m/s after 0.8/(mu g)", rel=1e-4),
             "last upper.slip_m": closed(DRAG / 2, "v2/(2 mu g (1 + m/M))", rel=1e-4)}),
