@@ -139,8 +139,7 @@ ORACLES = [
     Oracle("suite of one event of three components", SQUARE, {**OSCILLATOR, "block.friction": 5.0,
         "motion": {**SIX, "second": SIX, "vertical": SIX}, "time.end": 2.0},
         lambda: drifts(("drift_m of row 0", 5.0, WAVE), ("drift_second_m of row 0", 5.0, ACROSS)),
-        command=f"study suite SCENE --motions . --tail 1 {OUT}", files=FILES, slow=True,
-        today_wrong="suites drop the second component"),
+        command=f"study suite SCENE --motions . --tail 1 {OUT}", files=FILES, slow=True),
     Oracle("exit of bad input", GRANITE, {"block.heigth": 2.0}, {"exit": count(2, "bad input"),
         "printed": word("block.heigth")}, command="run SCENE -o OUT"),
     *(Oracle(f"refused: {name}", GRANITE, {**RIGID, **changes}, {

@@ -167,8 +167,10 @@ def _peaks(scene: Scene, ground: GroundMotion) -> dict[str, float]:
 def _measures(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Measures that are kept of a summary: peaks, residual slips, modes."""
     found: dict[str, Any] = {}
-    if "platform" in summary:
-        found["platform.peak_drift_m"] = summary["platform"]["peak_drift_m"]
+    platform = summary.get("platform", {})
+    for key in ("peak_drift_m", "peak_drift_second_m"):
+        if key in platform:
+            found[f"platform.{key}"] = platform[key]
     for name, block in summary["blocks"].items():
         found |= {f"{name}.{key}": block[key] for key in KEPT if key in block}
     return found
