@@ -12,12 +12,12 @@ from dolfinx.mesh import MeshTags
 
 from geometry.arrangement import Pose
 from geometry.foundation import level_frame
-from geometry.mesh import block_mesh, move
+from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import RigidBox, rigid_box
 from solver.build.foundation import foundation
-from solver.build.meshed_body import meshed_body
+from solver.build.meshed_body import mesh_of_block, meshed_body
 from solver.build.support import FoundationBody
 from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.candidates import ContactPair, FixedContactPair, MeshedContactPair
@@ -126,14 +126,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         centre[-1] = spec.height / 2
         block = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
         return BlockBody(spec, block, number, stand)
-    made = block_mesh(
-        spec.shape,
-        dimension=scene.dimension,
-        cells=spec.cells,
-        cell=spec.cell,
-        refinement=spec.refinement,
-        comm=comm,
-    )
+    made = mesh_of_block(scene, spec, comm)
     move(made.mesh, upright)
     body = meshed_body(
         scene,

@@ -1,16 +1,31 @@
-"""From a mesh to the elastic body of a scene: plane or space, thickness, damping."""
+"""Meshes of blocks, and from a mesh to the elastic body of a scene."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from mpi4py import MPI
+
 from geometry.gmsh_model import MeshedBody
+from geometry.mesh import block_mesh
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import Region
 from solver.bodies.supports import GroundSpring, Support
-from solver.scene import Scene
+from solver.scene import BlockSpec, Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
+
+
+def mesh_of_block(scene: Scene, block: BlockSpec, comm: MPI.Intracomm) -> MeshedBody:
+    """The mesh of an elastic block of a scene, in its own frame; collective."""
+    return block_mesh(
+        block.shape,
+        dimension=scene.dimension,
+        cells=block.cells,
+        cell=block.cell,
+        refinement=block.refinement,
+        comm=comm,
+    )
 
 
 def meshed_body(

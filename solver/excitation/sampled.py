@@ -27,7 +27,7 @@ class SampledMotion:
     largest: str = ""
     """Where the largest sample stands, in words."""
     source: str = ""
-    """Of samples from a file: what was taken from where, in words."""
+    """What was taken from where in a file, in words; empty: the samples are of no file."""
     _speed: Array = field(init=False, repr=False)
     """Velocities at the samples, m/s, (n,): the integral of the broken line."""
     _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)

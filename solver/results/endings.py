@@ -36,7 +36,7 @@ def motion_end(ground: GroundMotion) -> float:
 
 
 def cut_short(summary: Mapping[str, Any]) -> str:
-    """That a run ends before the motion of the ground does, by its summary, in words; or nothing.
+    """Tell in words that a run ends before the motion of the ground does, by its summary; or "".
 
     Every table of such runs begins with it.
     """

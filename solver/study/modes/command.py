@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 TEXT = "rest, slide, rock or both: how a block at rest begins to move, against Shenton (1996)"
 
 POINTS = 12
-"""Of the grid, along each axis, where the command line says nothing."""
+"""Points of the grid along each axis, by default."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
