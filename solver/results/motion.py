@@ -87,7 +87,7 @@ class BlockMotion:
     lift: Array
     """Gap of the bottom corner that is highest, m."""
     low: Array
-    """That of the one that is lowest, m."""
+    """Gap of the bottom corner that is lowest, m."""
     shape: Block
     """The block as it stands in that plane."""
     fell: bool

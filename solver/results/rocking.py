@@ -162,7 +162,7 @@ def speed_at_impact(peak: float, shape: Block, gravity: float, drag: float = 0.0
     peak, square = abs(peak), shape.frequency(gravity) ** 2
 
     def slope(s: float, ratio: float) -> float:
-        """Of theta' over s, where theta = peak (1 - s^2); the ratio is s/theta'."""
+        """Slope of theta' over s, where theta = peak (1 - s^2); the ratio is s/theta'."""
         pull = square * math.sin(shape.slenderness - peak * (1 - s * s))
         return 2 * peak * (pull * ratio - drag * s)
 

@@ -105,9 +105,11 @@ class TextFile:
             raise self.error(found.line, shown(found.value[0].strip()), f"{what}, above 0")
         return Said(value, found.line)
 
-    def agree(self, one: Said[T], other: Said[T], what: str) -> None:
+    def agree(
+        self, one: Said[int] | Said[float], other: Said[int] | Said[float], what: str
+    ) -> None:
         """Refuse two numbers that should be the same."""
-        if not math.isclose(float(one.value), float(other.value), rel_tol=CLOSE):  # type: ignore[arg-type]
+        if not math.isclose(one.value, other.value, rel_tol=CLOSE):
             got, allowed = f"{what} {other.value:g}", f"{one.value:g} as in line {one.line}"
             raise self.error(other.line, got, allowed)
 
