@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.overrides import differing
 
-FORMAT = 11
+FORMAT = 12
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -46,12 +46,10 @@ TYPES = {
     "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
-    "solver.stepping.compliance": ("SavedCompliance",),
-    "solver.stepping.delassus": ("Delassus", "DelassusKey"),
-    "solver.stepping.elastic_response": ("ElasticCoupling",),
+    "solver.stepping.delassus": ("Delassus",),
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
-    "solver.stepping.response": ("CandidateSet", "DenseConfiguration"),
+    "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
     "solver.stepping.state": ("State",),
     "solver.stepping.turning": ("Turning",),
 }

@@ -15,12 +15,12 @@ from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.balance import Balance, StepSolution
 from solver.stepping.carrier_edges import points_beyond
-from solver.stepping.delassus import LastDelassus, Softening
-from solver.stepping.model import ContactModel, Tangents
+from solver.stepping.delassus import Softening, Tangents
+from solver.stepping.model import ContactModel
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
 from solver.stepping.reach import Reach
-from solver.stepping.resuming import repeat_compliances, saved_compliances
+from solver.stepping.response import repeat_compliances, saved_compliances
 from solver.stepping.step_contact import compile_law
 from solver.stepping.step_problem import StepProblem
 from solver.stepping.system import Body, Link, System, response_of
@@ -30,8 +30,8 @@ from solver.types import Array
 class ContactSolve:
     """Solves balances of the same bodies and interfaces.
 
-    One factorization for each body, step size and rho_inf is kept, and the Delassus operator of the
-    last correction. Where they take more than their part of the memory, those are dropped whose
+    One factorization for each body, step size and rho_inf is kept, with the Delassus operator of
+    its last correction. Where they take more than their part of the memory, those are dropped whose
     last use is longest ago.
     """
 
@@ -50,8 +50,6 @@ class ContactSolve:
         )
         self._solver = NonlinearSolver(system.comm, system.size, NoContactSolution, options)
         self._tangents: dict[tuple[TangentWeights, ...], Tangents] = {}
-        self._kept = LastDelassus(system.dimension)
-        self._solves = self._stiffness = 0
         self._strained_at: Array | None = None
         """Displacement that the stiffness of bodies was made anew at, last."""
 
@@ -63,39 +61,30 @@ class ContactSolve:
         """What the digits of further solves depend on, for `resume`."""
         return {
             "tangents": [
-                (weights, saved_compliances(tangents.responses))
+                (weights, saved_compliances(tangents.responses), tangents.operator)
                 for weights, tangents in self._tangents.items()
             ],
-            "kept": self._kept.operator,
             "met": self._model.reach.met,
-            "counts": (self._solves, self._stiffness),
             "strained_at": self._strained_at,
         }
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on as another solve of the same bodies would from where it was saved; collective."""
-        self._solves, self._stiffness = saved["counts"]
         self._strained_at = saved["strained_at"]
         self._tangents.clear()
-        for weights, compliances in saved["tangents"]:
-            repeat_compliances(self._tangents_for(weights).responses, compliances)
-        self._kept.operator = saved["kept"]
+        for weights, compliances, operator in saved["tangents"]:
+            tangents = self._tangents_for(weights)
+            repeat_compliances(tangents.responses, compliances)
+            tangents.operator = operator
         self._model.reach.meet_again(saved["met"])
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""
-        self._solves += 1
         reach = self._model.reach
         if reach.holding and not balance.static:
             reach.meet_again(reach.met)
-        problem = StepProblem(
-            self._model,
-            self._tangents_for(tuple(balance.weights)),
-            self._kept,
-            balance,
-            guess,
-            number=self._solves,
-        )
+        tangents = self._tangents_for(tuple(balance.weights))
+        problem = StepProblem(self._model, tangents, balance, guess)
         tolerance = balance.tolerance(self._model.system, guess)
         u, outcome = self._solver.solve(problem, guess, tolerance)
         if not outcome.converged and (self._restiffens(balance) or self._holds_on(balance)):
@@ -119,7 +108,6 @@ class ContactSolve:
         changed = [body.restiffen(start[own]) for body, own in system.meshed]
         if any(changed):
             self._tangents.clear()
-            self._stiffness += 1
         return any(changed)
 
     def _holds_on(self, balance: Balance) -> bool:
@@ -156,7 +144,7 @@ class ContactSolve:
                 response_of(system, number, links, _factor(body, own), own)
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
-            self._tangents[weights] = Tangents(weights, responses, self._stiffness)
+            self._tangents[weights] = Tangents(responses)
         found = self._tangents.pop(weights)
         self._tangents[weights] = found  # the one used last stands last
         return found
@@ -169,7 +157,6 @@ class ContactSolve:
             if sum(kept) + max(kept) <= kept_limit(comm):
                 return
             del self._tangents[weights]
-            self._kept.forget()
             for body, own in zip(self._model.system.bodies, weights, strict=True):
                 if not isinstance(body, DenseBody):
                     body.forget(own)

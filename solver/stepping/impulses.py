@@ -23,8 +23,7 @@ from solver.stepping.closed_points import (
     largest_reversal,
 )
 from solver.stepping.point_table import PointTable, joined
-from solver.stepping.response import CandidateSet
-from solver.stepping.resuming import repeat_compliances, saved_compliances
+from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
 from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices
 
@@ -197,7 +196,7 @@ class VelocityImpulses:
                 return self._kept
         frames = self._points.frames_at(closed)
         kinematics = [contact.kinematics for contact in contacts]
-        near = CandidateSet(closed, frames, kinematics, np.ones(len(closed), dtype=np.bool_))
+        near = CandidateSet(closed, frames, kinematics)
         W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
         configurations = [
             response.of_mass(u[own])

@@ -25,7 +25,7 @@ from solver.stepping.delassus import Delassus
 from solver.stepping.friction_bounds import FrictionBounds
 from solver.stepping.model import ContactModel
 from solver.stepping.point_table import copied, joined
-from solver.types import Array, Indices, Mask
+from solver.types import Array, Indices
 
 MOST_FRICTION_ROUNDS = 50
 """How often a correction looks at the speeds that friction of these speeds leads to."""
@@ -47,7 +47,7 @@ def compile_law(d: int, *, in_rounds: bool) -> None:
     mask, nothing, reach = np.ones(1, dtype=np.bool_), np.zeros(1), np.ones(1)
     force, q, change = y.copy(), y.copy(), y.copy()
     of_points = reach, mask, y[:, 1:].copy(), nothing, y, nothing, nothing
-    filled, bounds = (force, near.copy(), mask.copy()), (nothing, nothing)
+    filled, bounds = (force, near.copy()), (nothing, nothing)
     how = not in_rounds, new_counts()
     settle(y, near, W, nothing, *of_points, *filled, *bounds, *how, q, change)
     if in_rounds:
@@ -60,11 +60,9 @@ class OthersNear(NamedTuple):
 
     Attributes:
         number: Their numbers, rising.
-        pressed: Which of them carry a force, or would sink in under the forces so far, (m,).
     """
 
     number: Indices
-    pressed: Mask
 
 
 class StepContact:
@@ -99,11 +97,10 @@ class StepContact:
         self.beds = points.beds(memories, balance.step)
         bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0
-        near = np.empty(points.count, dtype=np.int64), np.empty(points.count, dtype=np.bool_)
-        self._near = near  # filled in with numbers and masks of near points
+        self._near = np.empty(points.count, dtype=np.int64)  # filled in with near points
         of_points = self._reach.distance, self._may_touch, self._anchor, points.softness
         # What `settle` is given of all points, in its order.
-        self._of_points = *of_points, held, bed, points.round_off, self.force, *near
+        self._of_points = *of_points, held, bed, points.round_off, self.force, self._near
 
     def tell_slips(self, y: Array) -> None:
         """Let friction follow the slips of the free step to augmented positions y."""
@@ -129,8 +126,7 @@ class StepContact:
             y, near, W, operator.softening, *self._of_points, *how, q, change
         )
         if outcome == OTHERS_NEAR:
-            number, pressed = self._near
-            return OthersNear(number[:count].copy(), pressed[:count].copy())
+            return OthersNear(self._near[:count].copy())
         if outcome == NOTHING_NEAR:
             return None
         if outcome == UNSETTLED:

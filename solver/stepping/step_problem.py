@@ -23,13 +23,8 @@ from solver.contact.projection import ContactKinematics
 from solver.parallel import global_sums
 from solver.stepping.balance import Balance, Contact
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
-from solver.stepping.delassus import (
-    Delassus,
-    DelassusKey,
-    LastDelassus,
-    assembled,
-)
-from solver.stepping.model import ContactModel, Tangents
+from solver.stepping.delassus import Delassus, Tangents, assembled, of_no_points
+from solver.stepping.model import ContactModel
 from solver.stepping.point_table import copied, joined
 from solver.stepping.response import CandidateSet, Kinematics
 from solver.stepping.sleepers import Sleepers
@@ -39,10 +34,6 @@ from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2
 """Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
-
-FEW_POINTS = 50
-"""Points up to which their operator is made anew as bodies turn before anybody knows whether others
-are near by now, which they seldom are; of more points it takes longer than to find out."""
 
 
 class Iterate(NamedTuple):
@@ -79,22 +70,12 @@ class StepProblem:
         inertia: M (u - u_n - dt v_n) at the iterate, kg m; zero in equilibrium.
     """
 
-    def __init__(
-        self,
-        model: ContactModel,
-        tangents: Tangents,
-        kept: LastDelassus,
-        balance: Balance,
-        guess: Array,
-        *,
-        number: int,
-    ):
+    def __init__(self, model: ContactModel, tangents: Tangents, balance: Balance, guess: Array):
         """Start from what contact remembers and a guess of the displacement of all owned unknowns.
 
-        `tangents` is what the bodies offer, `kept` the Delassus operator of earlier corrections,
-        the number that of the solve.
+        `tangents` is what the bodies offer, with the Delassus operator of earlier corrections.
         """
-        self._model, self._tangents, self._kept, self._balance = model, tangents, kept, balance
+        self._model, self._tangents, self._balance = model, tangents, balance
         self._points, self._system = model.points, model.system
         self._static, self._weight = balance.static, balance.contact_weight
         self.contact = StepContact(model, balance)
@@ -108,7 +89,8 @@ class StepProblem:
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
         self._frames = model.points.frames
-        self._key = self._key_of(number)
+        if model.points.turns:
+            tangents.operator = None
         self._iterate = Iterate(guess, ())
         self._kinematics: Kinematics = []  # at the iterate
         self._configurations: Sequence[Any] = ()
@@ -116,16 +98,6 @@ class StepProblem:
         self.held: Array = np.empty(0)
         self.inertia: Array = self.held
         self._residual: Array = self.held
-
-    def _key_of(self, number: int) -> DelassusKey:
-        """What the Delassus operator of this solve depends on, by its number."""
-        tangents, solve = self._tangents, number if self._turns() else 0
-        step = 0.0 if self.contact.beds is None else self._balance.step
-        return DelassusKey(tangents.weights, tangents.stiffness, step, solve)
-
-    def _turns(self) -> bool:
-        """Whether a carrier turns that residuals look at."""
-        return any(each.link.interface.carrier.turns for each in self._awake)
 
     @property
     def forces(self) -> float:
@@ -247,45 +219,26 @@ class StepProblem:
         """
         self._put_away(y)
         self.contact.tell_slips(y)
-        before, operator = self._kept.operator, self._operator()
+        operator = self._tangents.operator
+        if operator is None or not operator.fits(self._tangents.responses, self._configurations):
+            operator = of_no_points(self._system.dimension)
         while isinstance(change := self.contact.settle(y, operator), OthersNear):
             self._model.reach.meet(change.number)
-            operator = self._delassus(*change)
-        self._kept.touches = change is not None
-        if change is None:  # for when the points come back
-            self._kept.operator = before
+            operator = self._tangents.operator = self._delassus(change.number)
         return operator, change
 
-    def _operator(self) -> Delassus:
-        """The operator that a correction begins with: the last one, or one of the same points.
-
-        On planes these act on the same ports, so that to make it anew asks for no column more.
-        """
-        kept, none = self._kept.operator, self._kept.of_no_points
-        if kept is None or kept.key != self._key:
-            return none
-        if kept.fits(self._tangents.responses, self._configurations):
-            return kept
-        number, asleep = kept.near.number, self.sleepers.points
-        same = self._kept.touches and len(number) <= FEW_POINTS and not self._turns()
-        if not same or (asleep is not None and asleep[number].any()):
-            return none
-        return self._delassus(number, kept.near.pressed)
-
-    def _delassus(self, near: Indices, pressed: Mask) -> Delassus:
-        """The operator at some points, with all bodies as they are at the iterate; it is kept."""
+    def _delassus(self, near: Indices) -> Delassus:
+        """The operator at some points, with all bodies as they are at the iterate."""
         points = self._points
-        self._kept.operator = assembled(
-            self._key,
+        return assembled(
             self._tangents.responses,
             self._configurations,
-            CandidateSet(near, points.frames_at(near), self._kinematics, pressed),
+            CandidateSet(near, points.frames_at(near), self._kinematics),
             contact_weight=self._weight,
             softness=points.softness,
             beds=self.contact.beds,
             softening=self.contact.softening,
         )
-        return self._kept.operator
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, points sink in or break loose."""

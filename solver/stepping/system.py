@@ -21,9 +21,8 @@ from solver.contact.interface import Interface
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance
-from solver.stepping.elastic_response import ElasticResponse
 from solver.stepping.ports import InterfaceDofs
-from solver.stepping.response import AnyResponse, BodyRole, DenseResponse
+from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
 from solver.types import Array
 
 Body = ElasticBody | ReducedBody | DenseBody
