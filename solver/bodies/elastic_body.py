@@ -6,7 +6,6 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 from petsc4py import PETSc
 
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from solver.bodies.elastic_forms import ElasticForms, Moduli, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kernels.momenta import move_on, resultant, turn_all
-from solver.bodies.kinematics import RigidMotion, rigid_modes
+from solver.bodies.kinematics import RigidMotion
 from solver.bodies.mass_properties import MassProperties
 from solver.bodies.supports import GroundSpring, Support
 from solver.compat import PackedForm
@@ -308,7 +307,7 @@ class ElasticBody:
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
             self._factorizations[weights] = Factorization(
-                self.hold(matrix), dimension=self.dimension, modes=partial(rigid_modes, self.arm)
+                self.hold(matrix), dimension=self.dimension, what=self.name
             )
             self.factorizations += 1
             self.solvers.add(self._factorizations[weights].name)

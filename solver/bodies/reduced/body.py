@@ -37,17 +37,8 @@ class DenseFactor:
         own[held], own[:, held] = 0.0, 0.0
         own[held, held] = 1.0
         self._factor = la.cho_factor(own, lower=True) if len(own) else None
-        self._entries = float(unknowns) ** 2
-
-    @property
-    def reads(self) -> float:
-        """Numbers that a solve for one vector reads: each substitution half of them."""
-        return self._entries
-
-    @property
-    def nbytes(self) -> float:
-        """Memory of the factor, bytes."""
-        return 8.0 * self._entries
+        self.nbytes = 8.0 * unknowns**2
+        """Memory of the factor, bytes; the same on all ranks."""
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
