@@ -8,8 +8,7 @@ import numpy as np
 
 from benchmarks.verification.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.supports import Support
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.plane_target import Plane
 from solver.scene import FrictionSpec

@@ -15,7 +15,7 @@ from geometry.foundation import level_frame
 from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.rigid_box import RigidBox, rigid_box
+from solver.bodies.rigid_body import RigidBox, rigid_box
 from solver.build.foundation import foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body
 from solver.build.support import FoundationBody

@@ -13,9 +13,8 @@ from geometry.foundation import Plate
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import plate_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.oscillator import Oscillator
-from solver.bodies.supports import GroundSpring, Support
+from solver.bodies.elastic_body import ElasticBody, GroundSpring, Support
+from solver.bodies.rigid_body import Oscillator
 from solver.build.frame import build_frame
 from solver.build.meshed_body import meshed_body
 from solver.build.support import FoundationBody, damping_of, with_top

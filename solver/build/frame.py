@@ -15,9 +15,8 @@ from geometry.foundation import Frame, Plate, Storey
 from geometry.frame_mesh import FrameCells, frame_mesh
 from geometry.gmsh_model import MeshedBody
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_body import ElasticBody, GroundSpring, Support
 from solver.bodies.elastic_forms import Region
-from solver.bodies.supports import GroundSpring, Support
 from solver.build.meshed_body import meshed_body
 from solver.build.support import Foot, FoundationBody, Storeys, damping_of, with_top
 from solver.parallel import global_sum

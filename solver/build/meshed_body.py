@@ -8,9 +8,8 @@ from mpi4py import MPI
 
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import block_mesh
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_body import ElasticBody, GroundSpring, Support
 from solver.bodies.elastic_forms import Region
-from solver.bodies.supports import GroundSpring, Support
 from solver.scene import BlockSpec, Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material

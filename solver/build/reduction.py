@@ -10,15 +10,17 @@ from mpi4py import MPI
 
 import numpy as np
 
+from solver.bodies.craig_bampton import FixedInterface, Shapes, linearised, reduced_matrices
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.memory import require
 from solver.bodies.modes import STATIC
-from solver.bodies.reduced.body import ReducedBody, ReducedFacts, ReducedParts
-from solver.bodies.reduced.craig_bampton import FixedInterface
-from solver.bodies.reduced.layer import ReducedLayer
-from solver.bodies.reduced.linearised import linearised
-from solver.bodies.reduced.matrices import Shapes, reduced_matrices
-from solver.bodies.reduced.reduction import Reduction
+from solver.bodies.reduced_body import (
+    ReducedBody,
+    ReducedFacts,
+    ReducedLayer,
+    ReducedParts,
+    Reduction,
+)
 from solver.build.support import Foot, FoundationBody, Storeys
 from solver.contact.carrier_surface import Facets
 from solver.errors import NotConverged, SceneError

@@ -8,8 +8,8 @@ import numpy as np
 from dolfinx import fem
 
 from geometry.tags import FacetTag
+from solver.bodies.elastic_body import Support
 from solver.bodies.flutter import SlidingModes, sliding_modes
-from solver.bodies.supports import Support
 from solver.build.meshed_body import mesh_of_block, meshed_body
 from solver.scene import BlockSpec, Scene
 

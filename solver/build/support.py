@@ -15,9 +15,8 @@ from geometry.foundation import level_frame
 from geometry.gmsh_model import MeshedBody
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.oscillator import Oscillator
-from solver.bodies.reduced.body import ReducedBody
-from solver.bodies.reduced.reduction import Reduction
+from solver.bodies.reduced_body import ReducedBody, Reduction
+from solver.bodies.rigid_body import Oscillator
 from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import Facets, carrier_surface
 from solver.contact.facet_target import Face

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.kernels.nitsche import (
     NitscheState,
     TractionPull,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.bodies.rigid_box import RigidBox
+from solver.bodies.rigid_body import RigidBox
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import Key, NitschePoints
 from solver.contact.facet_target import Face

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
 from solver.bodies.memory import ASKED_PART, compliance_bytes, require
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.law.compiled import compiled
 from solver.stepping.ports import InterfaceDofs, PointRows

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse
 from solver.bodies.memory import kept_limit
+from solver.bodies.rigid_body import DenseBody
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.bed import Yielding
 from solver.contact.kernels.candidates import add_softness
 from solver.stepping.point_table import PointTable

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse, MassInverse
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.projection import in_frames
 from solver.law.local_problem import LocalProblem, image
 from solver.law.many_points import MANY_ROWS

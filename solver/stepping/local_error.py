@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
 from solver.scheme.step_control import Tolerance
 from solver.stepping.differences import third_differences
 from solver.stepping.state import State

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
 from solver.stepping.step import Step

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfacePoints
 from solver.contact.kernels.turned import (
     add_compliance,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.increment import Observed
 from solver.contact.memory import Memory
 from solver.contact.projection import ContactKinematics

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.increment import ForceWeights, Observed
 from solver.contact.kernels.candidates import put_away
 from solver.contact.projection import ContactKinematics

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.kernels.rotation import turning_ahead
+from solver.bodies.kinematics import turning_ahead
 from solver.types import Array
 
 

@@ -13,7 +13,7 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
-from solver.bodies.oscillator import Oscillator
+from solver.bodies.rigid_body import Oscillator
 from solver.contact.body_points import FixedPoints, PointForces, RigidPoints
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.held_face import HeldFace

@@ -20,9 +20,8 @@ from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.bodies.elastic_forms import green_strain
-from solver.bodies.supports import Support
 from solver.contact.body_points import NodePoints
 from solver.contact.candidates import MeshedContactPair
 from solver.contact.carrier_surface import carrier_surface

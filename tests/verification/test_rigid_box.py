@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.block import Block
 from rockslip import Result, parse_scene, simulate
-from solver.bodies.rigid_box import TURNED, SpaceBox, rigid_box
+from solver.bodies.rigid_body import TURNED, SpaceBox, rigid_box
 from solver.contact.body_points import RigidPoints
 from solver.contact.candidates import FixedContactPair
 from solver.contact.interface import Interface

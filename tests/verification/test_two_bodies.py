@@ -16,7 +16,7 @@ from geometry.foundation import level_frame
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.rigid_box import CARRIED, RigidBox, SpaceBox, rigid_box
+from solver.bodies.rigid_body import CARRIED, RigidBox, SpaceBox, rigid_box
 from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
 from solver.contact.carrier_surface import carrier_surface

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.bodies.kernels.rotation import polar_factor
+from solver.bodies.kinematics import polar_factor
 from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
 
