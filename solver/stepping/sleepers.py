@@ -13,7 +13,6 @@ from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges
-from solver.stepping.differences import largest_change
 from solver.stepping.point_table import PointTable
 from solver.stepping.reach import REACH
 from solver.stepping.system import Body, System
@@ -128,4 +127,4 @@ def _way(body: Body, now: Array, before: Array) -> float:
     """At most how far a point moves that this rank knows of, m."""
     if isinstance(body, DenseBody):
         return body.way(now - before)
-    return math.sqrt(body.dimension) * largest_change(now, before)
+    return math.sqrt(body.dimension) * float(np.abs(now - before).max(initial=0.0))

@@ -16,9 +16,20 @@ from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import GeneralizedAlpha
-from solver.stepping.balance import Balance, StepSolution
+from solver.stepping.balance import (
+    Balance,
+    Step,
+    StepSolution,
+    balance_of,
+    consistent,
+    extrapolated,
+    impulsive_forces,
+    inertia_force,
+    remembered,
+    static_weights,
+    turned,
+)
 from solver.stepping.contact_solve import ContactSolve
-from solver.stepping.equilibrium import consistent, static_weights
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
@@ -30,15 +41,6 @@ from solver.stepping.reactions import (
     with_impulses,
 )
 from solver.stepping.state import Exchange, GroundForces, State
-from solver.stepping.step import (
-    Step,
-    balance_of,
-    extrapolated,
-    impulsive_forces,
-    inertia_force,
-    remembered,
-    turned,
-)
 from solver.stepping.system import Link, System
 from solver.stepping.turning import Turning
 from solver.types import Array
