@@ -16,28 +16,16 @@ from dolfinx import mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
-from solver.contact.facet_target import Face
 from solver.contact.facets import evaluate_facets, gather
-from solver.contact.held_face import HeldFace
 from solver.contact.interface import Interface
 from solver.contact.kernels.corners import look_against
 from solver.contact.nitsche_points import contact_points, extent
-from solver.contact.passes.on_face import NitscheOnFace
-from solver.contact.passes.on_plane import NitscheOnPlane
-from solver.contact.plane_target import Carrier, Plane
+from solver.contact.plane_target import Carrier
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array
 
 FACING = -0.5
 """Cosine of the angle between a face's normal and the carrier's below which the face joins."""
-
-
-COMPILED_INTERFACES: dict[type[Carrier], type[Interface]] = {
-    Plane: NitscheOnPlane,
-    HeldFace: NitscheOnPlane,
-    Face: NitscheOnFace,
-}
-"""Interfaces of meshed bodies whose passes are compiled as one, by what carries the points."""
 
 
 class ContactPair(Protocol):
@@ -133,9 +121,7 @@ class MeshedContactPair:
             cuts=self._cuts,
         )
         member = NitschePoints(self._member, points)
-        # Other carriers may have kinematics of their own, which compiled passes do not call.
-        kind = COMPILED_INTERFACES.get(type(self.surface), Interface)
-        return kind(member, self.surface, self._law, theta=self._theta, bed=self._bed)
+        return Interface(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 
 
 class FixedContactPair:
