@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import basix
 import numpy as np
 
 from solver.contact.body_points import FacePoints, FixedPoints, SurfaceState
-from solver.contact.kernels.chain import Feet
-from solver.contact.kernels.facets import Chain, Facets, stand_on_face
+from solver.contact.kernels.facets import Feet, stand_on_facets
 from solver.contact.kernels.shapes import FacetShapes
 from solver.contact.kernels.way import StandArrays, forces_in_space, work_defect
 from solver.contact.plane_target import FacetCarrier
@@ -29,7 +26,6 @@ class Face(FacetCarrier):
         frame: Rows normal and tangents of the coming step, (d, d).
         reference_frame: Those of the undeformed face.
         degree: Polynomial degree on a facet.
-        shape: Its facets, as `stand_on_face` takes them.
         margin: Part of a facet by which points may be beyond its edge.
         length: Of the longest side of the face, m.
         facet: Length of its smallest facet, m.
@@ -60,15 +56,10 @@ class Face(FacetCarrier):
         along = points.reference @ frame[1:].T
         kind = getattr(basix.CellType, cell)
         corners = len(basix.geometry(kind))
-        self.shape: tuple[Chain | None, Facets | None]
-        if cell == "interval" and degree == 1:
-            nodes = np.append(facets[:, 0], facets[-1, 1]).astype(np.int64)
-            self.shape = (nodes, np.ascontiguousarray(along[nodes, 0]), margin), None
-        else:
-            n, t = along.shape
-            at_nodes = np.empty((n, t + 1)), np.empty((n, t)), np.empty((n, t, t))
-            room = at_nodes[0], np.empty((len(facets), t, t)), *at_nodes[1:]
-            self.shape = None, (tuple(facet_shapes(facets, kind, degree, along, margin)), room)
+        self._shapes = facet_shapes(facets, kind, degree, along, margin)
+        n, t = along.shape
+        at_nodes = np.empty((n, t)), np.empty((n, t, t))
+        self._room = np.empty((n, t + 1)), np.empty((len(facets), t, t)), *at_nodes
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -80,30 +71,18 @@ class Face(FacetCarrier):
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         assert carrier is not None
-        seen = self.unfilled(len(position), carrier)
-        where = position, carrier.position, self.frame
-        stand_on_face(*self.shape, *where, seen.place, feet_of(seen))
-        return seen
-
-    def unfilled(
-        self, count: int, carrier: SurfaceState, *, tractions: bool = False
-    ) -> ContactKinematics:
-        """Kinematics of `count` points to be filled in.
-
-        Augmented positions of points with tractions are others than their places.
-        """
-        k, t = self.facets.shape[1], len(self.frame) - 1
-        place = augmented = np.empty((count, t + 1))
-        if tractions:
-            augmented = np.empty(place.shape)
+        (count, d), k = position.shape, self.facets.shape[1]
         feet = Feet(
             nodes=np.empty((count, k), dtype=np.int64),
             weights=np.empty((count, k)),
-            slope=np.empty((count, t)),
-            stretch=np.empty((count, t, t)),
+            slope=np.empty((count, d - 1)),
+            stretch=np.empty((count, d - 1, d - 1)),
             beyond_edge=np.empty(count, dtype=np.bool_),
         )
-        return ContactKinematics(place, augmented, self.frame, carrier, Projection(feet))
+        place = np.empty((count, d))
+        where = position, carrier.position, self.frame
+        stand_on_facets(tuple(self._shapes), self._room, *where, place, tuple(feet))
+        return ContactKinematics(place, place, self.frame, carrier, Projection(feet))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
@@ -131,12 +110,6 @@ def stand_arrays(kinematics: ContactKinematics) -> StandArrays:
     """Where points stand on a face, as arrays."""
     assert isinstance(kinematics.foot, Projection) and kinematics.carrier is not None
     return *kinematics.foot.feet[:4], kinematics.place, kinematics.carrier.position
-
-
-def feet_of(kinematics: ContactKinematics) -> tuple[Any, ...]:
-    """The fields of the `Feet` of points on a face: tuples without names are handed over faster."""
-    assert isinstance(kinematics.foot, Projection)
-    return tuple(kinematics.foot.feet)
 
 
 def facet_shapes(

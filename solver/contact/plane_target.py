@@ -14,7 +14,6 @@ import numpy as np
 
 from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, RigidPoints, SurfaceState
-from solver.contact.kernels.plane import places
 from solver.contact.projection import ContactKinematics, in_space, spread
 from solver.types import Array, Mask
 
@@ -57,54 +56,31 @@ class Carrier(Protocol):
         """Points beyond the edge of the carrier; None where it has none."""
 
 
-NOWHERE: Mask = np.empty(0, dtype=np.bool_)
-"""Points beyond the end of what has none."""
-
-
-class Flat:
-    """A plane that does not turn, endless or with ends: places on it are closed forms.
+class Plane:
+    """An endless plane that does not turn: the ground's, or that of a rigid platform.
 
     Attributes:
         frame: Rows normal and tangents, (d, d).
         origin: A point of it, m.
+        points: One point of the platform that it belongs to; None for the ground.
     """
 
-    frame: Array
-    origin: Array
+    turns = False
 
-    def _lay(self, frame: Array, origin: Array, ends: tuple[Array, Array] | None) -> None:
-        """Take frame, origin, and least and greatest tangential positions; None: it is endless."""
-        self.frame, self.origin, self.is_endless = frame, origin, ends is None
-        d = len(origin)
-        reach = np.array([[-np.inf] * d, [np.inf] * d])
-        if ends is not None:
-            reach[:, 1:] = ends
-        self._lies: Array = np.concatenate([origin[None], np.zeros((1, d)), reach, frame])
+    def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
+        """Take rows normal and tangents, (d, d), a point of the plane, m, and one of a platform."""
+        self.frame, self.origin, self.points = frame, origin, platform
 
-    def lies(self, carrier: SurfaceState | None) -> Array:
-        """Where it lies, as `places` takes it, once `carrier` has moved; None for the ground."""
-        return self._lies
-
-    def room(
-        self, count: int, carrier: SurfaceState | None, *, tractions: bool = False
-    ) -> tuple[ContactKinematics, Mask]:
-        """Kinematics of `count` points to be filled in, and which of them are beyond an end.
-
-        Of an endless plane that is no mask of points at all. Augmented positions of points with
-        tractions are others than their places.
-        """
-        place = augmented = np.empty((count, len(self.origin)))
-        if tractions:
-            augmented = np.empty(place.shape)
-        known = None if self.is_endless else np.empty(count, dtype=np.bool_)
-        seen = ContactKinematics(place, augmented, self.frame, carrier, beyond_edge=known)
-        return seen, NOWHERE if known is None else known
+    @classmethod
+    def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
+        """The horizontal plane at level 0."""
+        return cls(level_frame(dimension), np.zeros(dimension), platform)
 
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
-        seen, beyond = self.room(len(position), carrier)
-        places(position, self.lies(carrier), seen.place, beyond)
-        return seen
+        origin = self.origin if carrier is None else self.origin + carrier.position[0]
+        place = (position - origin) @ self.frame.T
+        return ContactKinematics(place, place, self.frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, whose work is exact."""
@@ -118,35 +94,8 @@ class Flat:
         """Leave the frame as it is: it does not turn."""
 
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
-        """Points beyond an end; None where it has none."""
-        return kinematics.beyond_edge
-
-
-class Plane(Flat):
-    """An endless plane: the ground's, or that of a rigid platform."""
-
-    turns = False
-
-    def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
-        """Take rows normal and tangents, (d, d), and a point of the plane, m.
-
-        `platform` is one point of the platform that it belongs to; None for the ground.
-        """
-        self._lay(frame, origin, None)
-        self.points = platform
-
-    @classmethod
-    def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
-        """The horizontal plane at level 0."""
-        return cls(level_frame(dimension), np.zeros(dimension), platform)
-
-    def lies(self, carrier: SurfaceState | None) -> Array:
-        """Where it lies, as `places` takes it, once its platform has moved; None for the ground."""
-        if carrier is None:
-            return self._lies
-        lies = self._lies.copy()
-        lies[1] = carrier.position[0]
-        return lies
+        """None: it has no edge."""
+        return None
 
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.kernels.chain import Feet
-from solver.contact.kernels.plane import vectors_of
+from solver.contact.kernels.facets import Feet
 from solver.contact.kernels.way import add_spread, interpolated
 from solver.types import Array, Indices, Mask
 
@@ -89,8 +88,6 @@ class ContactKinematics(NamedTuple):
     """Where the points stand; None on a plane."""
     own_projection: EdgeInterpolation | None = None
     """Where they are among the nodes of their own body; None where they are those nodes."""
-    beyond_edge: Mask | None = None
-    """Points beyond an end of a face that stands still, (m,); feet know it of others."""
 
 
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:
@@ -111,7 +108,5 @@ def in_frames(vectors: Array, frames: Array) -> Array:
 def in_space(components: Array, frames: Array) -> Array:
     """Vectors in space of components (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
     if frames.ndim == 2:
-        vectors = np.empty(components.shape)
-        vectors_of(components, frames, vectors)
-        return vectors
+        return components @ frames
     return (components[:, None, :] @ frames)[:, 0]

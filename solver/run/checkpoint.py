@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.overrides import differing
 
-FORMAT = 11
+FORMAT = 12
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -38,7 +38,7 @@ TYPES = {
     "numpy._core.numeric": ("_frombuffer",),
     "solver.bodies.kinematics": ("RigidMotion",),
     "solver.contact.body_points": ("PointState",),
-    "solver.contact.kernels.chain": ("Feet",),
+    "solver.contact.kernels.facets": ("Feet",),
     "solver.contact.kernels.nitsche": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
     "solver.contact.projection": ("ContactKinematics", "EdgeInterpolation", "Projection"),

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet, stand_on_chain
 from solver.contact.kernels.shapes import (
     FacetShapes,
     average_at,
@@ -16,7 +15,11 @@ from solver.contact.kernels.shapes import (
     slope_and_stretch,
 )
 from solver.law.compiled import borrowed, compiled
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
+
+EDGE_BLEND_WIDTH = 0.02
+"""Part of a facet: as near as this to its edge, a foot goes over to the slope averaged over the
+facets that meet there."""
 
 FOOT_SETTLED = 1e-12
 """Part of a facet: Newton's method for a foot ends when it moves the foot by less; what is left is
@@ -34,6 +37,22 @@ FARTHER = 0.5
 Taken as spanned by two edges, a facet misses points on it by no more than its last corner is off
 the parallelogram of the others: by strains, a few per cent of a facet.
 """
+
+
+class Feet(NamedTuple):
+    """Where m points stand on the facets of a face; t = d - 1."""
+
+    nodes: Indices
+    """Nodes of the facet, (m, k)."""
+    weights: Array
+    """Shape functions N of these there, (m, k)."""
+    slope: Array
+    """Rise of the face along the tangents of the frame, (m, t); blended with that of the next
+    facet where facets meet, so that it is continuous."""
+    stretch: Array
+    """Current over undeformed tangential lengths, likewise, (m, t, t)."""
+    beyond_edge: Mask
+    """Feet beyond the edge of the face by more than its margin, (m,)."""
 
 
 @compiled
@@ -214,27 +233,3 @@ def stand_on_facets(
             for a in range(k):
                 slope += share * values[a] * mean_slope[nodes[a]]
                 stretch += share * values[a] * mean_stretch[nodes[a]]
-
-
-Chain = tuple[Indices, Array, float]
-"""Straight facets in the plane, as `stand_on_chain` takes them."""
-
-Facets = tuple[tuple[Any, ...], tuple[Array, Array, Array, Array]]
-"""Facets of any kind, as `stand_on_facets` takes them."""
-
-
-@compiled
-def stand_on_face(
-    chain: Chain | None,
-    facets: Facets | None,
-    position: Array,
-    carrier: Array,
-    frame: Array,
-    place: Array,
-    stand: tuple[Any, ...],
-) -> None:
-    """Fill in what `stand_on_chain` does, or `stand_on_facets`: a face is one of the two."""
-    if chain is not None:
-        stand_on_chain(*chain, position, carrier, frame, place, stand)
-    if facets is not None:
-        stand_on_facets(*facets, position, carrier, frame, place, stand)
