@@ -58,8 +58,7 @@ class Face(FacetCarrier):
         corners = len(basix.geometry(kind))
         self._shapes = facet_shapes(facets, kind, degree, along, margin)
         n, t = along.shape
-        at_nodes = np.empty((n, t)), np.empty((n, t, t))
-        self._room = np.empty((n, t + 1)), np.empty((len(facets), t, t)), *at_nodes
+        self._room = np.empty((n, t + 1)), np.empty((len(facets), t, t))
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))

@@ -247,9 +247,8 @@ class Interface:
     def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies to those on their unknowns, in place."""
         (old_surface, old), (surface, new), force = increment
-        weighted = weights.points * force
+        weighted, (on_body, on_carrier) = weights.points * force, on
         vectors, reaction = self.point_forces(old, new, weighted)
-        on_body, on_carrier = on
         if on_body is not None:
             pull = self.traction_pull(weighted, weights) if self.theta else None
             self.points.add_forces(on_body, PointForces(old_surface, surface, vectors, pull))

@@ -177,7 +177,7 @@ def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) 
 @compiled
 def stand_on_facets(
     face: tuple[Any, ...],
-    room: tuple[Array, Array, Array, Array],
+    room: tuple[Array, Array],
     position: Array,
     carrier: Array,
     frame: Array,
@@ -188,8 +188,7 @@ def stand_on_facets(
 
     Args:
         face: The fields of its `FacetShapes`; tuples without names are handed over faster.
-        room: For the nodes in the frame, (n, d), for a (d-1, d-1) matrix of each facet, and for
-            slopes, (n, d-1), and stretches, (n, d-1, d-1), averaged at the nodes.
+        room: For the nodes in the frame, (n, d), and for a (d-1, d-1) matrix of each facet.
         position: Of the points in space, (m, d), m.
         carrier: Of its nodes in space, (n, d), m.
         frame: Rows normal and tangents, (d, d).
@@ -197,7 +196,7 @@ def stand_on_facets(
         stand: The fields of the `Feet` of the points.
     """
     shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
-    placed, inverses, mean_slope, mean_stretch = borrowed(room)
+    placed, inverses = borrowed(room)
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
     placed[:], points = carrier @ frame.T, position @ frame.T
     if shapes.corners > 2:
@@ -205,8 +204,7 @@ def stand_on_facets(
     where, values, derivatives = np.empty(t), np.empty(k), np.empty((t, k))
     tried = np.zeros(min(FACETS_TRIED, len(shapes.facets)), np.int64)
     gradient, undeformed = np.empty((t, t)), np.empty((t, t))
-    for node in range(len(placed)):
-        average_at(shapes, node, placed, mean_slope[node], mean_stretch[node])
+    mean_slope, mean_stretch = np.empty(t), np.empty((t, t))
     for p in range(len(points)):
         point = points[p, 1:]
         if shapes.corners == 2:
@@ -231,5 +229,6 @@ def stand_on_facets(
             slope *= 1.0 - share
             stretch *= 1.0 - share
             for a in range(k):
-                slope += share * values[a] * mean_slope[nodes[a]]
-                stretch += share * values[a] * mean_stretch[nodes[a]]
+                average_at(shapes, nodes[a], placed, mean_slope, mean_stretch)
+                slope += share * values[a] * mean_slope
+                stretch += share * values[a] * mean_stretch
