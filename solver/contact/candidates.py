@@ -18,7 +18,6 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.facets import evaluate_facets, gather
 from solver.contact.interface import Interface
-from solver.contact.kernels.corners import look_against
 from solver.contact.nitsche_points import contact_points, extent
 from solver.contact.plane_target import Carrier
 from solver.scene import Bed, FrictionSpec
@@ -98,8 +97,7 @@ class MeshedContactPair:
 
     def facing(self, rotation: Array) -> frozenset[int]:
         """Tags of faces with a facet turned towards the carrier, and of the bottom."""
-        towards = np.empty(len(self._outward), dtype=np.bool_)
-        look_against(self._outward, rotation, self.surface.frame[0], FACING, towards)
+        towards = self._outward @ (self.surface.frame[0] @ rotation) < FACING
         key = towards.tobytes()
         if key not in self._found:
             self._found[key] = self.always.union(map(int, self._face[towards]))

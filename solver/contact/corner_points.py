@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from solver.contact.kernels.corners import choose_points, exclude_groups
 from solver.types import Array, Indices, Mask
 
 SAME_PLACE = 9
@@ -25,23 +24,31 @@ class CornerPoints:
         _, group = np.unique(np.round(places, SAME_PLACE), axis=0, return_inverse=True)
         members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
         self._groups = [each for each in members if len(each) > 1]
-        self._normal = np.ascontiguousarray(normal)
+        self._normal = normal
         self._member = np.array([p for each in self._groups for p in each], dtype=np.int64)
-        self._first = np.cumsum([0, *map(len, self._groups)], dtype=np.int64)
+        self._group = np.repeat(np.arange(len(self._groups)), list(map(len, self._groups)))
+        self._first = np.searchsorted(self._group, np.arange(len(self._groups)))
 
     def chosen(self, rotation: Array, towards: Array) -> Mask:
         """The points that may touch: one of each corner, and all that share no place.
 
         The body has turned by a rotation (d, d); `towards` is the normal of the carrier, (d,).
         """
-        mask = np.empty(len(self._normal), dtype=np.bool_)
-        choose_points(self._member, self._first, self._normal, rotation, towards, mask)
+        mask = np.ones(len(self._normal), dtype=np.bool_)
+        if len(self._member):
+            cosine = self._normal[self._member] @ (towards @ rotation)
+            order = np.lexsort((cosine, self._group))
+            mask[self._member] = False
+            mask[self._member[order[self._first]]] = True
         return mask
 
     def closed_to_all(self, may_touch: Mask) -> Mask | None:
         """Points that may not touch, but for those at whose corner another one may; None: none."""
-        outside = np.empty(len(may_touch), dtype=np.bool_)
-        return outside if exclude_groups(self._member, self._first, may_touch, outside) else None
+        outside = ~may_touch
+        if len(self._member):
+            closed = np.logical_and.reduceat(outside[self._member], self._first)
+            outside[self._member] = closed[self._group]
+        return outside if outside.any() else None
 
     def moves(self, before: Mask, after: Mask) -> Iterator[tuple[int, int]]:
         """Pairs (old, new) of points of a corner between which contact changes."""

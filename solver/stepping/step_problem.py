@@ -18,7 +18,6 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.contact.increment import ForceWeights, Observed
-from solver.contact.kernels.candidates import put_away
 from solver.contact.projection import ContactKinematics
 from solver.parallel import global_sums
 from solver.stepping.balance import Balance, Contact
@@ -303,7 +302,7 @@ class StepProblem:
     def _put_away(self, y: Array) -> None:
         """Put points beyond an edge as far from their carrier as their body is large, in y."""
         if self._beyond is not None:
-            put_away(y, self._beyond, self._points.size)
+            y[self._beyond, 0] = self._points.size[self._beyond]
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""
