@@ -12,8 +12,7 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from solver.compat import geometry_degree, geometry_nodes
-from solver.contact.clipping import on_polygons
-from solver.contact.quadrature import Rule, facet_rule, on_facets, on_pieces
+from solver.contact.quadrature import Rule, facet_rule, on_facets, on_pieces, on_polygons
 from solver.parallel import Layer
 from solver.types import Array, Indices
 

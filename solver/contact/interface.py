@@ -35,9 +35,9 @@ from solver.contact.kernels.apart import least_distance
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
 from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.memory import Dissipation, Memory
+from solver.contact.nitsche_points import theta_matrix
 from solver.contact.plane_target import Carrier
 from solver.contact.projection import ContactKinematics
-from solver.contact.theta_term import theta_matrix
 from solver.law.friction import (
     Bounds,
     FrictionLaws,

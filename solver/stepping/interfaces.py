@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.contact.candidates import ContactPair
-from solver.contact.crossing_interface import CrossingInterface
-from solver.contact.edge_crossings import Crossings
+from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.facet_target import Face
 from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.memory import Memory
