@@ -25,9 +25,8 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import green_strain
 from solver.compat import PackedForm
 from solver.contact.body_points import SurfaceState
-from solver.contact.increment import ContactIncrement, ForceWeights
 from solver.contact.kernels.nitsche import NitscheState
-from solver.contact.projection import ContactKinematics
+from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.system import Link, System

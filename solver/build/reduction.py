@@ -20,7 +20,7 @@ from solver.bodies.reduced.linearised import linearised
 from solver.bodies.reduced.matrices import Shapes, reduced_matrices
 from solver.bodies.reduced.reduction import Reduction
 from solver.build.support import Foot, FoundationBody, Storeys
-from solver.contact.carrier_surface import Facets
+from solver.contact.facets import Facets
 from solver.errors import NotConverged, SceneError
 from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion

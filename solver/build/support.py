@@ -20,9 +20,8 @@ from solver.bodies.oscillator import Oscillator
 from solver.bodies.reduced.body import ReducedBody
 from solver.bodies.reduced.reduction import Reduction
 from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
-from solver.contact.carrier_surface import Facets, carrier_surface
-from solver.contact.facet_target import Face
-from solver.contact.plane_target import Carrier, Plane
+from solver.contact.carriers import Carrier, Face, Plane
+from solver.contact.facets import Facets, carrier_surface
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec, stiffness_damping
 from solver.scene.foundation import FrameSpec, PlateSpec

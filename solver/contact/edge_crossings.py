@@ -22,17 +22,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.contact.body_points import FacePoints, Key, SurfaceState
-from solver.contact.facet_target import CAME_ROUND, Face
+from solver.contact.carriers import CAME_ROUND, Face, FacetCarrier
 from solver.contact.interface import Interface
-from solver.contact.memory import Memory
-from solver.contact.plane_target import FacetCarrier
-from solver.contact.projection import (
+from solver.contact.kinematics import (
     ContactKinematics,
     EdgeInterpolation,
     in_frames,
     in_space,
     spread,
 )
+from solver.contact.memory import Memory
 from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
 from solver.law.friction import new_pasts
 from solver.scene import Bed, FrictionSpec

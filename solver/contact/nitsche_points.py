@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from dolfinx import fem, mesh
 
-from solver.contact.facets import Evaluations, evaluate_facets, gather
+from solver.contact.facets import Evaluations, evaluate_facets, extent, gather
 from solver.contact.kernels.nitsche import SurfaceRows
 from solver.parallel import Layer
 from solver.scene.material import Material
@@ -161,14 +161,6 @@ def _gradient_rows(table: Evaluations, layer: Layer) -> sp.csr_matrix:
     directions = [_node_rows(table, table.gradients[:, :, j], layer) for j in range(dimension)]
     order = np.arange(count * dimension).reshape(dimension, count).T.ravel()
     return sp.vstack(directions).tocsr()[order]
-
-
-def extent(domain: mesh.Mesh) -> float:
-    """The largest side of the box around a mesh, m; the same on every rank."""
-    places = domain.geometry.x
-    corners = places.min(axis=0, initial=np.inf), places.max(axis=0, initial=-np.inf)
-    low, high = zip(*domain.comm.allgather(corners), strict=True)
-    return float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
 
 
 def contact_points(

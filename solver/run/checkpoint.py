@@ -41,7 +41,7 @@ TYPES = {
     "solver.contact.kernels.facets": ("Feet",),
     "solver.contact.kernels.nitsche": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
-    "solver.contact.projection": ("ContactKinematics", "EdgeInterpolation", "Projection"),
+    "solver.contact.kinematics": ("ContactKinematics", "EdgeInterpolation", "Projection"),
     "solver.rigid.plane.model": ("PlaneMemory", "PlaneState", "PlaneWork"),
     "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.increment import Observed
+from solver.contact.kinematics import ContactKinematics, Observed
 from solver.contact.memory import Memory
-from solver.contact.projection import ContactKinematics
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import TangentWeights

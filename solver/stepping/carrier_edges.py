@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from solver.contact.carriers import Carrier
+from solver.contact.kinematics import ContactKinematics
 from solver.contact.memory import Memory
-from solver.contact.plane_target import Carrier
-from solver.contact.projection import ContactKinematics
 from solver.stepping.point_table import PointTable
 from solver.types import Indices, Mask
 

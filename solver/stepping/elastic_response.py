@@ -25,7 +25,7 @@ from solver.contact.kernels.turned import (
     read_points,
     turn,
 )
-from solver.contact.projection import Interpolation
+from solver.contact.kinematics import Interpolation
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance
 from solver.stepping.ports import InterfaceDofs

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.ledger import energies
 from solver.stepping.state import State

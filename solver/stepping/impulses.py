@@ -11,7 +11,7 @@ import numpy as np
 from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse, MassInverse
 from solver.bodies.reduced.body import ReducedBody
-from solver.contact.projection import in_frames
+from solver.contact.kinematics import in_frames
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
 from solver.law.velocity import impulse_correction, slip_reversal

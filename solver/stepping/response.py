@@ -21,7 +21,7 @@ import numpy as np
 
 from solver.bodies.dense_body import DenseBody
 from solver.contact.body_points import SurfacePoints
-from solver.contact.projection import ContactKinematics, Interpolation, in_frames
+from solver.contact.kinematics import ContactKinematics, Interpolation, in_frames
 from solver.types import Array, Indices, Mask
 
 Configuration = TypeVar("Configuration")

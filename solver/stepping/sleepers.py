@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.contact.increment import Observed
+from solver.contact.kinematics import ContactKinematics, Observed
 from solver.contact.memory import Memory
-from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
 from solver.stepping.carrier_edges import CarrierEdges

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.memory import NOTHING_LOST, Dissipation, Memory
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.balance import Balance, Contact

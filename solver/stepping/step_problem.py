@@ -17,8 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.dense_body import DenseBody
-from solver.contact.increment import ForceWeights, Observed
-from solver.contact.projection import ContactKinematics
+from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
 from solver.parallel import global_sums
 from solver.stepping.balance import Balance, Contact
 from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch

@@ -13,10 +13,10 @@ from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.body_points import PointForces
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.increment import ForceWeights
+from solver.contact.carriers import Plane
 from solver.contact.interface import Interface
-from solver.contact.plane_target import Plane
+from solver.contact.kinematics import ForceWeights
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of

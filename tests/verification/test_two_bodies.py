@@ -19,10 +19,10 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_box import CARRIED, RigidBox, SpaceBox, rigid_box
 from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
-from solver.contact.carrier_surface import carrier_surface
-from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.carriers import Face
+from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
+from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.nitsche_points import contact_points
 from solver.scene import FrictionSpec
 from solver.scene.material import Material

@@ -16,10 +16,10 @@ from dolfinx import mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
-from solver.contact.facets import evaluate_facets, gather
+from solver.contact.carriers import Carrier
+from solver.contact.facets import evaluate_facets, extent, gather
 from solver.contact.interface import Interface
-from solver.contact.nitsche_points import contact_points, extent
-from solver.contact.plane_target import Carrier
+from solver.contact.nitsche_points import contact_points
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array
 
