@@ -52,8 +52,7 @@ TYPES = {
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration"),
-    "solver.stepping.state": ("State",),
-    "solver.stepping.turning": ("Turning",),
+    "solver.stepping.state": ("State", "Turning"),
 }
 """The types that runs save, by the modules that have them: a checkpoint may name no others."""
 

@@ -13,13 +13,12 @@ from solver.bodies.memory import kept_limit
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.active_set import Reach, points_beyond
 from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.carrier_edges import points_beyond
 from solver.stepping.delassus import LastDelassus, Softening
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
-from solver.stepping.reach import Reach
 from solver.stepping.resuming import repeat_compliances, saved_compliances
 from solver.stepping.step_contact import compile_law
 from solver.stepping.step_problem import StepProblem

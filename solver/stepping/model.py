@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from solver.law.local_problem import LocalProblem
 from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.active_set import Reach
 from solver.stepping.delassus import Softening
 from solver.stepping.point_table import PointTable
-from solver.stepping.reach import Reach
 from solver.stepping.response import AnyResponse
 from solver.stepping.system import System
 

@@ -14,9 +14,8 @@ from solver.stepping.balance import Balance, Contact
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds
 from solver.stepping.point_table import joined
-from solver.stepping.state import State
+from solver.stepping.state import State, Turning
 from solver.stepping.system import Link, System
-from solver.stepping.turning import Turning
 from solver.types import Array
 
 

@@ -19,8 +19,8 @@ import numpy as np
 from solver.bodies.dense_body import DenseBody
 from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
 from solver.parallel import global_sums
+from solver.stepping.active_set import CarrierEdges, EdgeWatch, Sleepers
 from solver.stepping.balance import Balance, Contact
-from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
 from solver.stepping.delassus import (
     Delassus,
     DelassusKey,
@@ -30,7 +30,6 @@ from solver.stepping.delassus import (
 from solver.stepping.model import ContactModel, Tangents
 from solver.stepping.point_table import copied, joined
 from solver.stepping.response import CandidateSet, Kinematics
-from solver.stepping.sleepers import Sleepers
 from solver.stepping.step_contact import OthersNear, StepContact
 from solver.stepping.system import Link
 from solver.types import Array, Indices, Mask

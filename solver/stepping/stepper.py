@@ -29,7 +29,7 @@ from solver.stepping.reactions import (
     standing_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, State
+from solver.stepping.state import Exchange, GroundForces, State, Turning
 from solver.stepping.step import (
     Step,
     balance_of,
@@ -40,7 +40,6 @@ from solver.stepping.step import (
     turned,
 )
 from solver.stepping.system import Link, System
-from solver.stepping.turning import Turning
 from solver.types import Array
 
 

@@ -11,7 +11,7 @@ from rockslip import parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.contact.body_points import FixedPoints
 from solver.contact.interface import Interface
-from solver.stepping import sleepers
+from solver.stepping import active_set
 from solver.stepping.stepper import StepFailed
 
 BLOCK = {
@@ -66,7 +66,7 @@ def test_what_nobody_looks_at_is_as_if_everybody_did(
     monkeypatch.setattr(Interface, "observe", counted)
     asleep = simulate(parse_scene(scene))
     few, looks = looks, 0
-    monkeypatch.setattr(sleepers, "STEPS_AHEAD", np.inf)
+    monkeypatch.setattr(active_set, "STEPS_AHEAD", np.inf)
     awake = simulate(parse_scene(scene))
     assert awake.history["block.penetration_m" if not block else "rigid.penetration_m"].any()
     for column in awake.history.columns:
