@@ -29,7 +29,6 @@ from solver.contact.kinematics import (
     EdgeInterpolation,
     in_frames,
     in_space,
-    spread,
 )
 from solver.contact.memory import Memory
 from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
@@ -496,13 +495,3 @@ class CrossingInterface(Interface):
         """Pairs that cross at this instant, not only at some time in its step."""
         assert memory.kinematics.carrier is not None
         return self.crossings.within(memory.surface.position, memory.kinematics.carrier.position)
-
-    def point_forces(
-        self, old: ContactKinematics, new: ContactKinematics, force: Array
-    ) -> tuple[Array, Array | None]:
-        """Point forces as vectors in space on the nodes of both outlines."""
-        vectors = self.carrier.vectors(old, new, force)
-        first, last = old.own_projection, new.own_projection
-        assert first is not None and last is not None
-        on_points = spread(first, last, vectors, self.points.count)
-        return on_points, self.carrier.reaction(old, new, vectors)

@@ -22,14 +22,12 @@ from solver.contact.bed import PointBeds
 from solver.contact.body_points import (
     Key,
     NitschePoints,
-    PointForces,
     RigidPoints,
     SurfacePoints,
     SurfaceState,
     keys_of,
 )
 from solver.contact.carriers import Carrier, Face
-from solver.contact.kernels.apart import least_distance
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
 from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.kinematics import (
@@ -38,6 +36,7 @@ from solver.contact.kinematics import (
     ForceWeights,
     Observed,
     Parts,
+    spread,
 )
 from solver.contact.memory import CornerPoints, Dissipation, Memory
 from solver.contact.nitsche_points import theta_matrix
@@ -213,7 +212,9 @@ class Interface:
         """At least how far an edge is from the face that it may press on, m; 0 for other points."""
         if not self._of_edge or kinematics.carrier is None:
             return 0.0
-        return least_distance(surface.position, kinematics.carrier.position)
+        nodes, x = kinematics.carrier.position, surface.position
+        off = np.maximum(np.maximum(nodes.min(axis=0) - x, x - nodes.max(axis=0)), 0.0)
+        return float(np.linalg.norm(off, axis=1).min())
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
@@ -227,8 +228,11 @@ class Interface:
 
         Forces are those at t_{n+1}, (points, d), N; `old` kinematics is in the frame of the step.
         """
-        vectors = self.carrier.vectors(old, new, force)
-        return vectors, self.carrier.reaction(old, new, vectors)
+        vectors = on_points = self.carrier.vectors(old, new, force)
+        if old.own_projection is not None and new.own_projection is not None:
+            places = old.own_projection, new.own_projection
+            on_points = spread(*places, vectors, self.points.count)
+        return on_points, self.carrier.reaction(old, new, vectors)
 
     def press(
         self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
@@ -252,19 +256,15 @@ class Interface:
         (old_surface, old), (surface, new), force = increment
         weighted, (on_body, on_carrier) = weights.points * force, on
         vectors, reaction = self.point_forces(old, new, weighted)
-        if on_body is not None:
+        if on_body is not None and isinstance(self.points, NitschePoints):
             pull = self.traction_pull(weighted, weights) if self.theta else None
-            self.points.add_forces(on_body, PointForces(old_surface, surface, vectors, pull))
+            self.points.add_forces(on_body, old_surface, surface, vectors, pull)
+        elif on_body is not None:
+            self.points.add_forces(on_body, old_surface, surface, vectors)
         if on_carrier is not None and reaction is not None:
-            self._add_reaction(old, new, reaction, on_carrier)
-
-    def _add_reaction(
-        self, old: ContactKinematics, new: ContactKinematics, reaction: Array, target: Array
-    ) -> None:
-        """Add forces on the carrier's own points to those on its unknowns."""
-        points, first, last = self.carrier.points, old.carrier, new.carrier
-        assert points is not None and first is not None and last is not None
-        points.add_forces(target, PointForces(first, last, reaction))
+            assert self.carrier.points is not None and old.carrier is not None
+            assert new.carrier is not None
+            self.carrier.points.add_forces(on_carrier, old.carrier, new.carrier, reaction)
 
     def traction_pull(self, force: Array, weights: ForceWeights) -> TractionPull:
         """What the discrete gradient of the traction is multiplied by.

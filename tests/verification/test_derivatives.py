@@ -12,7 +12,6 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
-from solver.contact.body_points import PointForces
 from solver.contact.carriers import Plane
 from solver.contact.interface import Interface
 from solver.contact.kinematics import ForceWeights
@@ -243,7 +242,7 @@ def test_theta_matrix(thing, theta):
         nothing = np.zeros((points.count, 2))
         pull = interface.traction_pull(nothing, ForceWeights.of(1.0, 1.0, 1.0))
         total = np.zeros(body.size)
-        interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
+        interface.points.add_forces(total, surface, surface, nothing, pull)
         return total
 
     assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
@@ -260,7 +259,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )
     total = np.zeros(thing.body.size)
-    interface.points.add_forces(total, PointForces(old, new, vectors, pull))
+    interface.points.add_forces(total, old, new, vectors, pull)
     y_old, y_new = (interface.observe(u, None)[1].augmented for u in (u0, u1))
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)
