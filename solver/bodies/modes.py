@@ -75,8 +75,8 @@ def lowest_modes(body: ElasticBody, count: int, shift: float = 0.0) -> tuple[Arr
         squared, shapes = lowest_pairs(stiffness, inertia, count, factor.solve)
         return squared - shift, shapes
     shapes = np.zeros((body.size, min(count, len(free))))
-    pencil = (matrix[free][:, free] for matrix in (stiffness, inertia))
-    squared, shapes[free] = lowest_pairs(*pencil, count, factor.solve)
+    stiffness, inertia = stiffness[free][:, free], inertia[free][:, free]
+    squared, shapes[free] = lowest_pairs(stiffness, inertia, count, factor.solve)
     return squared - shift, shapes
 
 

@@ -18,7 +18,7 @@ from solver.bodies.rigid_body import Oscillator
 from solver.build.frame import build_frame
 from solver.build.meshed_body import meshed_body
 from solver.build.support import FoundationBody, damping_of, with_top
-from solver.contact.carrier_surface import carrier_surface
+from solver.contact.facets import carrier_surface
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec

@@ -22,7 +22,7 @@ from solver.bodies.reduced_body import (
     Reduction,
 )
 from solver.build.support import Foot, FoundationBody, Storeys
-from solver.contact.carrier_surface import Facets
+from solver.contact.facets import Facets
 from solver.errors import NotConverged, SceneError
 from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 from mpi4py import MPI
@@ -18,10 +19,8 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody, Reduction
 from solver.bodies.rigid_body import Oscillator
 from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
-from solver.contact.carrier_surface import Facets, carrier_surface
-from solver.contact.facet_target import Face
-from solver.contact.held_face import HeldFace
-from solver.contact.plane_target import Carrier, Plane
+from solver.contact.carriers import Carrier, Face, Plane
+from solver.contact.facets import Facets, carrier_surface
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec, stiffness_damping
 from solver.scene.foundation import FrameSpec, PlateSpec
@@ -79,27 +78,33 @@ class FoundationBody:
     def carrier(self) -> Carrier:
         """The surface that blocks stand on."""
         frame = level_frame(self.dimension)
+        if isinstance(self.body, ElasticBody | ReducedBody):
+            assert self.surface is not None
+            surface, nodes = self.surface, self.surface.nodes
+            points = NodePoints(self.body, surface.layer, surface.positions)
+            return Face(points, nodes, frame, surface.cell, surface.degree)
         if self.surface is not None:
-            surface = self.surface
-            shape = surface.nodes, frame, surface.cell, surface.degree
-            if isinstance(self.body, ElasticBody | ReducedBody):
-                return Face(NodePoints(self.body, surface.layer, surface.positions), *shape)
-            return HeldFace(FixedPoints(surface.positions), *shape)
+            return _fixed_face(self.surface.positions, frame)
         if self.width is not None:
-            corners, facets, cell = self._fixed(self.width)
-            return HeldFace(FixedPoints(corners), facets, frame, cell)
+            sides = np.array([self.width, self.thickness or self.width, 0.0])
+            half = 0.5 * sides[[0, 2] if self.dimension == 2 else [0, 1, 2]]
+            return _fixed_face(np.array([-half, half]), frame)
         if isinstance(self.body, Oscillator):
             platform = RigidPoints(self.body, np.zeros((1, self.dimension)))
             return Plane.level(self.dimension, platform)
         return Plane.level(self.dimension)
 
-    def _fixed(self, width: float) -> tuple[Array, Indices, str]:
-        """Corners and the one facet of the top of a plate that is fully restrained."""
-        if self.dimension == 2:
-            return np.array([[-0.5, 0.0], [0.5, 0.0]]) * width, np.array([[0, 1]]), "interval"
-        signs = np.array([[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
-        corners = np.column_stack([signs * (width, self.thickness or width), np.zeros(4)])
-        return corners, np.array([[0, 1, 2, 3]]), "quadrilateral"
+
+def _fixed_face(positions: Array, frame: Array) -> Face:
+    """The level rectangle around some positions (n, d), m, as a face of one facet that is fixed.
+
+    On what neither rises nor is stretched all facets are one.
+    """
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    ends = np.array(list(product((0, 1), repeat=len(low) - 1)))[:, ::-1]  # as basix counts corners
+    corners = low + np.column_stack([ends, np.zeros(len(ends))]) * (high - low)
+    cell = "interval" if len(low) == 2 else "quadrilateral"
+    return Face(FixedPoints(corners), np.arange(len(corners))[None], frame, cell)
 
 
 def with_top(

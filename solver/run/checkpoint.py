@@ -38,10 +38,10 @@ TYPES = {
     "numpy._core.numeric": ("_frombuffer",),
     "solver.bodies.kinematics": ("RigidMotion",),
     "solver.contact.body_points": ("PointState",),
-    "solver.contact.kernels.chain": ("Feet",),
+    "solver.contact.kernels.facets": ("Feet",),
     "solver.contact.kernels.nitsche": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
-    "solver.contact.projection": ("ContactKinematics", "EdgeInterpolation", "Projection"),
+    "solver.contact.kinematics": ("ContactKinematics", "EdgeInterpolation", "Projection"),
     "solver.rigid.plane.model": ("PlaneMemory", "PlaneState", "PlaneWork"),
     "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
@@ -50,8 +50,7 @@ TYPES = {
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
-    "solver.stepping.state": ("State",),
-    "solver.stepping.turning": ("Turning",),
+    "solver.stepping.state": ("State", "Turning"),
 }
 """The types that runs save, by the modules that have them: a checkpoint may name no others."""
 

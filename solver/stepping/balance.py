@@ -13,9 +13,8 @@ import numpy as np
 
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfaceState
-from solver.contact.increment import ContactIncrement, ForceWeights, Observed
+from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights, Observed
 from solver.contact.memory import NOTHING_LOST, Dissipation, Memory
-from solver.contact.projection import ContactKinematics
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
@@ -24,9 +23,8 @@ from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.point_table import joined
-from solver.stepping.state import State
+from solver.stepping.state import State, Turning
 from solver.stepping.system import Body, Link, System
-from solver.stepping.turning import Turning
 from solver.types import Array
 
 RESIDUAL_TOLERANCE = 1e-8

@@ -13,13 +13,12 @@ from solver.bodies.rigid_body import DenseBody
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import TangentWeights
+from solver.stepping.active_set import Reach, points_beyond
 from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.carrier_edges import points_beyond
 from solver.stepping.delassus import Softening, Tangents
 from solver.stepping.model import ContactModel
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
-from solver.stepping.reach import Reach
 from solver.stepping.response import repeat_compliances, saved_compliances
 from solver.stepping.step_contact import compile_law
 from solver.stepping.step_problem import StepProblem
@@ -81,13 +80,15 @@ class ContactSolve:
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""
         reach = self._model.reach
-        if reach.holding and not balance.static:
+        if balance.static:
+            self._hold_touching(balance)
+        elif reach.holding:
             reach.meet_again(reach.met)
         tangents = self._tangents_for(tuple(balance.weights))
         problem = StepProblem(self._model, tangents, balance, guess)
         tolerance = balance.tolerance(self._model.system, guess)
         u, outcome = self._solver.solve(problem, guess, tolerance)
-        if not outcome.converged and (self._restiffens(balance) or self._holds_on(balance)):
+        if not outcome.converged and self._restiffens(balance):
             return self.solve(balance, guess)
         while outcome.converged and problem.continues(u):
             before = outcome.iterations
@@ -110,24 +111,20 @@ class ContactSolve:
             self._tangents.clear()
         return any(changed)
 
-    def _holds_on(self, balance: Balance) -> bool:
-        """Look for an equilibrium that was not found with all points that touch, once.
+    def _hold_touching(self, balance: Balance) -> None:
+        """Let all points that touch count in an equilibrium, wherever corrections lead them.
 
-        Nothing but contact holds the bodies of a stack. As long as only the lowest points are known
-        to be near, those above fall far beyond anything that makes sense.
+        Nothing but contact holds the bodies of a stack. If only the lowest points were known to be
+        near, those above would fall far beyond anything that makes sense.
         """
-        reach = self._model.reach
-        if not balance.static or reach.holding:
-            return False
-        memories = balance.contact
+        memories, points = balance.contact, self._model.points
         may_touch = copied([memory.may_touch for memory in memories])
-        points = self._model.points
         for own, memory, carrier in zip(points.own, memories, points.carriers, strict=True):
             beyond = points_beyond(carrier, memory)
             if beyond is not None:
                 may_touch[own] &= ~beyond
-        reach.hold(joined([memory.kinematics.place[:, 0] for memory in memories]), may_touch)
-        return True
+        gaps = joined([memory.kinematics.place[:, 0] for memory in memories])
+        self._model.reach.hold(gaps, may_touch)
 
     def _was_strained_at(self, start: Array) -> bool:
         """Whether the stiffness was made anew at this very displacement; collective."""

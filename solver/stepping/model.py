@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from solver.law.local_problem import LocalProblem
+from solver.stepping.active_set import Reach
 from solver.stepping.delassus import Softening
 from solver.stepping.point_table import PointTable
-from solver.stepping.reach import Reach
 from solver.stepping.system import System
 
 

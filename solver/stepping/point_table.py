@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.bed import Yielding
-from solver.contact.increment import Observed
+from solver.contact.kinematics import Observed
 from solver.contact.memory import Memory
 from solver.law.friction import Bounds, new_pasts
 from solver.stepping.system import Link, System

@@ -38,7 +38,7 @@ from solver.contact.kernels.turned import (
     read_points,
     turn,
 )
-from solver.contact.projection import ContactKinematics, Interpolation, in_frames
+from solver.contact.kinematics import ContactKinematics, Interpolation, in_frames
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance
 from solver.stepping.ports import InterfaceDofs

@@ -17,17 +17,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.increment import ForceWeights, Observed
-from solver.contact.kernels.candidates import put_away
-from solver.contact.projection import ContactKinematics
+from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
 from solver.parallel import global_sums
+from solver.stepping.active_set import CarrierEdges, EdgeWatch, Sleepers
 from solver.stepping.balance import Balance, Contact
-from solver.stepping.carrier_edges import CarrierEdges, EdgeWatch
-from solver.stepping.delassus import Delassus, Tangents, assembled, of_no_points
+from solver.stepping.delassus import (
+    Delassus,
+    Tangents,
+    assembled,
+    of_no_points,
+)
 from solver.stepping.model import ContactModel
 from solver.stepping.point_table import copied, joined
 from solver.stepping.response import CandidateSet, Kinematics
-from solver.stepping.sleepers import Sleepers
 from solver.stepping.step_contact import OthersNear, StepContact
 from solver.stepping.system import Link
 from solver.types import Array, Indices, Mask
@@ -256,7 +258,7 @@ class StepProblem:
     def _put_away(self, y: Array) -> None:
         """Put points beyond an edge as far from their carrier as their body is large, in y."""
         if self._beyond is not None:
-            put_away(y, self._beyond, self._points.size)
+            y[self._beyond, 0] = self._points.size[self._beyond]
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.candidates import ContactPair
-from solver.contact.events import contact_changed
+from solver.contact.memory import contact_changed
+from solver.contact.pairs import ContactPair
 from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
@@ -40,9 +40,8 @@ from solver.stepping.reactions import (
     standing_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, State
+from solver.stepping.state import Exchange, GroundForces, State, Turning
 from solver.stepping.system import Link, System
-from solver.stepping.turning import Turning
 from solver.types import Array
 
 

@@ -15,8 +15,8 @@ from solver.bodies.factorization import Inverse
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody, Oscillator
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
-from solver.contact.increment import Parts
 from solver.contact.interface import Interface
+from solver.contact.kinematics import Parts
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance

@@ -119,7 +119,7 @@ print(*(m.__file__ for n, m in sys.modules.items() if n.split(".")[0] in ("geome
     "module_name",
     [
         *("solver.rigid.plane.rows", "solver.rigid.space.rows", "solver.law.local_problem"),
-        *("solver.contact.kernels.way", "solver.contact.kernels.nitsche"),
+        *("solver.contact.kernels.facets", "solver.contact.kernels.nitsche"),
         *("solver.bodies.kinematics", "solver.reference.kernels.slider"),
     ],
 )

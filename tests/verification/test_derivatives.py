@@ -8,19 +8,14 @@ import numpy as np
 import pytest
 
 from geometry.block import Block
-from geometry.foundation import level_frame
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
-from solver.bodies.rigid_body import Oscillator
-from solver.contact.body_points import FixedPoints, PointForces, RigidPoints
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.held_face import HeldFace
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.carriers import Plane
 from solver.contact.interface import Interface
-from solver.contact.passes.on_plane import NitscheOnPlane
-from solver.contact.plane_target import Plane
+from solver.contact.kinematics import ForceWeights
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
@@ -247,7 +242,7 @@ def test_theta_matrix(thing, theta):
         nothing = np.zeros((points.count, 2))
         pull = interface.traction_pull(nothing, ForceWeights.of(1.0, 1.0, 1.0))
         total = np.zeros(body.size)
-        interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
+        interface.points.add_forces(total, surface, surface, nothing, pull)
         return total
 
     assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
@@ -264,42 +259,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )
     total = np.zeros(thing.body.size)
-    interface.points.add_forces(total, PointForces(old, new, vectors, pull))
+    interface.points.add_forces(total, old, new, vectors, pull)
     y_old, y_new = (interface.observe(u, None)[1].augmented for u in (u0, u1))
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)
-
-
-@pytest.mark.parametrize("theta", [1, 0, -1])
-@pytest.mark.parametrize("on", ["ground", "platform", "held face"])
-def test_passes_in_one_go_are_those_one_by_one(thing, theta, on):
-    """An interface on a plane, and the same as any other interface, to the last bit."""
-    body, points, law = thing.body, thing.interface.points, FrictionSpec(static=0.5)
-    platform = Oscillator(mass=2.0, stiffness=1.0, dashpot=0.0, comm=MPI.COMM_SELF)
-    own = RigidPoints(platform, np.zeros((1, 2))) if on == "platform" else None
-    carrier = Plane.level(2, own)
-    if on == "held face":
-        ends = FixedPoints(np.array([[-0.2, 0.0], [0.1, 0.0]]))
-        carrier = HeldFace(ends, np.array([[0, 1]]), level_frame(2), "interval")
-    moved = [None, None] if own is None else [np.array([0.1]), np.array([0.3])]
-    u = [thing.displacement(16, 0.1, 1e-2), thing.displacement(17, 0.15, 1e-2)]
-    force, found = np.random.default_rng(18).standard_normal((points.count, 2)), []
-    for kind in (NitscheOnPlane, Interface):
-        interface = kind(points, carrier, law, theta=theta)
-        before, weights = interface.observe(u[0], moved[0]), ForceWeights.of(0.6, 0.7, -1.0)
-        targets = [(np.zeros(body.size), None if own is None else np.zeros(1)) for _ in range(3)]
-        seen = interface.press(before, (u[1], moved[1]), force, targets[0], weights)
-        again = interface.observe(u[1], moved[1])
-        interface.add_forces(ContactIncrement(before, again, force), targets[1], weights)
-        interface.press(None, (u[1], moved[1]), force, targets[2], weights)
-        assert [*seen[0].values.flat] == [*again[0].values.flat]
-        for one, other in zip(targets[0], targets[1], strict=True):
-            assert one is None or one.tobytes() == other.tobytes()
-        places = [seen[0].values, seen[1].place, seen[1].augmented]
-        if on == "held face":
-            assert seen[1].beyond_edge.any() and not seen[1].beyond_edge.all()
-            places.append(seen[1].beyond_edge)
-        found.append([*places, *(one for pair in targets for one in pair if one is not None)])
-    assert np.abs(found[0][2] - found[0][1]).max() > 0.0
-    for one, other in zip(*found, strict=True):
-        assert one.tobytes() == other.tobytes()

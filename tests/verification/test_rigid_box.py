@@ -15,9 +15,9 @@ from geometry.block import Block
 from rockslip import Result, parse_scene, simulate
 from solver.bodies.rigid_body import TURNED, SpaceBox, rigid_box
 from solver.contact.body_points import RigidPoints
-from solver.contact.candidates import FixedContactPair
+from solver.contact.carriers import Plane
 from solver.contact.interface import Interface
-from solver.contact.plane_target import Plane
+from solver.contact.pairs import FixedContactPair
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.state import State

@@ -17,12 +17,10 @@ from rockslip import BlockSpec, Scene, parse_scene, simulate
 from solver.bodies.elastic_body import ElasticBody
 from solver.build.assembly import build, initial_state, rim
 from solver.contact.body_points import NodePoints
-from solver.contact.carrier_surface import carrier_surface
-from solver.contact.crossing_interface import CrossingInterface
-from solver.contact.edge_crossings import Crossings
-from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement, ForceWeights
-from solver.contact.outline import Outline
+from solver.contact.carriers import Face
+from solver.contact.edge_crossings import CrossingInterface, Crossings, Outline
+from solver.contact.facets import carrier_surface
+from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.state import State

@@ -43,14 +43,6 @@ def sinks_in(y: Array, round_off: Array, may_touch: Mask, met: Mask) -> bool:
 
 
 @compiled
-def put_away(y: Array, beyond: Mask, size: Array) -> None:
-    """Put points beyond an edge as far from their carrier as the size of their body, m, in y."""
-    for p in range(len(y)):
-        if beyond[p]:
-            y[p, 0] = size[p]
-
-
-@compiled
 def free_values(
     near: Indices,
     W: Array,

@@ -1,22 +1,139 @@
-"""Interfaces far from contact, which a step leaves out, and many steps do not even look at."""
+"""What a step looks at: points near their carriers, or beyond an edge; interfaces far away.
+
+Each point that is looked at needs its columns of the contact compliance, which large bodies take
+long to solve for. So points that were never near count only where they would sink in; those that
+once were, for which the columns are there, count from some way off: the set stays the same then,
+and what other points press into the carrier is there when it is. Interfaces far from contact are
+left out of a step, and many steps do not even look at them.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.increment import Observed
+from solver.contact.carriers import Carrier
+from solver.contact.kinematics import ContactKinematics, Observed
 from solver.contact.memory import Memory
-from solver.contact.projection import ContactKinematics
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
-from solver.stepping.carrier_edges import CarrierEdges
 from solver.stepping.point_table import PointTable
-from solver.stepping.reach import REACH
 from solver.stepping.system import Body, System
-from solver.types import Array, Mask
+from solver.types import Array, Indices, Mask
+
+REACH = 0.002
+"""Part of a body's size: points farther from their carrier after the free step are not pressed into
+it by the others."""
+
+FIRST_REACH = 1e-6
+"""Part of a body's size from which points count that were never near before; if others sink in all
+the same, the step is solved on with them."""
+
+
+class Reach:
+    """The gaps below which points may come into contact in a correction.
+
+    Attributes:
+        distance: The gaps, (points,), m.
+        met: Points that were near in a correction before, (points,).
+        holding: Whether some points count wherever they are.
+    """
+
+    def __init__(self, size: Array):
+        """Begin with points that were never near, by the sizes of their bodies, (points,), m."""
+        self._size, self.holding = size, False
+        self.meet_again(np.zeros(len(size), dtype=np.bool_))
+
+    def meet_again(self, met: Mask) -> None:
+        """Let these points, and no others, have been near before, (points,)."""
+        self.met, self.holding = met.copy(), False
+        self.distance: Array = np.where(met, REACH, FIRST_REACH) * self._size
+
+    def hold(self, gaps: Array, may_touch: Mask) -> None:
+        """Let all points that touch by these gaps (m) count, wherever corrections lead them."""
+        touching = may_touch & (gaps <= FIRST_REACH * self._size)
+        self.holding = True
+        self.distance = np.where(touching, np.inf, self.distance)
+
+    def meet(self, near: Indices) -> None:
+        """Take note that points are near, by their numbers."""
+        if self.met.take(near).all():
+            return
+        self.met[near] = True
+        self.distance[near] = np.maximum(self.distance[near], REACH * self._size[near])
+
+
+MOST_CROSSED = 8
+"""How often a point may cross an edge in the corrections of a step."""
+
+
+class CarrierEdges:
+    """The edges of all carriers, and the points that a step begins with beyond them.
+
+    A point that is within the edges when the step begins stays in contact until its end: let go in
+    the middle of a solve, it would lose the friction that keeps it from going.
+
+    Attributes:
+        numbers: Of the interfaces with points that begin beyond one.
+    """
+
+    def __init__(self, points: PointTable, memories: Sequence[Memory]):
+        """Take what contact remembers at the start of the step."""
+        self._carriers = points.carriers
+        pairs = zip(points.carriers, memories, strict=True)
+        self._before = [points_beyond(carrier, memory) for carrier, memory in pairs]
+        self.numbers = [k for k, before in enumerate(self._before) if before is not None]
+
+    def beyond(self, number: int, kinematics: ContactKinematics) -> Mask | None:
+        """Points of an interface that began the step beyond an edge, and still are; None: none."""
+        before = self._before[number]
+        if before is None:
+            return None
+        now = self._carriers[number].beyond_edge(kinematics)
+        return None if now is None else before & now
+
+
+def points_beyond(carrier: Carrier, memory: Memory) -> Mask | None:
+    """Points that a step begins with beyond the edge of their carrier; None: there are none."""
+    beyond = None if memory.clear else carrier.beyond_edge(memory.kinematics)
+    return beyond if beyond is not None and np.count_nonzero(beyond) else None
+
+
+class EdgeWatch:
+    """Points beyond the edges of their carriers in the corrections of one step.
+
+    A point that goes to and fro over an edge, pushed off and falling back, stays beyond it.
+    """
+
+    def __init__(self) -> None:
+        """Begin with all points within."""
+        self._first: Mask | None = None
+        self._last: Mask | None = None
+        self._crossings: Indices | None = None
+
+    def settled(self, beyond: Mask | None) -> Mask | None:
+        """The points to be taken as beyond an edge in this correction; None for no point.
+
+        `beyond` are those that are at the present iterate.
+        """
+        if self._first is None:
+            self._first = self._last = beyond
+            return beyond
+        if self._last is not None and beyond is not None:
+            if self._last.tobytes() == beyond.tobytes():
+                return self._last
+        if self._crossings is None:
+            self._crossings = self._first.astype(np.int64)
+        none = np.zeros_like(self._first)
+        was, now = (none if mask is None else mask for mask in (self._last, beyond))
+        self._crossings += was != now
+        restless = self._crossings > MOST_CROSSED
+        self._last = now | restless if restless.any() else beyond
+        return self._last
+
 
 ASLEEP_REACHES = 5
 """An interface farther from contact than this many times the reach of its points is left out."""
