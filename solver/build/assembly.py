@@ -16,9 +16,8 @@ from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
-from solver.build.foundation import foundation
+from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body
-from solver.build.support import FoundationBody
 from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
 from solver.contact.carriers import Carrier, Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings, Outline

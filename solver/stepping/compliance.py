@@ -1,14 +1,17 @@
 """Contact compliance (Delassus operator) of a meshed body: what unit forces at its ports move.
 
-Columns K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so
-that a standing block never pays for its sides and top. In the frame that turns with the body all of
-it is constant. The compliance among the ports is kept; whole columns are kept with it for as long
-as they take no more memory than the factor, beyond which what forces do is a back substitution.
+Ports are points where forces act and motions are read, as rows on the nodes of the body. Columns
+K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so that a
+standing block never pays for its sides and top. In the frame that turns with the body all of it is
+constant. The compliance among the ports is kept; whole columns are kept with it for as long as they
+take no more memory than the factor, beyond which what forces do is a back substitution.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,8 +22,40 @@ from solver.bodies.memory import ASKED_PART, compliance_bytes, require
 from solver.bodies.reduced_body import ReducedBody
 from solver.contact.nitsche_points import same
 from solver.law.compiled import compiled
-from solver.stepping.ports import InterfaceDofs, PointRows
+from solver.parallel import Layer
 from solver.types import Array, Indices
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceDofs:
+    """Points of a body where forces act and motions are read."""
+
+    layer: Layer
+    """The nodes that the rows refer to."""
+    force_rows: Any
+    """(points d, layer unknowns): its transpose turns point forces into nodal ones."""
+    read_rows: Any
+    """Rows of the same shape that read the response."""
+    count: int
+    """Number of points."""
+    symmetric: bool
+    """Whether both are the same numbers."""
+
+
+class PointRows(NamedTuple):
+    """Points of one group in a set of points.
+
+    Attributes:
+        layer: The nodes that their rows refer to.
+        force: Their force rows, (rows, layer unknowns).
+        read: Their read rows, likewise.
+        place: Where their rows are among those of the set.
+    """
+
+    layer: Layer
+    force: sp.csr_matrix
+    read: sp.csr_matrix
+    place: Indices
 
 
 class Compliance:

@@ -91,10 +91,10 @@ class LocalError:
         """Error of the step of length `dt` (s) that led to `new`, and what it leaves itself."""
         rigid, third = self._rigid_velocity(new), dt**3 / 12 / self._size
         between, apart = (dt + past.dt) / 2, (dt + 2 * past.dt + past.dt_before) / 4
-        mean: Array = (new.u - past.u) / dt
-        change: Array = (mean - past.mean) / between
-        third_difference: Array = (change - past.change) / apart
-        rigid_change: Array = (rigid - past.rigid) / dt
+        mean: Array = np.divide(new.u - past.u, dt)
+        change: Array = np.divide(mean - past.mean, between)
+        third_difference: Array = np.divide(change - past.change, apart)
+        rigid_change: Array = np.divide(rigid - past.rigid, dt)
         jerk = float(np.abs(rigid_change - past.rigid_change).max()) / between
         vibration = third * self._vibration(new, third_difference)
         errors = third * jerk, vibration, dt * new.reversal / 12 / self._size

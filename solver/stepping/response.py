@@ -40,8 +40,7 @@ from solver.contact.kernels.turned import (
 )
 from solver.contact.kinematics import ContactKinematics, Interpolation, in_frames
 from solver.parallel import global_sum
-from solver.stepping.compliance import Compliance
-from solver.stepping.ports import InterfaceDofs
+from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.types import Array, Indices
 
 TURNED = 1e-5

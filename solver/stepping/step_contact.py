@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,11 +23,29 @@ from solver.law.compiled import runs_machine_code
 from solver.law.friction import Bounds, points_at_bound
 from solver.law.local_problem import LocalProblem, NoContactSolution, image, new_counts
 from solver.law.many_points import MANY_ROWS
+from solver.stepping.active_set import Reach
 from solver.stepping.balance import Balance
-from solver.stepping.delassus import Delassus
-from solver.stepping.model import ContactModel
+from solver.stepping.delassus import Delassus, Softening
 from solver.stepping.point_table import JoinedBounds, PointTable, copied, joined
+from solver.stepping.system import System
 from solver.types import Array, Indices
+
+
+@dataclass(frozen=True, slots=True)
+class ContactModel:
+    """What all steps share while no face joins."""
+
+    system: System
+    """All bodies."""
+    points: PointTable
+    """All contact points."""
+    local: LocalProblem
+    """Solver of local problems."""
+    reach: Reach
+    """How near points have to be to be looked at."""
+    softening: Softening | None
+    """How rigid points give way; None where there are none."""
+
 
 GLUE = 1e6
 """Coefficient of friction that holds anything."""

@@ -19,8 +19,7 @@ from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.compliance import Compliance
-from solver.stepping.ports import InterfaceDofs
+from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
 from solver.types import Array
 
