@@ -171,7 +171,7 @@ def build_parser() -> Parser:
 
 def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -> None:
     """Say before a run what to be careful of, and on several ranks where it writes."""
-    from solver.results.doubtful_input import cautions_of_input
+    from solver.results.cautions import cautions_of_input
 
     for text in cautions_of_input(scene, ground):
         tell(f"caution: {text}\n")
@@ -278,7 +278,7 @@ def run_reference(options: argparse.Namespace) -> int:
         return 0
     from solver.excitation.motion import read_ground
     from solver.reference.answer import reference_name, reference_run
-    from solver.results.doubtful_input import cautions_of_input
+    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.results.summary import summarise, write_json, write_whole
     from solver.scene import load_scene, scene_to_toml
