@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar
 
@@ -64,6 +66,15 @@ class SceneError(RockslipError):
         """One line."""
         hint = f", did you mean '{self.nearest}'?" if self.nearest else ""
         return in_one_line(f"{_short(self.where)}: got {self.got}, allowed {self.allowed}{hint}")
+
+
+@contextmanager
+def below(prefix: str) -> Iterator[None]:
+    """Errors of the scene within get their key below the table `prefix`."""
+    try:
+        yield
+    except SceneError as error:
+        raise error.under(prefix) from None
 
 
 class UnknownKey(SceneError):

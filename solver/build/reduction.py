@@ -26,7 +26,6 @@ from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion
 from solver.parallel import on_first_rank
 from solver.scene import Scene
-from solver.scene.places import poses
 from solver.types import Array, Indices
 
 FACE = ("nodes", "positions", "degree", "cell")
@@ -179,7 +178,7 @@ def _storeys(full: Storeys, kept: Indices, shapes: Shapes) -> Storeys:
 
 def _footprints(scene: Scene) -> list[Footprint]:
     """Footprints of all blocks that stand on the foundation, as if nothing were tilted."""
-    placed = poses(scene, upright=True)
+    placed = scene.poses(upright=True)
     found = []
     for block in scene.blocks:
         if block.on == "foundation":

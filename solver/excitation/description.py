@@ -14,7 +14,7 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 
 Lines = list[tuple[str, str]]
 

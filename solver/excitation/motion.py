@@ -10,7 +10,6 @@ import numpy as np
 
 from solver.parallel import Comm, on_first_rank
 from solver.scene import MotionSpec, Scene
-from solver.scene.limits import refuse_beyond
 from solver.types import Array
 
 
@@ -136,5 +135,5 @@ def _read(scene: Scene) -> GroundMotion:
         found[where] = motion = base_motion(spec, scene.time.end, where)
         read = motion.peak if motion else 0.0
         shaking += read if spec.known_peak is None else spec.known_peak
-    refuse_beyond(scene, shaking)
+    scene.check_limits(shaking)
     return GroundMotion(tuple(found.get(direction) for direction in scene.directions))

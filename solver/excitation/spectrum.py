@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 
 Samples = NDArray[np.float64]
 

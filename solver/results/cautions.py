@@ -10,8 +10,8 @@ from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
 from solver.results.endings import motion_end
 from solver.scene import BlockSpec, MotionSpec, Scene
+from solver.scene.motion import G_UNIT
 from solver.scene.time import STEPS_A_PERIOD, TOLERANCE
-from solver.scene.units import G_UNIT
 
 STRONGEST_G = 3.0
 """Peak acceleration of a motion above which its unit is in doubt, g: hardly any on the ground was

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from solver.errors import SceneError
 from solver.scene.checking import is_open, shown
-from solver.scene.ranges import Cell, Cells, Dimension
+from solver.scene.quantities import Cell, Cells, Dimension
 
 SHAPES: dict[Dimension, tuple[Cell, ...]] = {
     2: ("quadrilateral", "triangle"),
@@ -22,7 +22,7 @@ CELLS_OF_A_BOX = {"quadrilateral": 1, "triangle": 2, "hexahedron": 1, "tetrahedr
 
 
 class HasCells(Protocol):
-    """What has cells; None stands for the default of the dimension."""
+    """A body with cells; None stands for the default of the dimension."""
 
     @property
     def cells(self) -> Cells:

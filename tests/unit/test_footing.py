@@ -1,4 +1,4 @@
-"""Blocks over the edge of what carries them, and beside it."""
+"""Blocks beside what carries them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from scenes import BLOCK, OSCILLATOR, UPPER
 
 from rockslip import Scene, parse_scene
 from solver.errors import SceneError
-from solver.scene.footing import beyond_edge
 
 PLATE = (
     '[foundation]\nkind = "elastic"\nwidth = 2.0\nheight = 0.2\nmass = 900.0\n'
@@ -45,9 +44,3 @@ def test_both_directions_count_in_space() -> None:
     assert scene(text, "block.offset=1.1", "block.offset_second=-1.3")
     with pytest.raises(SceneError, match=r"^block.offset_second: got 1.4, allowed between -1.375"):
         scene(text, "block.offset_second=1.4")
-
-
-@pytest.mark.parametrize(("offset", "beyond"), [(0.12, False), (-0.13, True), (0.2, True)])
-def test_a_centre_beyond_the_edge(offset: float, beyond: bool) -> None:
-    asked = scene(BLOCK + UPPER, f"upper.offset={offset}")
-    assert [beyond_edge(asked, block) for block in asked.blocks] == [False, beyond]

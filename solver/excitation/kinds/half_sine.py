@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.pulses import Sine
-from solver.scene.motion import HalfSineSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, HalfSineSpec
 
 
 def signal(spec: HalfSineSpec, end: float, where: str) -> Sine:

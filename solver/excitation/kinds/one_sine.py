@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.pulses import Sine
-from solver.scene.motion import OneSineSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, OneSineSpec
 
 
 def signal(spec: OneSineSpec, end: float, where: str) -> Sine:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.pulses import Rectangular
-from solver.scene.motion import RectangularSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, RectangularSpec
 
 
 def signal(spec: RectangularSpec, end: float, where: str) -> Rectangular:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from solver.excitation.pulses import Ricker
-from solver.scene.motion import RickerSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, RickerSpec
 
 RICKER_PERIODS = 3.0
 """Duration of a Ricker wavelet in periods 1/f: at its ends it is 1e-8 of what it is at its peak."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.pulses import Sine
-from solver.scene.motion import SineSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, SineSpec
 
 BEYOND_THE_END = 1e-9
 """Part of the time of a run by which a sine without an end goes on, lest the rounding of the last

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from solver.excitation.layouts.text import NUMBER, Said
-from solver.scene.units import UNITS
+from solver.scene.motion import UNITS
 
 OTHERS = (
     "cm/s",

@@ -24,8 +24,7 @@ from solver.excitation.layouts.header import OTHERS, mentions_units, units_hinte
 from solver.excitation.layouts.text import CLOSE, Component, Said, TextFile
 from solver.excitation.numbers import is_binary, read_lines, split_header
 from solver.scene.checking import shown
-from solver.scene.motion import FileSpec
-from solver.scene.units import UNITS
+from solver.scene.motion import UNITS, FileSpec
 from solver.types import Array
 
 LAYOUTS: dict[str, ModuleType] = {

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 from solver.types import Array
 
 REFERENCE_VS30 = 760.0
