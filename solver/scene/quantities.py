@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_args, get_origin
 
 from solver.errors import SceneError
+
+
+class Extremes(NamedTuple):
+    """Magnitudes of a quantity far beyond anything that rocks, but 0; the limits of the method
+    stand in `limits`."""
+
+    least: float
+    most: float
+    reason: str
+    """The unit, and the reason."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,13 +27,8 @@ class Number:
     at_least: float | None = None
     below: float | None = None
     at_most: float | None = None
-    least: float = 0.0
-    """Smallest magnitude but zero; with less, and with more than `most`, nothing can be computed.
-    They are far beyond anything that rocks: the limits of the method are in `limits`."""
-    most: float = sys.float_info.max
-    """Largest magnitude."""
-    reason: str = ""
-    """Unit, and the reason for `least` and `most`."""
+    extremes: Extremes | None = None
+    """Magnitudes beyond which nothing can be computed."""
     powers: tuple[float, float] = 0.0, 0.0
     """How it scales: powers of the scales of density and of length. Accelerations stay, so that
     times go with the square root of lengths."""
@@ -44,10 +49,12 @@ class Number:
         Raises:
             SceneError: With the reason.
         """
-        if value != 0 and not self.least <= abs(value) <= self.most:
-            large = abs(value) > self.most
-            allowed = f"at most {self.most:g}" if large else f"at least {self.least:g}"
-            raise SceneError(name, f"{value:g}", f"{allowed} ({self.reason})")
+        beyond = self.extremes
+        if beyond is None or value == 0 or beyond.least <= abs(value) <= beyond.most:
+            return
+        large = abs(value) > beyond.most
+        allowed = f"at most {beyond.most:g}" if large else f"at least {beyond.least:g}"
+        raise SceneError(name, f"{value:g}", f"{allowed} ({beyond.reason})")
 
     def words(self, name: str) -> str:
         """The range in symbols, such as `0 <= poisson < 0.5`."""
@@ -72,11 +79,17 @@ def number_of(hint: Any) -> Number | None:
 
 _TIME, _RATE, _LENGTH = (0.0, 0.5), (0.0, -0.5), (0.0, 1.0)
 _MASS, _STRESS = (1.0, 3.0), (1.0, 1.0)
-_DIGITS_OF_STEPS = "s, beyond which times lose the digits of steps"
-_MASSES: dict[str, Any] = {
-    **{"above": 0, "least": 1e-9, "most": 1e15},
-    "reason": "beyond which weights lose their digits",
-}
+
+_SIZES = Extremes(1e-6, 1e6, "m, whose fifth powers are moments of inertia")
+_PLACES = Extremes(0.0, 1e6, "m, beyond which places lose the digits of gaps")
+_WEIGHTS = Extremes(1e-9, 1e15, "beyond which weights lose their digits")
+_STEPS = Extremes(1e-9, 1e9, "s, beyond which times lose the digits of steps")
+_INSTANTS = Extremes(0.0, _STEPS.most, _STEPS.reason)
+_RATES = Extremes(1e-6, 1e6, "1/s; steps have to see its period")
+_MODULI = Extremes(1e-3, 1e20, "Pa; the stiffest material has 1e12")
+_AMPLITUDES = Extremes(0.0, 1e4, "g; the strongest records have 4")
+_FACTORS = Extremes(0.0, 1e6, "times; look at the units")
+_GRAVITIES = Extremes(0.0, 1e6, "m/s2; that of the earth is 9.81")
 
 Finite = Annotated[float, Number()]
 Positive = Annotated[float, Number(above=0)]
@@ -88,51 +101,25 @@ Turn = Annotated[float, Number(at_least=-360, at_most=360)]
 DampingRatio = Annotated[float, Number(at_least=0, below=1)]
 """xi, of critical damping."""
 Count = Annotated[int, Number(at_least=1)]
-Factor = Annotated[float, Number(most=1e6, reason="times; look at the units")]
+Factor = Annotated[float, Number(extremes=_FACTORS)]
+Amplitude = Annotated[float, Number(extremes=_AMPLITUDES)]
+Gravity = Annotated[float, Number(at_least=0, extremes=_GRAVITIES)]
 
-Length = Annotated[
-    float,
-    Number(
-        above=0,
-        least=1e-6,
-        most=1e6,
-        reason="m, whose fifth powers are moments of inertia",
-        powers=_LENGTH,
-    ),
-]
-Place = Annotated[
-    float,
-    Number(most=1e6, reason="m, beyond which places lose the digits of gaps", powers=_LENGTH),
-]
-Mass = Annotated[float, Number(**_MASSES, powers=_MASS)]
+Length = Annotated[float, Number(above=0, extremes=_SIZES, powers=_LENGTH)]
+Place = Annotated[float, Number(extremes=_PLACES, powers=_LENGTH)]
+Mass = Annotated[float, Number(above=0, extremes=_WEIGHTS, powers=_MASS)]
 AddedMass = Annotated[float, Number(at_least=0, powers=_MASS)]
-Density = Annotated[float, Number(**_MASSES, powers=(1, 0))]
-Duration = Annotated[
-    float, Number(above=0, least=1e-9, most=1e9, reason=_DIGITS_OF_STEPS, powers=_TIME)
-]
-Instant = Annotated[float, Number(at_least=0, most=1e9, reason=_DIGITS_OF_STEPS, powers=_TIME)]
+Density = Annotated[float, Number(above=0, extremes=_WEIGHTS, powers=(1.0, 0.0))]
+Duration = Annotated[float, Number(above=0, extremes=_STEPS, powers=_TIME)]
+Instant = Annotated[float, Number(at_least=0, extremes=_INSTANTS, powers=_TIME)]
 Delay = Annotated[float, Number(at_least=0, powers=_TIME)]
 Rate = Annotated[float, Number(at_least=0, powers=_RATE)]
 """1/s, and also s/m: velocities go with the square root of lengths as times do."""
-Frequency = Annotated[
-    float,
-    Number(above=0, least=1e-6, most=1e6, reason="1/s; steps have to see its period", powers=_RATE),
-]
-Modulus = Annotated[
-    float,
-    Number(
-        above=0,
-        least=1e-3,
-        most=1e20,
-        reason="Pa; the stiffest material has 1e12",
-        powers=_STRESS,
-    ),
-]
+Frequency = Annotated[float, Number(above=0, extremes=_RATES, powers=_RATE)]
+Modulus = Annotated[float, Number(above=0, extremes=_MODULI, powers=_STRESS)]
 Cohesion = Annotated[float, Number(at_least=0, powers=_STRESS)]
-Spring = Annotated[float, Number(above=0, powers=(1, 2))]
-Bedding = Annotated[float, Number(above=0, powers=(1, 0))]
-Amplitude = Annotated[float, Number(most=1e4, reason="g; the strongest records have 4")]
-Gravity = Annotated[float, Number(at_least=0, most=1e6, reason="m/s2; that of the earth is 9.81")]
+Spring = Annotated[float, Number(above=0, powers=(1.0, 2.0))]
+Bedding = Annotated[float, Number(above=0, powers=(1.0, 0.0))]
 
 Speed = Annotated[float, Number(powers=_TIME)]
 Spin = Annotated[float, Number(powers=_RATE)]
