@@ -26,7 +26,7 @@ from tqdm import tqdm
 
 from benchmarks.rows import write_table
 from rockslip import Scene, parse_scene, simulate
-from solver.excitation.synthetic.table1 import table1_suite
+from solver.excitation.synthetic import table1_suite
 from solver.pictures.style import colour, legend_above, new_figure, save
 from solver.reference.answer import reference_history
 from solver.scene.motion import SyntheticSpec

@@ -22,8 +22,8 @@ from solver.bodies.reduced.reduction import Reduction
 from solver.build.support import Foot, FoundationBody, Storeys
 from solver.contact.carrier_surface import Facets
 from solver.errors import NotConverged, SceneError
-from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion
+from solver.excitation.spectrum import highest_frequency
 from solver.parallel import on_first_rank
 from solver.scene import Scene
 from solver.types import Array, Indices

@@ -1,59 +1,16 @@
-"""From what a scene says about the ground to its acceleration."""
+"""The motion of the ground in all directions: read for a scene, and at the ends of steps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Protocol, cast
+from typing import cast
 
 import numpy as np
 
+from solver.excitation.kinds import BaseMotion, base_motion
 from solver.parallel import Comm, on_first_rank
-from solver.scene import MotionSpec, Scene
+from solver.scene import Scene
 from solver.types import Array
-
-
-class BaseMotion(Protocol):
-    """A motion of the ground in one direction; positive accelerations point towards +x.
-
-    The velocity is the exact integral of the acceleration: its change over a step is the impulse of
-    the step whatever its length.
-    """
-
-    @property
-    def peak(self) -> float:
-        """Largest |a_g|, m/s^2."""
-
-    @property
-    def stop(self) -> float:
-        """When the acceleration is over, s."""
-
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground a_g, m/s^2."""
-
-    def velocity(self, time: float) -> float:
-        """Velocity of the ground, m/s."""
-
-    def accelerations(self, times: Array) -> Array:
-        """Accelerations of the ground at many times, m/s^2."""
-
-    def velocities(self, times: Array) -> Array:
-        """Velocities of the ground at many times, m/s."""
-
-
-def base_motion(spec: MotionSpec | None, end: float, where: str = "motion") -> BaseMotion | None:
-    """The motion of the ground along one direction in a run up to time `end`, s; None: none.
-
-    It is made by the module of its kind in `solver.excitation.kinds`, imported when it is asked
-    for. Errors name the path of the table in the scene, `where`.
-
-    Raises:
-        SceneError: A file cannot be read; names file and line.
-    """
-    if spec is None:
-        return None
-    made = import_module(f"solver.excitation.kinds.{spec.kind}").signal(spec, end, where)
-    return cast("BaseMotion | None", made)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,3 +94,30 @@ def _read(scene: Scene) -> GroundMotion:
         shaking += read if spec.known_peak is None else spec.known_peak
     scene.check_limits(shaking)
     return GroundMotion(tuple(found.get(direction) for direction in scene.directions))
+
+
+class SteppedGround:
+    """The motion of the ground at the ends of equal steps, kept for some steps ahead."""
+
+    def __init__(self, motion: GroundMotion, step: float, ahead: int):
+        """Begin with none; the motion is found for a number of steps (s) ahead at a time."""
+        self._motion, self._step, self._ahead = motion, step, ahead
+        self._first = 0
+        self._acceleration: Array = np.zeros((0, 0))
+        self._mean: Array = np.zeros((0, 0))
+
+    def between(self, first: int, stop: int) -> tuple[Array, Array]:
+        """The ground from step number `first` to `stop`.
+
+        Returns:
+            (stop - first + 1, d) accelerations at the ends of the steps, and (stop - first, d) mean
+            ones over the steps, m/s2.
+        """
+        if not self._first <= first <= stop < self._first + len(self._acceleration):
+            numbers = np.arange(first, max(stop, first + self._ahead) + 1, dtype=np.float64)
+            times = numbers * self._step
+            self._first = first
+            self._acceleration = self._motion.accelerations(times)
+            self._mean = self._motion.means(times)
+        begin, end = first - self._first, stop - self._first
+        return self._acceleration[begin : end + 1], self._mean[begin:end]

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.excitation.motion import GroundMotion, read_ground
-from solver.excitation.stepped import SteppedGround
+from solver.excitation.motion import GroundMotion, SteppedGround, read_ground
 from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.columns import positions

@@ -10,8 +10,7 @@ from solver.errors import SceneError
 
 
 class Extremes(NamedTuple):
-    """Magnitudes of a quantity far beyond anything that rocks, but 0; the limits of the method
-    stand in `limits`."""
+    """Magnitudes of a quantity, but 0, far beyond anything that rocks."""
 
     least: float
     most: float

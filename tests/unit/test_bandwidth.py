@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from rockslip import parse_scene
-from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import read_ground
+from solver.excitation.spectrum import highest_frequency
 
 
 def highest(motion: dict[str, Any], end: float) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.errors import SceneError
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.scene.motion import SineSpec, TableSpec
 
 

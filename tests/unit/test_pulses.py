@@ -10,7 +10,8 @@ import pytest
 from scipy.integrate import cumulative_simpson
 
 from rockslip import parse_scene
-from solver.excitation.motion import base_motion, ground_motion
+from solver.excitation.kinds import base_motion
+from solver.excitation.motion import ground_motion
 from solver.excitation.pulses import Pulse
 from solver.scene.motion import (
     HalfSineSpec,

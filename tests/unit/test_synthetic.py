@@ -15,22 +15,29 @@ from numpy.typing import NDArray
 
 from rockslip import parse_scene
 from solver.errors import SceneError
-from solver.excitation.motion import base_motion, ground_motion, read_ground
+from solver.excitation.kinds import base_motion
+from solver.excitation.motion import ground_motion, read_ground
+from solver.excitation.point_source import (
+    PERIODS,
+    duration,
+    effective_distance,
+    fourier_amplitude,
+    median_spectrum,
+    site_factors,
+)
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
     velocity_and_displacement,
 )
-from solver.excitation.synthetic.bssa14 import PERIODS, median_spectrum, site_factors
-from solver.excitation.synthetic.point_source import duration, effective_distance, fourier_amplitude
-from solver.excitation.synthetic.suite_motion import (
+from solver.excitation.synthetic import (
     acceleration,
     at_rest,
     minimum_phase,
     synthetic_motion,
+    table1_suite,
 )
-from solver.excitation.synthetic.table1 import table1_suite
 from solver.scene.motion import SyntheticSpec
 
 G = 9.81
@@ -166,7 +173,7 @@ def test_motions_are_what_they_were() -> None:
     np.testing.assert_array_equal(samples, acceleration(spec))
     code = (
         "import hashlib\n"
-        "from solver.excitation.synthetic.suite_motion import acceleration\n"
+        "from solver.excitation.synthetic import acceleration\n"
         "from solver.scene.motion import SyntheticSpec\n"
         "samples = acceleration(SyntheticSpec(seed=7, event_sigma=0.3, site_sigma=0.5))\n"
         "print(hashlib.sha256(samples.tobytes()).hexdigest())\n"

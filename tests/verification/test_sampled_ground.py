@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from rockslip import Result, Scene, parse_scene, simulate
-from solver.excitation.motion import ground_motion
-from solver.excitation.stepped import SteppedGround
+from solver.excitation.motion import SteppedGround, ground_motion
 from solver.reference.platform import sliding_on_platform
 
 SAMPLES, DT = 60, 0.01

@@ -9,7 +9,7 @@ import pytest
 
 from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.reference.sliding import sliding
 
 BLOCK = {

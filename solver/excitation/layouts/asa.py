@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import Component, Said, TextFile, width_of
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import Component, Said, TextFile, number_in, width_of
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
 

@@ -16,8 +16,15 @@ from solver.excitation.layouts.header import (
     unit_of_heading,
     units_stated,
 )
-from solver.excitation.layouts.text import Component, Said, TextFile
-from solver.excitation.numbers import Row, number_in, rows_of, split_header
+from solver.excitation.layouts.text import (
+    Component,
+    Row,
+    Said,
+    TextFile,
+    number_in,
+    rows_of,
+    split_header,
+)
 from solver.excitation.sampled import even_step
 from solver.scene.motion import FileSpec
 from solver.types import Array

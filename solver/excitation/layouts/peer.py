@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from solver.excitation.layouts.header import units_stated
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile, number_in
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
 

@@ -21,8 +21,15 @@ from solver.excitation.layouts import (
     usc,
 )
 from solver.excitation.layouts.header import OTHERS, mentions_units, units_hinted
-from solver.excitation.layouts.text import CLOSE, Component, Said, TextFile
-from solver.excitation.numbers import is_binary, read_lines, split_header
+from solver.excitation.layouts.text import (
+    CLOSE,
+    Component,
+    Said,
+    TextFile,
+    is_binary,
+    read_lines,
+    split_header,
+)
 from solver.scene.checking import shown
 from solver.scene.motion import UNITS, FileSpec
 from solver.types import Array

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, cast
 
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
 from solver.scene.motion import G_UNIT, HalfSineSpec, OneSineSpec, RickerSpec
 
