@@ -28,7 +28,7 @@ from solver.errors import (
     not_applicable,
     not_installed,
 )
-from solver.launcher import launched_rank
+from solver.parallel import launched_rank
 from solver.pictures.command import add_pictures
 from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
@@ -210,7 +210,7 @@ def run_scene(options: argparse.Namespace) -> int:
             _start_petsc(given.own_words())
             import_module("dolfinx")
         if given.solver:  # without a mesh they are of no use, but a misspelt one is refused as well
-            import_module("solver.compat")  # PETSc takes SIGPIPE over, and this takes it back
+            import_module("solver.bodies.packed_form")  # which takes SIGPIPE back from PETSc
             from solver.stepping.nonlinear import check_options
 
             check_options(options.petsc_options)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,6 +36,10 @@ def in_one_line(text: str) -> str:
 def of_file(error: OSError, file: Path) -> OSError:
     """The system's error with the file that it is about, which errors of writing do not name."""
     return OSError(error.errno, error.strerror, str(file))
+
+
+#: The variable with the folders that ./in-env shows to the command, where it does not show all.
+VISIBLE = "ROCKSLIP_VISIBLE"
 
 
 class RockslipError(Exception):
@@ -116,6 +121,22 @@ def missing_key(where: str, what: str) -> Statement:
 def not_applicable(where: str, what: str) -> Statement:
     """The error of a key that means nothing in this scene; `what` follows "applies to"."""
     return Statement(where, f"applies to {what}; remove it")
+
+
+def hidden_by_in_env(path: Path) -> str:
+    """The reason for which ./in-env does not show a path, as the predicate of a sentence.
+
+    Empty where it does. What is written there goes into a layer that ends with the command.
+    """
+    shown = [Path(folder) for folder in os.environ.get(VISIBLE, "").split(":") if folder]
+    places = {Path(os.path.abspath(path)), path.resolve()}
+    if not shown or all(any(p.is_relative_to(folder) for folder in shown) for p in places):
+        return ""
+    place = path.resolve()
+    if any(place.is_relative_to(folder) for folder in shown):
+        place = Path(os.path.abspath(path))
+    parent = place if place.parent == Path("/") else place.parent
+    return f"is in no folder that ./in-env shows to the command; set ROCKSLIP_MOUNT={parent}"
 
 
 class NotConverged(RockslipError):

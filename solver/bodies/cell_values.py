@@ -10,7 +10,7 @@ import numpy as np
 from dolfinx import fem
 
 from solver.bodies.kernels.cells import place_in_cells, read_cells
-from solver.compat import packed_coefficients
+from solver.bodies.packed_form import packed_coefficients
 from solver.types import Array
 
 

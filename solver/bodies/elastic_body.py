@@ -19,8 +19,8 @@ from solver.bodies.factorization import Factorization
 from solver.bodies.kernels.momenta import move_on, resultant, turn_all
 from solver.bodies.kinematics import RigidMotion, rigid_modes
 from solver.bodies.mass_properties import MassProperties
+from solver.bodies.packed_form import PackedForm
 from solver.bodies.supports import GroundSpring, Support
-from solver.compat import PackedForm
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights

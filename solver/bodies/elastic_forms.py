@@ -21,7 +21,7 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from solver.bodies.cell_values import CellValues
-from solver.compat import PackedForm
+from solver.bodies.packed_form import PackedForm
 from solver.scene.material import Material, Plane
 from solver.types import Array
 

@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
-from solver.compat import PackedForm
+from solver.bodies.packed_form import PackedForm
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

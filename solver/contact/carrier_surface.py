@@ -8,6 +8,7 @@ import basix
 import numpy as np
 from dolfinx import fem, mesh
 
+from solver.bodies.surface_layer import Layer
 from solver.contact.facets import (
     Sides,
     cell_nodes,
@@ -17,7 +18,6 @@ from solver.contact.facets import (
     tagged_sides,
 )
 from solver.contact.nitsche_points import extent
-from solver.parallel import Layer
 from solver.types import Array, Indices
 
 

@@ -11,8 +11,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from solver.errors import SceneError, Statement, UnknownKey
-from solver.launcher import hidden_by_in_env
+from solver.errors import SceneError, Statement, UnknownKey, hidden_by_in_env
 from solver.scene.checking import from_table, key_of, nearest, shown
 from solver.scene.scene import Scene
 

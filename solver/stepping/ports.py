@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import scipy.sparse as sp
 
-from solver.parallel import Layer
+from solver.bodies.surface_layer import Layer
 from solver.types import Indices
 
 

@@ -18,7 +18,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 SCRIPT = """
 import os, sys
-from solver.launcher import launched_rank
+from solver.parallel import launched_rank
 if launched_rank() != 0:  # a node on which no file of the scene is there
     from pathlib import Path
     def absent(self, *_, **__):

@@ -7,7 +7,7 @@ from mpi4py import MPI
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.parallel import Layer
+from solver.bodies.surface_layer import Layer
 from solver.types import Array, Indices
 
 
