@@ -19,7 +19,6 @@ from hypothesis import strategies as some
 from rockslip import parse_scene, simulate
 from solver.errors import SceneError
 from solver.excitation.kinds import read_record, read_table
-from solver.excitation.layouts.header import units_stated
 from solver.excitation.layouts.table import LAYOUTS
 from solver.run.describe import describe_motion
 from solver.scene.motion import Format, RecordSpec, TableSpec
@@ -385,11 +384,6 @@ def test_a_hint_of_another_unit(folder: Path, header: str) -> None:
     text = "\n".join([header, *map(str, WAVES[0])])
     assert "motion.units is required" in refusal(folder, text, dt=STEP)
     assert 'motion.units: got "g", allowed "' in refusal(folder, text, dt=STEP, units="g")
-
-
-def test_quantities_are_no_units() -> None:
-    for line in TALK:
-        assert list(units_stated([line])) == [], line
 
 
 @pytest.mark.parametrize(

@@ -85,15 +85,6 @@ def test_peak_is_the_largest_acceleration(name: str) -> None:
     assert motion.peak == pytest.approx(0.5 * 9.81)
 
 
-def test_what_pulses_leave_behind() -> None:
-    """Velocities of the ground when they are over: 2 A D / pi, 0, A D and 0."""
-    left = {name: pulse(spec).velocity(2.0) for name, spec in SPECS.items()}
-    assert left["half_sine"] == pytest.approx(2 * 4.905 * 0.5 / math.pi)
-    assert left["one_sine"] == pytest.approx(0.0, abs=1e-15)
-    assert left["rectangular"] == pytest.approx(4.905 * 0.5)
-    assert left["ricker"] == pytest.approx(0.0, abs=1e-9)
-
-
 def test_signs_and_places_of_the_peaks() -> None:
     """A positive amplitude first pushes towards +x; a Ricker wavelet in its middle."""
     assert pulse(SPECS["half_sine"]).acceleration(0.45) == pytest.approx(4.905)
