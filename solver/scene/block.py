@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from geometry.block import Block
 from solver.errors import SceneError, missing_key, not_applicable
-from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
+from solver.scene.cells import box_mesh_size, cell_of, cells_of
 from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
 from solver.scene.damping import (
@@ -220,11 +220,6 @@ class BlockSpec(Checked):
                 ratio = sliding_ratio(friction, self.height / along)
                 found.append(stiffness_damping(ratio, frequency))
         return max(found, key=lambda damping: damping.stiffness)
-
-    @property
-    def mesh_label(self) -> str:
-        """The size of its mesh in a few words; empty for a rigid block."""
-        return cells_in_words(self.cells) if self.model == "elastic" else ""
 
     def mesh_size(self, dimension: Dimension) -> str:
         """The size of its mesh, or that there is none."""

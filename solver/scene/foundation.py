@@ -12,11 +12,8 @@ from solver.errors import SceneError, missing_key, not_applicable
 from solver.scene.cells import (
     SHAPES,
     box_mesh_size,
-    box_nodes,
     cell_of,
-    cells_in_words,
     cells_of,
-    equal_parts,
     mesh_size_in_words,
     refined,
 )
@@ -108,11 +105,6 @@ class Foundation(Checked):
         return None
 
     @property
-    def mesh_label(self) -> str:
-        """The size of the mesh in a few words; empty where nothing is meshed."""
-        return ""
-
-    @property
     def sway_damping_ratio(self) -> float | None:
         """Ratio of critical damping of the first sway mode of its mesh; None: not given by that."""
         return None
@@ -125,16 +117,12 @@ class Foundation(Checked):
     @property
     def is_meshed(self) -> bool:
         """True if it deforms as a body."""
-        return bool(self.mesh_label)
+        return False
 
     @property
     def is_firm(self) -> bool:
         """True for a face with ends that is as firm as the ground itself and not meshed."""
         return False
-
-    def unknowns(self, dimension: Dimension) -> int:
-        """Number of unknowns of its mesh; 0 where it has none."""
-        return 0
 
     def structure(self, dimension: Dimension) -> tuple[int, int] | None:
         """Numbers of storeys and of columns of a mesh that moves as a whole; None for others."""
@@ -169,10 +157,6 @@ class Foundation(Checked):
 
     def refined(self: Self, times: Callable[[int], int]) -> Self:
         """The foundation with other numbers of cells; `times` maps each old number to a new one."""
-        return self
-
-    def with_degree(self: Self, degree: Literal[1, 2]) -> Self:
-        """The foundation with another polynomial degree, where studies may change it."""
         return self
 
 
@@ -367,9 +351,9 @@ class PlateSpec(Foundation):
         return self.width, self.thickness
 
     @property
-    def mesh_label(self) -> str:
-        """Numbers of its cells; a plate that is fully restrained is not meshed."""
-        return "" if self.support == "fixed" else cells_in_words(self.cells)
+    def is_meshed(self) -> bool:
+        """True unless all of it is held, which is not meshed, or does not deform."""
+        return self.support != "fixed"
 
     def structure(self, dimension: Dimension) -> tuple[int, int] | None:
         """On rollers it has neither storeys nor columns; else it is no structure."""
@@ -419,12 +403,9 @@ class PlateSpec(Foundation):
         """
         if plane != "solid" or not self.on_spring:
             return None
-        edges = equal_parts((self.width, self.thickness, self.height), self.cells)
-        return self.material(plane, carried), min(edges) / self.degree
-
-    def unknowns(self, dimension: Dimension) -> int:
-        """Number of unknowns of its mesh; 0 where it is held everywhere."""
-        return 0 if self.support == "fixed" else dimension * box_nodes(self)
+        sides = (self.width, self.thickness, self.height)
+        edge = min(side / count for side, count in zip(sides, self.cells, strict=True))
+        return self.material(plane, carried), edge / self.degree
 
     def describe(self, dimension: Dimension, carried: float) -> Lines:
         """Lines of `rockslip check`."""
@@ -445,10 +426,6 @@ class PlateSpec(Foundation):
     def refined(self, times: Callable[[int], int]) -> PlateSpec:
         """The plate with other numbers of cells."""
         return replace(self, cells=refined(self.cells, times))
-
-    def with_degree(self, degree: Literal[1, 2]) -> PlateSpec:
-        """The plate with another polynomial degree."""
-        return replace(self, degree=degree)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -625,9 +602,9 @@ class FrameSpec(Foundation):
         return self.deck.width, self.deck.thickness
 
     @property
-    def mesh_label(self) -> str:
-        """The cells of a frame are four numbers, which say little to a reader."""
-        return "cells of the frame"
+    def is_meshed(self) -> bool:
+        """It always is."""
+        return True
 
     def structure(self, dimension: Dimension) -> tuple[int, int]:
         """Numbers of storeys and of columns on the ground."""
@@ -685,26 +662,16 @@ class FrameSpec(Foundation):
         words = [f"{name} {'held' if k is None else f'{k:g} N/m'}" for name, k in given]
         return [("  feet", ", ".join(words))]
 
-    def unknowns(self, dimension: Dimension) -> int:
-        """Number of unknowns of the mesh; columns share their uppermost nodes with the deck."""
+    def mesh_size(self, dimension: Dimension) -> str:
+        """Size of the mesh, in words; columns share their uppermost nodes with the deck."""
         cells, degree, flat = self.cells, self.degree, dimension - 1
         columns, storeys = (self.bays + 1) ** flat, len(self.layers) // 2
-        nodes = storeys * (degree * self._along + 1) ** flat * (degree * cells.deck + 1)
-        feet = columns * (degree * cells.column + 1) ** flat
-        return dimension * (nodes + feet * (storeys * degree * cells.storey - (storeys - 1)))
-
-    @property
-    def _along(self) -> int:
-        """Number of cells along a deck."""
-        return self.bays * self.cells.bay + (self.bays + 1) * self.cells.column
-
-    def mesh_size(self, dimension: Dimension) -> str:
-        """Size of the mesh, in words."""
-        cells, flat = self.cells, dimension - 1
-        columns, storeys = (self.bays + 1) ** flat, len(self.layers) // 2
-        count = self._along**flat * cells.deck + columns * cells.column**flat * cells.storey
-        nodes, cell = self.unknowns(dimension) // dimension, SHAPES[dimension][0]
-        return mesh_size_in_words(count * storeys, cell, self.degree, nodes, dimension)
+        along = self.bays * cells.bay + (self.bays + 1) * cells.column
+        count = along**flat * cells.deck + columns * cells.column**flat * cells.storey
+        nodes = storeys * (degree * along + 1) ** flat * (degree * cells.deck + 1)
+        foot = (degree * cells.column + 1) ** flat
+        nodes += columns * foot * (storeys * degree * cells.storey - (storeys - 1))
+        return mesh_size_in_words(count * storeys, SHAPES[dimension][0], degree, nodes, dimension)
 
     def refined(self, times: Callable[[int], int]) -> FrameSpec:
         """The frame with other numbers of cells."""

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from solver.errors import SceneError
 from solver.scene.block import BlockSpec
-from solver.scene.cells import equal_parts
 from solver.scene.contact import Bed, ContactSpec
 from solver.scene.material import Material
 from solver.scene.quantities import Dimension
@@ -201,7 +200,7 @@ def corner_cell(block: BlockSpec, dimension: Dimension) -> list[float]:
     across = (block.thickness,) if dimension == 3 else ()
     sides = (block.width, *across, block.height)
     if block.refinement == 1:
-        return equal_parts(sides, block.cells)
+        return [side / count for side, count in zip(sides, block.cells, strict=True)]
     from geometry.grading import graded, graded_to_both_ends
 
     along, upwards = block.cells[:-1], block.cells[-1]
