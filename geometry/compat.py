@@ -33,7 +33,7 @@ def model_to_mesh(
 
 def _shared_facets() -> Any:
     """The partitioner that gives each rank the cells across its facets."""
-    # 0.11 asks in addition for the largest number of cells that a facet joins.
+    # 0.11 requires in addition the largest number of cells that a facet joins.
     dispatched = hasattr(create_cell_partitioner, "dispatch")
     return create_cell_partitioner(GhostMode.shared_facet, *((2,) if dispatched else ()))
 

@@ -48,7 +48,7 @@ class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, with the word that was meant."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Read the words; an option that nobody knows is bad input where it stands."""
+        """Read the words; unknown options are errors."""
         found, rest = super().parse_known_args(args, namespace)
         for word in rest:
             if word.startswith("-"):
@@ -65,7 +65,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _hint(word: str, words: Iterable[str]) -> str:
-    """The word that was meant, if one looks like it."""
+    """The word that was probably meant, if there is one."""
     meant = nearest(word, words)
     return f", did you mean '{meant}'?" if meant else ""
 
@@ -144,7 +144,7 @@ def build_parser() -> Parser:
         writing.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     again = "go on from the checkpoint of a run in DIR, also to a later time.end (--set)"
     run.add_argument("--resume", metavar="DIR", type=Path, help=again)
-    run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
+    run.add_argument("-v", "--verbose", action="store_true", help="print the log of the solver")
     scale = command("scale", scale_scene, "a scene at another scale, such as a 1:15 model of it")
     add_scene(scale)
     add_overrides(scale)
@@ -324,12 +324,12 @@ def scale_scene(options: argparse.Namespace) -> int:
 
 
 def _stem(scene: Path) -> str:
-    """What the folder of a run is named after: the scene, "scene" for the standard input."""
+    """The name for the folder of a run: that of the scene, "scene" for the standard input."""
     return "scene" if str(scene) == "-" else scene.stem
 
 
 def show_info(options: argparse.Namespace) -> int:
-    """`rockslip info`: every rank starts MPI, the first one tells."""
+    """`rockslip info`: every rank starts MPI, the first one prints."""
     from solver.bodies.memory import limits_in_words
     from solver.info import description
 

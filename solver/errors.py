@@ -152,7 +152,7 @@ class EnvironmentTrouble(RockslipError):
 
 
 def not_installed(error: ImportError | str) -> EnvironmentTrouble:
-    """The error of a package that cannot be imported, or what is said of it, with advice."""
+    """The error of a package that cannot be imported, or a text about it, with advice."""
     said = " ".join(str(error).split())
     return EnvironmentTrouble(
         f"{said}; the environment is described in docs/install.md, ./in-env rockslip ... has it all"
@@ -160,11 +160,11 @@ def not_installed(error: ImportError | str) -> EnvironmentTrouble:
 
 
 class OutputTrouble(EnvironmentTrouble):
-    """What was computed cannot be written; what was written before stays."""
+    """Results cannot be written; those written before stay."""
 
     @classmethod
     def of(cls, error: OSError, written: str = "") -> OutputTrouble:
-        """The system's error in one line; `written` says what is there, such as "up to t = 1 s"."""
+        """The system's error in one line; `written` is what is there, such as "up to t = 1 s"."""
         said = (error.strerror or str(error)).lower().removesuffix(" on device")
         file = Path(error.filename).name if error.filename else "output"
         return cls(f"{file}: {said}{', written ' if written else ''}{written}")

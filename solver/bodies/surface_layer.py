@@ -34,7 +34,7 @@ class Layer:
         self.comm, self.local, self.position, self.nodes = comm, local, position, nodes
         self.size = size = len(nodes)
         self.direct = comm.size == 1
-        """Whether its nodes are read and written where the owned ones stand."""
+        """True if its nodes are read and written where the owned ones stand."""
         if comm.size == 1:
             self.index = np.empty(size, dtype=np.int64)
             self.index[position] = local

@@ -88,7 +88,7 @@ def _sine(spec: SineSpec, end: float, where: str) -> Sine:
 
 
 def _sine_pulse(spec: HalfSineSpec | OneSineSpec, periods: float) -> Sine:
-    """Half a period or one that lasts as long as the spec says."""
+    """Half a period or one of the duration of the spec."""
     return Sine(
         amplitude=spec.amplitude_g * G_UNIT,
         start=spec.start,
@@ -135,7 +135,7 @@ def read_record(spec: RecordSpec, where: str = "motion") -> SampledMotion:
     """The samples of a recorded accelerogram, the first one that is used at `spec.start`.
 
     Raises:
-        SceneError: The file cannot be read, or is not what the scene says; names file and line.
+        SceneError: The file cannot be read, or contradicts the scene; names file and line.
     """
     read = read_motion(spec, where)
     step = read.step

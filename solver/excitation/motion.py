@@ -22,7 +22,7 @@ class GroundMotion:
 
     @property
     def moves(self) -> bool:
-        """Whether there is motion in some direction."""
+        """True if there is motion in some direction."""
         return any(self.parts)
 
     @property
@@ -66,9 +66,9 @@ class GroundMotion:
 
 
 def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:
-    """The motion of the ground, read and computed on rank 0, which tells the others.
+    """The motion of the ground, read and computed on rank 0, and sent to the others.
 
-    Peaks that only a motion that was read tells are held against the limits of the scene here.
+    Peaks that are known only when a motion has been read are checked here.
     Collective on all ranks of `comm`; without one this process reads for itself alone.
 
     Raises:

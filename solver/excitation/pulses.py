@@ -17,7 +17,7 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse(ABC):
-    """What pulses have in common; the formulas take the time since the start, tau, s."""
+    """Base of the pulses; the formulas take the time since the start, tau, s."""
 
     amplitude: float
     """A, m/s^2."""

@@ -34,11 +34,11 @@ class SampledMotion:
     largest: str = ""
     """Where the largest sample stands, in words."""
     source: str = ""
-    """What was taken from where in a file, in words; empty: the samples are of no file."""
+    """The source in a file, in words; empty: the samples are of no file."""
     _speed: Array = field(init=False, repr=False)
     """Velocities at the samples, m/s, (n,): the integral of the broken line."""
     _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)
-    """The three arrays as lists: single values are asked for in every step."""
+    """The three arrays as lists: every step takes single values."""
 
     def __post_init__(self) -> None:
         """Integrate."""

@@ -39,7 +39,7 @@ EVENT, SITE, NOISE = 0, 1, 2
 
 
 def synthetic_motion(spec: SyntheticSpec) -> SampledMotion:
-    """The motion that a scene asks for; the same for the same spec, bit for bit."""
+    """The motion of a spec; the same for the same spec, bit for bit."""
     value = spec.scale * acceleration(spec)
     return SampledMotion(
         time=spec.start + spec.dt * np.arange(value.size), value=value, step=spec.dt

@@ -211,7 +211,7 @@ def _crossing_time(block: BlockSpec) -> float:
 def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
     """Cautions about a run of meshed bodies, by its losses and the scale of its balance, J.
 
-    Where nothing deforms, contact takes what the law of impact says, whatever the steps.
+    Where nothing deforms, contact takes what the law of impact gives, whatever the steps.
     """
     share = unresolved_share(loss)
     lost = sum(impact_losses(loss).values())
@@ -227,14 +227,14 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
 
 
 def _lands_by_law(scene: Scene, block: BlockSpec) -> bool:
-    """Whether neither a block nor what carries it deforms."""
+    """True if neither a block nor its carrier deforms."""
     carrier = scene.carrier_of(block)
     firm = not scene.foundation.is_meshed if carrier is None else carrier.model == "rigid"
     return block.model == "rigid" and firm
 
 
 def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
-    """Cautions about steps that are longer than the tolerance asks for, by their counts."""
+    """Cautions about steps that are longer than the tolerance requires, by their counts."""
     coarse, steps = cost.get("coarse_steps", 0), cost.get("steps", 0)
     if coarse <= MOST_COARSE * steps:
         return []
@@ -252,8 +252,7 @@ def cautions_of_end(scene: Scene, status: str, reason: str) -> list[str]:
         caught = " fell " not in reason
         return [] if caught else [f"{reason}: nothing catches it, and the run ends there"]
     return [
-        f"the run ends before {scene.time.end:g} s ({reason}): what it tells of other blocks is up "
-        "to then"
+        f"the run ends before {scene.time.end:g} s ({reason}): other blocks are known up to then"
     ]
 
 
@@ -318,7 +317,7 @@ def _elastic(scene: Scene) -> list[BlockSpec]:
 
 
 def _overruled(scene: Scene) -> bool:
-    """Whether nothing has the damping of `[damping]`, as in the copy of a scene without one."""
+    """True if no body has the damping of `[damping]`, as in the copy of a scene without one."""
     own = all(block.damping is not None for block in _elastic(scene))
     return scene.damping is not None and own and not scene.foundation.is_meshed
 
@@ -342,7 +341,7 @@ def _undamped(scene: Scene) -> list[BlockSpec]:
 
 
 def _remedy(scene: Scene) -> str:
-    """What to change."""
+    """The change that would help, in words."""
     changes = []
     if not scene.time.adaptive:
         changes.append("leave out time.step, so that steps are adaptive")

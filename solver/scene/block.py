@@ -48,7 +48,7 @@ RESERVED = (
 #: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
 
-#: Numbers of cells where a scene says nothing.
+#: Numbers of cells by default.
 DEFAULT_CELLS: dict[Dimension, Cells] = {2: (6, 16), 3: (6, 6, 16)}
 
 
@@ -204,7 +204,7 @@ class BlockSpec(Checked):
         )
 
     def default_damping(self, plane: Plane, friction: float) -> DampingSpec:
-        """Damping of an elastic block where nothing is said; ValueError for a rigid one.
+        """Damping of an elastic block by default; ValueError for a rigid one.
 
         2 % of critical at the first bending mode, or more where a block is squat and slides before
         it rocks: what keeps its steady sliding from flutter.

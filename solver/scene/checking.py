@@ -133,7 +133,7 @@ def fields_of(cls: Any) -> tuple[tuple[dataclasses.Field[Any], Any], ...]:
 
 
 def key_of(field: dataclasses.Field[Any]) -> str:
-    """The TOML key of a field: its name, or what its metadata says."""
+    """The TOML key of a field: that of its metadata, or its name."""
     return str(field.metadata.get("key", field.name))
 
 

@@ -237,7 +237,7 @@ class OscillatorSpec(Foundation):
         return [("foundation", "rigid platform on a spring")]
 
 
-#: Numbers of cells of a plate where a scene says nothing.
+#: Numbers of cells of a plate by default.
 PLATE_CELLS: dict[Dimension, Cells] = {2: (24, 4), 3: (12, 12, 2)}
 
 SUPPORTS = {"fixed": "held everywhere", "bottom": "held at its bottom", "rollers": "on rollers"}
@@ -282,7 +282,7 @@ class PlateSpec(Foundation):
     of `[damping]`."""
     modes: Count | Literal["auto"] | None = None
     """Fixed-interface modes that steps go on with, beside nodes below blocks and at supports: so
-    many, or "auto": as many as their error asks for; not where all of it is fixed. Default: all
+    many, or "auto": as many as their error requires; not where all of it is fixed. Default: all
     unknowns of the mesh."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
     """How the plate is held, as described above."""
@@ -545,7 +545,7 @@ class FrameSpec(Foundation):
     """Polynomial degree of the displacement; thin columns are too stiff with 1."""
     modes: Count | Literal["auto"] | None = None
     """Fixed-interface modes that steps go on with, beside nodes below blocks and at supports: so
-    many, or "auto": as many as their error asks for. Default: all unknowns of the mesh."""
+    many, or "auto": as many as their error requires. Default: all unknowns of the mesh."""
     damping_ratio: DampingRatio | None = None
     """xi of its first sway mode, by damping that is proportional to its stiffness. Default: see
     `damping`."""

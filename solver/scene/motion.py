@@ -83,7 +83,7 @@ class Motion(Checked):
 
     @property
     def known_peak(self) -> float | None:
-        """Largest |a_g| along this direction, m/s^2, as far as the keys alone tell it.
+        """Largest |a_g| along this direction, m/s^2, as far as the keys alone have it.
 
         None where it takes reading a file or computing the motion.
         """

@@ -14,7 +14,7 @@ SNAPSHOTS, LEAST_TIME = 300, 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckpointSpec(Checked):
-    """How often a run writes its state: `output.checkpoint`."""
+    """Interval at which a run writes its state: `output.checkpoint`."""
 
     steps: Count | None = None
     """Steps between two checkpoints. Default: this or `minutes`."""
@@ -39,8 +39,8 @@ class OutputSpec(Checked):
     history_every: Count = 1
     """Steps between two rows of the history, which peaks, impacts and spectra are read from."""
     checkpoint: CheckpointSpec | None = None
-    """How often `checkpoint.npz` is written, from which `rockslip run --resume DIR` goes on, a
-    table as `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: never."""
+    """Interval of `checkpoint.npz`, from which `rockslip run --resume DIR` goes on, a table as
+    `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: none is written."""
     twin: bool = False
     """Run the scene once more with a motion that is stronger by a millionth, or without
     motion from such a start, and adaptive steps of a fourth of the tolerance: `summary.json` then
