@@ -186,7 +186,7 @@ def run_scene(options: argparse.Namespace) -> int:
     from solver.fields.hdf_file import refuse_without_h5py
     from solver.parallel import abort_on_exceptions, on_first_rank, world
     from solver.scene import load_scene
-    from solver.stepping.petsc_options import parse_options
+    from solver.stepping.petsc_options import command_line, parse_options
 
     try:
         comm = world()
@@ -207,13 +207,19 @@ def run_scene(options: argparse.Namespace) -> int:
         from solver.run.simulate import simulate
 
         if not scene.is_rigid:
-            _start_petsc(given.own_words())
+            if given:
+                import petsc4py
+
+                # In the end PETSc says which options it knew nothing of.
+                petsc4py.init(["rockslip", "-options_left", *command_line(given)])
             import_module("dolfinx")
-        if given.solver:  # without a mesh they are of no use, but a misspelt one is refused as well
-            import_module("solver.bodies.packed_form")  # which takes SIGPIPE back from PETSc
+        if given and not scene.is_rigid:  # without a mesh they are of no use
+            import_module(
+                "solver.bodies.packed_form"
+            )  # PETSc takes SIGPIPE over, and this takes it back
             from solver.stepping.nonlinear import check_options
 
-            check_options(options.petsc_options)
+            check_options()
     except ImportError as error:
         raise not_installed(error) from error
     folder = options.resume or options.output or Path(_stem(path) + ".out")
@@ -227,7 +233,6 @@ def run_scene(options: argparse.Namespace) -> int:
     result = simulate(
         scene,
         folder=folder,
-        petsc_options=options.petsc_options,
         progress=Progress(scene.time.end, quiet=options.quiet, rank=comm.rank),
         log=_tell if options.verbose and comm.rank == 0 else None,
         comm=comm,
@@ -252,14 +257,6 @@ def _resumed_scene(options: argparse.Namespace) -> Path:
         if value:
             raise not_applicable(name, "runs that begin, not to --resume DIR")
     return Path(options.resume) / "scene.toml"
-
-
-def _start_petsc(own: Sequence[str]) -> None:
-    """Start PETSc with its own options, which it reads when it starts."""
-    if own:
-        import petsc4py
-
-        petsc4py.init(["rockslip", *own])
 
 
 def check_scene(options: argparse.Namespace) -> int:

@@ -164,7 +164,7 @@ def _sliding(block: BlockSpec, scene: Scene) -> Lines:
         text = f"not linearised: more than {MOST_LINEARISED} unknowns"
         return [("  steady sliding", text)]
     try:
-        from solver.build.sliding import modes_of_sliding
+        from solver.build.meshed_body import modes_of_sliding
     except ImportError as error:
         return [("  steady sliding", f"not linearised: {error}")]
     modes, damping = modes_of_sliding(scene, block), scene.damping_of(block) or DampingSpec()

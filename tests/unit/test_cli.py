@@ -158,11 +158,6 @@ class TestRun:
         assert main([*words, "-rockslip_snes_monitor", "-rockslip_snes_rtol", "1e-9"]) == 0
         assert calls[0]["scene"].blocks[0].height == 1.2
         assert calls[0]["folder"] == Path("granite.out")
-        assert calls[0]["petsc_options"] == (
-            "-rockslip_snes_monitor",
-            "-rockslip_snes_rtol",
-            "1e-9",
-        )
         assert calls[0]["log"] is None
         output = capsys.readouterr()
         assert output.out == output.err == ""

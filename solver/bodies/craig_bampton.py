@@ -1,10 +1,18 @@
-"""Constraint modes, fixed-interface modes and static shapes of a linear body (Craig and Bampton).
+"""A meshed foundation reduced to few unknowns, by the method of Craig and Bampton.
+
+It is linearised about its equilibrium under weight, P-delta included. With the displacements of the
+nodes that are kept and the amplitudes q of fixed-interface modes,
 
     u_inner = Psi u_kept + Phi q,    Psi = -K_ii^-1 K_ik,    K_ii phi = omega^2 M_ii phi,
 
-and beside the modes what the inner part does, the kept unknowns held, under a uniform acceleration
-of the ground or of the nodes that are touched, and under weight: what the modes left out give way
-statically is in these.
+and beside the modes the shapes of the inner part, the kept unknowns held, under a uniform
+acceleration of the ground or of the nodes that are touched, and under weight: what the modes left
+out give way statically is in these. Its matrices are Galerkin's projections of those of the mesh,
+
+    u = u_s + T (y - y_s),    A_y = T^T A T,    T = (1  0; Psi  Phi).
+
+The amplitudes are scaled to the mass of the whole body, so that all y are lengths. Numbers of nodes
+go up to whole ones: amplitudes that no shape has are held.
 """
 
 from __future__ import annotations
@@ -17,11 +25,70 @@ from petsc4py import PETSc
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
-from scipy.sparse.linalg import LinearOperator, eigsh
 
+from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Factorization
-from solver.bodies.reduced.linearised import Linearised
+from solver.bodies.kinematics import rigid_modes
+from solver.bodies.modes import STATIC, compressed_rows, lowest_pairs
+from solver.errors import NotConverged
 from solver.types import Array, Indices
+
+MOST_CORRECTIONS = 30
+"""Newton corrections after which the search for the equilibrium is given up."""
+
+SETTLED = 1e-8
+"""A correction below this part of the displacement is the last one."""
+
+
+class Linearised(NamedTuple):
+    """Forces of strain F(u_s) + K (u - u_s) about an equilibrium u_s, and all other matrices."""
+
+    u: Array
+    """u_s, m."""
+    force: Array
+    """F(u_s) without that of springs, N."""
+    energy: float
+    """Strain energy at u_s, J."""
+    stiffness: sp.csr_matrix
+    """K, tangent at u_s: of the material and of the stresses there, N/m."""
+    undeformed: sp.csr_matrix
+    """K_0, of the undeformed body, which damping goes with, N/m."""
+    mass: sp.csr_matrix
+    """M, kg."""
+    spring: sp.csr_matrix
+    """Springs to the ground, N/m; empty where there are none."""
+
+
+def linearised(body: ElasticBody, load: Array) -> Linearised:
+    """A held body on one rank, about its equilibrium under a load (N), by Newton's method.
+
+    The tangent of the body is afterwards that of the equilibrium.
+
+    Raises:
+        NotConverged: There is none: it buckles.
+    """
+    undeformed, mass = compressed_rows(body.stiffness_matrix), compressed_rows(body.mass_matrix)
+    u = np.zeros(body.size)
+    for _ in range(MOST_CORRECTIONS):
+        body.begin_static(u)
+        force = body.internal_force(u, static=True)
+        left, spring = load - force, body.spring(u)
+        if spring is not None:
+            left -= spring
+        left[body.fixed] = 0.0
+        body.resume_stiffness(u)
+        change = body.factorization(STATIC).solve(left)
+        if np.linalg.norm(change) <= SETTLED * np.linalg.norm(u):
+            break
+        u = u + change
+    else:
+        raise NotConverged(f"{body.name}: no equilibrium under its weight, to linearise about")
+    held = sp.csr_matrix(mass.shape)
+    if body.spring_matrix is not None:
+        held = compressed_rows(body.spring_matrix)
+    tangent = compressed_rows(body.stiffness_matrix)
+    return Linearised(u, force, body.strain_energy(u), tangent, undeformed, mass, held)
+
 
 MOST_LEFT_OUT = 5e-4
 """Force of the modes left out over mass times acceleration, at most, where the number of modes is
@@ -33,9 +100,6 @@ fixed-interface modes asks for 1.5 to 2."""
 
 FIRST_MODES = 16
 """Number of modes that are computed first where their number is chosen; then twice as many."""
-
-DENSE_PART = 0.4
-"""Part of all modes beyond which they are computed all at once, by dense algebra."""
 
 NEGLIGIBLE = 1e-12
 """Square of the part of a static shape that no mode and no other shape has, over that of all of it,
@@ -172,21 +236,7 @@ class FixedInterface:
 
     def _modes(self, count: int) -> tuple[Array, Array]:
         """The lowest modes, of unit mass: squares of frequencies, rising, and columns."""
-        every = len(self.inner)
-        if count >= DENSE_PART * every:
-            squared, modes = la.eigh(self._stiffness.toarray(), self._mass.toarray())
-            return squared[:count], modes[:, :count]
-        inverse = LinearOperator(self._stiffness.shape, matvec=self._factor.solve, dtype=np.float64)
-        squared, modes = eigsh(
-            self._stiffness,
-            count,
-            self._mass,
-            sigma=0.0,
-            OPinv=inverse,
-            v0=self._mass @ np.ones(every),
-        )
-        order = np.argsort(squared)
-        return squared[order], modes[:, order]
+        return lowest_pairs(self._stiffness, self._mass, count, self._factor.solve)
 
     def _static_shapes(self, modes: Array, static: Array) -> tuple[Array, Array]:
         """What static shapes add to modes, of unit mass and orthogonal, with their frequencies."""
@@ -204,3 +254,94 @@ class FixedInterface:
 def _part(matrix: sp.csr_matrix, rows: Indices, columns: Indices) -> sp.csr_matrix:
     """Some rows and columns of a matrix."""
     return sp.csr_matrix(matrix[rows][:, columns])
+
+
+class Shapes:
+    """T: displacements of the whole mesh by the unknowns of the reduced body."""
+
+    def __init__(self, interface: FixedInterface, basis: InnerBasis, mass: float, dimension: int):
+        """Put T together from its parts; mass in kg."""
+        kept, inner = interface.kept, interface.inner
+        self.used = len(kept) + basis.shapes.shape[1]
+        """Number of unknowns without those that stand for nothing."""
+        self.unknowns = -(-self.used // dimension) * dimension
+        """Number of unknowns."""
+        self._matrix = np.zeros((len(kept) + len(inner), self.unknowns))
+        self._matrix[kept, np.arange(len(kept))] = 1.0
+        self._matrix[inner, : len(kept)] = interface.constraint_modes
+        self._matrix[inner, len(kept) : self.used] = np.sqrt(mass) * basis.shapes
+        self._kept = kept
+
+    def expanded(self, y: Array) -> Array:
+        """T y, on the whole mesh."""
+        return self._matrix @ y
+
+    def unknowns_of(self, u: Array, mass: sp.csr_matrix) -> Array:
+        """The y of a displacement that the shapes can have; M of the mesh."""
+        y, kept = np.zeros(self.unknowns), len(self._kept)
+        y[:kept] = u[self._kept]
+        shapes = self._matrix[:, kept : self.used]
+        own = mass @ shapes
+        y[kept : self.used] = np.linalg.solve(shapes.T @ own, own.T @ (u - self.expanded(y)))
+        return y
+
+    def rows(self, unknowns: Indices) -> Array:
+        """Rows of T of some unknowns of the mesh, (m, unknowns)."""
+        return self._matrix[unknowns]
+
+    def projected(self, matrix: sp.csr_matrix) -> Array:
+        """T^T A T of a symmetric matrix of the mesh, (unknowns, unknowns)."""
+        found = self._matrix.T @ (matrix @ self._matrix)
+        return np.asarray((found + found.T) / 2)
+
+    def pushed(self, forces: Array) -> Array:
+        """T^T f of forces on the mesh, (m, n) for n of them or (m,)."""
+        return self._matrix.T @ forces
+
+
+class ReducedMatrices(NamedTuple):
+    """What a reduced body is made of, on the rank that owns it."""
+
+    mass: Array
+    """M, (n, n), kg."""
+    stiffness: Array
+    """K about the equilibrium, (n, n), N/m."""
+    undeformed: Array
+    """K_0 of the undeformed body, which damping goes with, (n, n), N/m; empty without damping."""
+    spring: Array
+    """Springs to the ground, (n, n), N/m; empty where there are none."""
+    constant: Array
+    """Forces of strain at y = 0, (n,), N."""
+    energy: float
+    """Strain energy at y = 0, J: that of the straight line through the equilibrium."""
+    directional_mass: Array
+    """Mass of each unknown in motion along each direction, (d, n), kg."""
+    spin: Array
+    """Angular velocity of the body as a whole for each velocity, (axes, n), 1/m."""
+
+
+def reduced_matrices(body: ElasticBody, about: Linearised, shapes: Shapes) -> ReducedMatrices:
+    """Project all matrices of a body that was linearised."""
+    stiffness = shapes.projected(about.stiffness)
+    still = shapes.unknowns_of(about.u, about.mass)
+    force = shapes.pushed(about.force)
+    turning = rigid_modes(body.arm)[body.dimension :]
+    if body.dimension == 2:
+        turning = [-turning[0]]  # clockwise
+    else:
+        turning = [turning[1], turning[2], turning[0]]  # about x, y, z
+    turns = np.column_stack(turning)
+    momenta = about.mass @ turns
+    spin = np.linalg.solve(turns.T @ momenta, shapes.pushed(momenta).T)
+    nothing = np.empty((0, 0))
+    springs = about.spring.nnz > 0
+    return ReducedMatrices(
+        mass=shapes.projected(about.mass),
+        stiffness=stiffness,
+        undeformed=shapes.projected(about.undeformed) if body.damping.stiffness else nothing,
+        spring=shapes.projected(about.spring) if springs else nothing,
+        constant=force - stiffness @ still,
+        energy=about.energy - float(force @ still) + 0.5 * float(still @ (stiffness @ still)),
+        directional_mass=shapes.pushed(body.directional_mass.T).T.copy(),
+        spin=spin,
+    )

@@ -16,28 +16,15 @@ from dolfinx import mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
-from solver.contact.facet_target import Face
-from solver.contact.facets import evaluate_facets, gather
-from solver.contact.held_face import HeldFace
+from solver.contact.carriers import Carrier
+from solver.contact.facets import evaluate_facets, extent, gather
 from solver.contact.interface import Interface
-from solver.contact.kernels.corners import look_against
-from solver.contact.nitsche_points import contact_points, extent
-from solver.contact.passes.on_face import NitscheOnFace
-from solver.contact.passes.on_plane import NitscheOnPlane
-from solver.contact.plane_target import Carrier, Plane
+from solver.contact.nitsche_points import contact_points
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array
 
 FACING = -0.5
 """Cosine of the angle between a face's normal and the carrier's below which the face joins."""
-
-
-COMPILED_INTERFACES: dict[type[Carrier], type[Interface]] = {
-    Plane: NitscheOnPlane,
-    HeldFace: NitscheOnPlane,
-    Face: NitscheOnFace,
-}
-"""Interfaces of meshed bodies whose passes are compiled as one, by what carries the points."""
 
 
 class ContactPair(Protocol):
@@ -110,8 +97,7 @@ class MeshedContactPair:
 
     def facing(self, rotation: Array) -> frozenset[int]:
         """Tags of faces with a facet turned towards the carrier, and of the bottom."""
-        towards = np.empty(len(self._outward), dtype=np.bool_)
-        look_against(self._outward, rotation, self.surface.frame[0], FACING, towards)
+        towards = self._outward @ (self.surface.frame[0] @ rotation) < FACING
         key = towards.tobytes()
         if key not in self._found:
             self._found[key] = self.always.union(map(int, self._face[towards]))
@@ -133,9 +119,7 @@ class MeshedContactPair:
             cuts=self._cuts,
         )
         member = NitschePoints(self._member, points)
-        # Other carriers may have kinematics of their own, which compiled passes do not call.
-        kind = COMPILED_INTERFACES.get(type(self.surface), Interface)
-        return kind(member, self.surface, self._law, theta=self._theta, bed=self._bed)
+        return Interface(member, self.surface, self._law, theta=self._theta, bed=self._bed)
 
 
 class FixedContactPair:

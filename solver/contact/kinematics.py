@@ -1,4 +1,4 @@
-"""Where contact points stand on what carries them."""
+"""Where contact points are over what carries them, at one instant and over a step."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.kernels.chain import Feet
-from solver.contact.kernels.plane import vectors_of
-from solver.contact.kernels.way import add_spread, interpolated
+from solver.contact.kernels.facets import Feet, add_spread, interpolated
 from solver.types import Array, Indices, Mask
 
 
@@ -89,8 +87,6 @@ class ContactKinematics(NamedTuple):
     """Where the points stand; None on a plane."""
     own_projection: EdgeInterpolation | None = None
     """Where they are among the nodes of their own body; None where they are those nodes."""
-    beyond_edge: Mask | None = None
-    """Points beyond an end of a face that stands still, (m,); feet know it of others."""
 
 
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:
@@ -111,7 +107,51 @@ def in_frames(vectors: Array, frames: Array) -> Array:
 def in_space(components: Array, frames: Array) -> Array:
     """Vectors in space of components (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
     if frames.ndim == 2:
-        vectors = np.empty(components.shape)
-        vectors_of(components, frames, vectors)
-        return vectors
+        return components @ frames
     return (components[:, None, :] @ frames)[:, 0]
+
+
+Observed = tuple[SurfaceState, ContactKinematics]
+"""An interface at one instant: its points, and where they are over their carrier."""
+
+Parts = tuple[Array | None, Array | None]
+"""Owned unknowns of the body of the points and of its carrier, or forces on them; None for the
+ground."""
+
+
+class ContactIncrement(NamedTuple):
+    """An interface over a step, or over an iteration of it.
+
+    Attributes:
+        before: The interface at t_n, in the frame of the step.
+        after: At t_{n+1}.
+        force: Point forces f at t_{n+1}, (points, d), N.
+    """
+
+    before: Observed
+    after: Observed
+    force: Array
+
+
+class ForceWeights(NamedTuple):
+    """How the forces of an interface count, with their sign.
+
+    Attributes:
+        points: Point forces: w_c.
+        old: Tractions at t_n, in the theta term of Nitsche's method, int (theta/gamma_h) T.DT[v]:
+            alpha_f, or 0 to leave the term out.
+        new: Those at t_{n+1}: 1 - alpha_f, or 0.
+    """
+
+    points: float
+    old: float
+    new: float
+
+    @classmethod
+    def of(cls, contact: float, traction: float, sign: float) -> ForceWeights:
+        """Weights by w_c and 1 - alpha_f, which is 0 to leave the theta term out.
+
+        The sign is 1, or -1 to subtract all forces.
+        """
+        old = sign * (1.0 - traction) if traction else 0.0
+        return cls(sign * contact, old, sign * traction)

@@ -6,6 +6,7 @@ groups of d. Forces are what does work on them.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from mpi4py import MPI
@@ -14,13 +15,14 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
+from solver.bodies.craig_bampton import Bound, InnerBasis, ReducedMatrices, Shapes
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import RigidMotion
-from solver.bodies.reduced.matrices import ReducedMatrices, Shapes
+from solver.bodies.surface_layer import Layer
 from solver.parallel import global_sum
 from solver.scene.damping import DampingSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.types import Array
+from solver.types import Array, Indices
 
 
 class DenseFactor:
@@ -37,17 +39,8 @@ class DenseFactor:
         own[held], own[:, held] = 0.0, 0.0
         own[held, held] = 1.0
         self._factor = la.cho_factor(own, lower=True) if len(own) else None
-        self._entries = float(unknowns) ** 2
-
-    @property
-    def reads(self) -> float:
-        """Numbers that a solve for one vector reads: each substitution half of them."""
-        return self._entries
-
-    @property
-    def nbytes(self) -> float:
-        """Memory of the factor, bytes."""
-        return 8.0 * self._entries
+        self.nbytes = 8.0 * unknowns**2
+        """Memory of the factor, bytes; the same on all ranks."""
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
@@ -292,3 +285,107 @@ class ReducedBody:
     def mass_inverse(self) -> DenseFactor:
         """The factorized mass."""
         return DenseFactor(self._own.mass, self.fixed, self.unknowns)
+
+
+class ReducedLayer(Layer):
+    """Nodes of a face whose unknowns all are on rank 0: some are kept, others follow from them."""
+
+    def __init__(self, comm: MPI.Intracomm, places: Indices, rows: Array, size: int):
+        """Take the parts of the face.
+
+        Args:
+            comm: Communicator of the run.
+            places: Where the kept nodes 0, 1, ... of the body stand on the face; known on rank 0.
+            rows: Rows of the unknowns for the other nodes in their order, (m d, unknowns); the
+                same.
+            size: Number of nodes on the face.
+        """
+        self.comm, self.size, self.direct = comm, size, False
+        self._places, self._rows = places, rows
+        others = np.ones(size, dtype=np.bool_)
+        others[places] = False
+        self._others = np.flatnonzero(others)
+
+    def part(self, chosen: NDArray[np.int64]) -> Layer:
+        """The layer of some of its nodes, in the order of their places here."""
+        return _PartOfLayer(self, chosen)
+
+    def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of the face, (size, ...), from those of the owned unknowns, (n, ...)."""
+        shape = self.size, *values.shape[1:]
+        result = np.empty(shape)
+        if self.comm.rank == 0:
+            result[self._places] = values[: len(self._places)]
+            if len(self._others):
+                flat = values.reshape(self._rows.shape[1], -1)
+                result[self._others] = (self._rows @ flat).reshape(-1, *values.shape[1:])
+        if self.comm.size > 1:
+            self.comm.Bcast(result, root=0)
+        return result
+
+    def add(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Add values of the face to those of the owned unknowns, in place."""
+        if self.comm.rank != 0:
+            return
+        target[: len(self._places)] += values[self._places]
+        if len(self._others):
+            others = values[self._others]
+            flat = others.reshape(len(self._rows), -1)
+            target += (self._rows.T @ flat).reshape(target.shape)
+
+
+class _PartOfLayer(Layer):
+    """Some nodes of a layer."""
+
+    def __init__(self, whole: Layer, chosen: NDArray[np.int64]):
+        """Take the layer and the places of the nodes in it."""
+        self._whole, self._chosen = whole, chosen
+        self.size, self.direct = len(chosen), False
+
+    def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of the chosen nodes."""
+        return self._whole.gather(values)[self._chosen]
+
+    def add(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Add to their values."""
+        all_of_them = np.zeros((self._whole.size, *values.shape[1:]))
+        all_of_them[self._chosen] = values
+        self._whole.add(target, all_of_them)
+
+
+class Reduction(NamedTuple):
+    """What became of a mesh, in numbers that every rank knows."""
+
+    facts: ReducedFacts
+    """The body."""
+    modes: int
+    """Number of modes."""
+    shapes: int
+    """Number of static shapes besides."""
+    fastest: float
+    """Frequency of the fastest mode, rad/s."""
+    bound: Bound
+    """What the modes left out may take."""
+    touched: int
+    """Number of nodes kept on the deck."""
+    supported: int
+    """Number of nodes kept at supports besides."""
+
+    @classmethod
+    def of(cls, facts: ReducedFacts, basis: InnerBasis, nodes: tuple[int, int]) -> Reduction:
+        """The numbers of a basis, and those of nodes that are kept on the deck and at supports."""
+        modes = basis.modes
+        fastest = math.sqrt(float(basis.squared[modes - 1])) if modes else 0.0
+        return cls(facts, modes, len(basis.squared) - modes, fastest, basis.bound, *nodes)
+
+    def in_words(self) -> tuple[str, str, str, str]:
+        """Unknowns, modes, nodes, and what modes left out may take."""
+        bound, hertz = self.bound, 2 * math.pi
+        highest = f"{bound.frequency / hertz:.3g} Hz"
+        left = f"{100 * bound.part:.2g} %" if bound.part < math.inf else "any part"
+        return (
+            f"{self.facts.unknowns} unknowns instead of {self.facts.full_unknowns}",
+            f"{self.modes} up to {self.fastest / hertz:.4g} Hz, and {self.shapes} static shapes",
+            f"{self.touched} of the top, {self.supported} at supports",
+            f"take at most {left} of mass times acceleration, up to {highest}",
+        )
