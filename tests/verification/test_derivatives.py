@@ -19,7 +19,7 @@ from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
-from tests.surfaces import evaluated, traction_gradient
+from tests.surfaces import evaluated
 
 pytestmark = pytest.mark.serial
 
@@ -165,59 +165,14 @@ def test_viscous_force_of_small_strains(thing):
     assert viscous == pytest.approx(y.array, abs=1e-5 * np.abs(viscous).max())
 
 
-def test_discrete_gradient_of_the_traction(thing):
-    """DT[u_1 - u_0] between two states is T_1 - T_0."""
-    points = thing.interface.points.points
-    u0, u1 = thing.displacement(6, 0.1), thing.displacement(7, 0.8)
-    old, new = thing.surface(u0), thing.surface(u1)
-    for seed in range(3):
-        vector = np.random.default_rng(seed).standard_normal((points.count, 2))
-        work = thing.work(traction_gradient(points, old, new, vector), u1 - u0)
-        expected = float(np.sum(vector * (new.traction - old.traction)))
-        scale = float(np.sum(np.abs(vector * new.traction)))
-        assert work == pytest.approx(expected, abs=1e-12 * scale)
-
-
-def test_gradient_of_the_traction(thing):
-    """Where both states are one it is the derivative of T."""
-    points = thing.interface.points.points
-    u, v = thing.displacement(8, 0.5), thing.direction(9)
-    vector = np.random.default_rng(1).standard_normal((points.count, 2))
-    here = thing.surface(u)
-    work = thing.work(traction_gradient(points, here, here, vector), v)
-    expected = slope(lambda s: float(np.sum(vector * thing.surface(u + s * v).traction)))
-    assert work == pytest.approx(expected, rel=1e-7)
-
-
-def test_traction_of_a_homogeneous_stretch(thing):
-    """x = F X by hand: T = F S N on every face, whatever the elements."""
-    body, points = thing.body, thing.interface.points.points
-    F = np.array([[1.02, 0.3], [-0.1, 0.97]])
-    u = (body.nodes @ F.T - body.nodes).ravel()
-    E = (F.T @ F - np.eye(2)) / 2
-    material = body.material
-    S = material.lame * np.trace(E) * np.eye(2) + 2 * material.shear * E
-    normals = {FacetTag.BOTTOM: (0, -1), FacetTag.RIGHT: (1, 0), FacetTag.LEFT: (-1, 0)}
-    N = np.array([normals[FacetTag(tag)] for tag in points.tag])
-    surface = thing.surface(u)
-    assert points.normal == pytest.approx(N)
-    assert surface.traction == pytest.approx(N @ (F @ S).T, abs=1e-12)
-    assert surface.position == pytest.approx(points.reference @ F.T)
-
-
-def test_rows_of_traction_and_position(thing):
-    """Linear maps: the derivatives at rest."""
+def test_rows_of_ports_are_those_of_the_augmented_position(thing):
     interface, points = thing.interface, thing.interface.points.points
-    v = thing.direction(11)
-    expected = slope(lambda s: thing.surface(s * v).traction)
-    found = (points.traction_rows() @ thing.layer(v).ravel()).reshape(-1, 2)
-    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
-    moved = thing.surface(v).position - points.reference
-    assert (points.position_rows() @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(moved)
-    softened = moved - found / points.gamma_h[:, None]
+    v = thing.layer(thing.direction(11)).ravel()
+    found, moved = points.traction_rows() @ v, points.position_rows() @ v
+    softened = moved - found / np.repeat(points.gamma_h, 2)
     ports = ports_of(interface.points, interface, tractions=True)
     for rows in (ports.read_rows, ports.force_rows):  # theta = 1: the same
-        assert (rows @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(softened)
+        assert rows @ v == pytest.approx(softened)
 
 
 @pytest.mark.parametrize("theta", [1, -1])

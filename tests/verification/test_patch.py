@@ -151,8 +151,7 @@ def normal_stress(body: ElasticBody, u: np.ndarray, normal: np.ndarray) -> np.nd
     return normal @ values.reshape(-1, d, d) @ normal
 
 
-@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize(("cell", "degree"), [("quadrilateral", 1), ("triangle", 2)])
 @pytest.mark.parametrize(
     "case",
     [
