@@ -69,7 +69,7 @@ def test_a_corner_that_the_other_one_turns_into_the_floor_touches(
 
     One correction is made to be enough: nobody has looked at the other corner by then.
     """
-    monkeypatch.setattr("solver.stepping.reach.FIRST_REACH", reach)
+    monkeypatch.setattr("solver.stepping.active_set.FIRST_REACH", reach)
     looked = []
     sinks_in = StepContact.sinks_in
     monkeypatch.setattr(
