@@ -103,7 +103,7 @@ class ElasticBody:
             facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
             supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
         self.clamped = bool(supports) or spring is not None
-        """Whether it stands on the ground, and does not turn."""
+        """True if it stands on the ground, and does not turn."""
         self.fixed = self._held(supports)
         self._assemble()
         self.spring_matrix = None if spring is None else spring.matrix(self.space)
@@ -350,7 +350,7 @@ class ElasticBody:
         return self._factorizations[weights]
 
     def forget(self, weights: TangentWeights) -> None:
-        """Drop a factorization; it is made anew when it is asked for."""
+        """Drop a factorization; it is made anew when needed."""
         self._factorizations.pop(weights, None)
 
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:

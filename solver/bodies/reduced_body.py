@@ -56,10 +56,10 @@ class DenseFactor:
 
 
 class ReducedFacts(NamedTuple):
-    """What all ranks know of a reduced body."""
+    """Data of a reduced body on all ranks."""
 
     name: str
-    """What messages and files call it."""
+    """Name in messages and files."""
     mass: float
     """kg."""
     rigidity: float
@@ -73,13 +73,13 @@ class ReducedFacts(NamedTuple):
     unknowns: int
     """Numbers on rank 0, d of each node and of each group of amplitudes."""
     springs: bool
-    """Whether springs tie it to the ground."""
+    """True if springs tie it to the ground."""
     full_unknowns: int
     """Unknowns of the mesh."""
 
 
 class ReducedParts(NamedTuple):
-    """What rank 0 holds of a reduced body."""
+    """Data of a reduced body on rank 0 alone."""
 
     nodes: Array
     """Places of the nodes that are kept, (kept, d), m."""
@@ -88,7 +88,7 @@ class ReducedParts(NamedTuple):
     matrices: ReducedMatrices
     """M, K, ..."""
     shapes: Shapes
-    """What expands it to its mesh."""
+    """Shapes that expand it to its mesh."""
     mesh: ElasticBody
     """The body that it stands for."""
 
@@ -111,7 +111,7 @@ class ReducedBody:
         self.damping, self.delay, self.dimension = facts.damping, facts.delay, facts.dimension
         self.unknowns, self.has_spring = facts.unknowns, facts.springs
         self.parts = parts
-        """What expands it; None on all ranks but the first."""
+        """Data of rank 0; None on all ranks but the first."""
         d = self.dimension
         self.size = self.unknowns if parts is not None else 0
         self.owned, self.identity = self.size // d, np.eye(d)
@@ -279,7 +279,7 @@ class ReducedBody:
         return self._factorizations[weights]
 
     def forget(self, weights: TangentWeights) -> None:
-        """Drop a factorization; it is made anew when it is asked for."""
+        """Drop a factorization; it is made anew when needed."""
         self._factorizations.pop(weights, None)
 
     def mass_inverse(self) -> DenseFactor:
@@ -354,7 +354,7 @@ class _PartOfLayer(Layer):
 
 
 class Reduction(NamedTuple):
-    """What became of a mesh, in numbers that every rank knows."""
+    """The reduction of a mesh, in numbers that every rank knows."""
 
     facts: ReducedFacts
     """The body."""
@@ -365,7 +365,7 @@ class Reduction(NamedTuple):
     fastest: float
     """Frequency of the fastest mode, rad/s."""
     bound: Bound
-    """What the modes left out may take."""
+    """Bound of what the modes left out may take."""
     touched: int
     """Number of nodes kept on the deck."""
     supported: int

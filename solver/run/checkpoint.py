@@ -50,7 +50,7 @@ TYPES = {
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
-    "solver.stepping.state": ("State", "Turning"),
+    "solver.stepping.state": ("State", "RotationPrediction"),
 }
 """The types that runs save, by the modules that have them: a checkpoint may name no others."""
 

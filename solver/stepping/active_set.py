@@ -39,7 +39,7 @@ class Reach:
     Attributes:
         distance: The gaps, (points,), m.
         met: Points that were near in a correction before, (points,).
-        holding: Whether some points count wherever they are.
+        holding: True if some points count wherever they are.
     """
 
     def __init__(self, size: Array):
@@ -147,9 +147,9 @@ class Sleepers:
     """The interfaces that a step leaves out.
 
     Attributes:
-        asleep: Whether each interface is one of them.
+        asleep: True if each interface is one of them.
         points: Their points, (points,); None where there are none.
-        overran: Whether bodies moved so far in the step that it says nothing of interfaces nobody
+        overran: True if bodies moved so far in the step that it says nothing of interfaces nobody
             looked at.
     """
 
@@ -177,7 +177,7 @@ class Sleepers:
         return ASLEEP_REACHES * REACH * self._points.links[number].interface.size
 
     def _far(self, number: int, memory: Memory) -> bool:
-        """Whether an interface is far from contact at the start of the step.
+        """True if an interface is far from contact at the start of the step.
 
         Only those without tractions can sleep: the theta term acts on open points, too.
         """
@@ -194,7 +194,7 @@ class Sleepers:
         return float(gaps.min()) if len(gaps) else np.inf
 
     def wake(self, u: Array) -> bool:
-        """Whether interfaces have come into contact at the solution u after all."""
+        """True if interfaces have come into contact at the solution u after all."""
         if self.points is None:
             return False
         ways = ways_of(self._system, u, self._start)
@@ -207,7 +207,7 @@ class Sleepers:
         return woken
 
     def _wakes(self, number: int, u: Array, ways: list[float]) -> bool:
-        """Whether an interface has come into contact at u, where bodies moved so far, m."""
+        """True if an interface has come into contact at u, where bodies moved so far, m."""
         link, before = self._points.links[number], self._memories[number].clear
         way = sum(ways[body] for body in (link.body, link.carrier) if body is not None)
         self._looked.pop(number, None)

@@ -51,7 +51,7 @@ class Iterate(NamedTuple):
     seen: Sequence[Observed]
 
 
-class Pressing(NamedTuple):
+class ActivePair(NamedTuple):
     """An interface that residuals look at: what stays the same from one to the next.
 
     Attributes:
@@ -92,7 +92,7 @@ class StepProblem:
         self._beyond: Mask | None = None
         self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
         self._remembered = [memory.seen for memory in balance.contact]
-        self._awake = self._pressing()
+        self._awake = self._active_pairs()
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
@@ -129,7 +129,7 @@ class StepProblem:
         self._residual = residual
         return residual
 
-    def _pressing(self) -> list[Pressing]:
+    def _active_pairs(self) -> list[ActivePair]:
         """The interfaces that residuals look at."""
         balance, points, found = self._balance, self._points, []
         for number, asleep in enumerate(self.sleepers.asleep):
@@ -138,7 +138,7 @@ class StepProblem:
                 before = None if self._static else self._remembered[number]
                 tangent = balance.weights[link.body or 0]
                 weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
-                found.append(Pressing(number, link, before, force, weights))
+                found.append(ActivePair(number, link, before, force, weights))
         return found
 
     def acceleration(self) -> float:
@@ -249,14 +249,14 @@ class StepProblem:
         )
 
     def continues(self, u: Array) -> bool:
-        """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
+        """True if u is no solution: an interface becomes active, points sink in or break loose."""
         if self.sleepers.wake(u):
-            self._awake = self._pressing()
+            self._awake = self._active_pairs()
             return True
         return self._sinks_in() or self.contact.friction.break_loose(self.contact.force)
 
     def _sinks_in(self) -> bool:
-        """Whether points sink in at the iterate that no correction has looked at."""
+        """True if points sink in at the iterate that were in no correction."""
         y = self._positions()
         self._put_away(y)
         return self.contact.sinks_in(y)
@@ -267,7 +267,7 @@ class StepProblem:
             y[self._beyond, 0] = self._points.size[self._beyond]
 
     def contacts(self) -> list[Contact]:
-        """Every interface at the end of the step, after `continues` was asked."""
+        """Every interface at the end of the step, after `continues`."""
         found, sleepers = [], self.sleepers
         for number, own in enumerate(self._points.own):
             asleep = sleepers.asleep[number]
@@ -308,7 +308,7 @@ class ContactSolve:
         self._solver.destroy()
 
     def saved(self) -> dict[str, Any]:
-        """What the digits of further solves depend on, for `resume`."""
+        """State that the digits of further solves depend on, for `resume`."""
         return {
             "tangents": [
                 (weights, saved_compliances(tangents.responses), tangents.operator)
@@ -378,13 +378,13 @@ class ContactSolve:
         self._model.reach.hold(gaps, may_touch)
 
     def _was_strained_at(self, start: Array) -> bool:
-        """Whether the stiffness was made anew at this very displacement; collective."""
+        """True if the stiffness was made anew at this very displacement; collective."""
         before = self._strained_at
         another = before is None or not np.array_equal(before, start)
         return not any_rank(self._model.system.comm, another)
 
     def _tangents_for(self, weights: tuple[TangentWeights, ...]) -> Tangents:
-        """What the bodies offer for a step size and rho_inf."""
+        """Responses of the bodies for a step size and rho_inf."""
         if weights not in self._tangents:
             self._make_room()
             system, links = self._model.system, self._model.points.links

@@ -37,7 +37,7 @@ class StepStart(NamedTuple):
     exchanged: float
 
 
-class Standing(NamedTuple):
+class InterfaceState(NamedTuple):
     """How interfaces stand in a step.
 
     Attributes:
@@ -49,7 +49,7 @@ class Standing(NamedTuple):
     settled: tuple[Any, ...]
 
     @classmethod
-    def of(cls, faces: Faces, links: Sequence[Link]) -> Standing:
+    def of(cls, faces: Faces, links: Sequence[Link]) -> InterfaceState:
         """How these interfaces stand now."""
         carriers = [link.interface.carrier for link in links]
         return cls(

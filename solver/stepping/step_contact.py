@@ -59,7 +59,7 @@ class FrictionBounds:
 
     Attributes:
         bounds: Bounds of each interface, by the slip that was told last.
-        steady: Whether friction depends on neither speed nor the past, and need not be told.
+        steady: True if friction depends on neither speed nor the past, and need not be told.
     """
 
     def __init__(self, points: PointTable, memories: Sequence[Memory], *, step: float, glued: bool):
@@ -269,7 +269,7 @@ class StepContact:
         return change
 
     def sinks_in(self, y: Array) -> bool:
-        """Whether points sink in that no correction has looked at, at augmented positions y."""
+        """True if points sink in that no correction has looked at, at augmented positions y."""
         points = self._points
         return sinks_in(y, points.round_off, self._may_touch, self._reach.met)
 

@@ -31,7 +31,7 @@ from solver.stepping.balance import (
 )
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
+from solver.stepping.interfaces import Faces, Interfaces, InterfaceState, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.reactions import (
@@ -40,7 +40,7 @@ from solver.stepping.reactions import (
     standing_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, State, Turning
+from solver.stepping.state import Exchange, GroundForces, RotationPrediction, State
 from solver.stepping.system import Link, System
 from solver.types import Array
 
@@ -111,7 +111,7 @@ class Stepper:
         self._impulses: VelocityImpulses | None = None
 
     def prepare(self, state: State, dt: float) -> StepStart:
-        """What a step of length `dt` (s) from a state starts from.
+        """Start of a step of length `dt` (s) from a state.
 
         The frames of carriers are those of this step afterwards, and faces that have turned to
         their carriers take part; the state stays as it is.
@@ -120,18 +120,18 @@ class Stepper:
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
 
-    def standing(self) -> Standing:
-        """How the interfaces stand in the step that was prepared last, for `stand`."""
+    def standing(self) -> InterfaceState:
+        """Frames of the interfaces in the step that was prepared last, for `stand`."""
         assert self._faces is not None
-        return Standing.of(self._faces, self.links)
+        return InterfaceState.of(self._faces, self.links)
 
-    def stand(self, standing: Standing) -> None:
+    def stand(self, standing: InterfaceState) -> None:
         """Let the interfaces stand as in an earlier step."""
         self._join(standing.faces)
         standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
-        """What the digits of further steps depend on besides the state, for `resume`."""
+        """Data that the digits of further steps depend on besides the state, for `resume`."""
         bodies = self.system.bodies
         self.local.forget()  # here as in a run that goes on from this
         return {
@@ -159,7 +159,7 @@ class Stepper:
         return self._interfaces.energy(state.faces, state.contacts)
 
     def ground_forces(self, state: State) -> GroundForces:
-        """What the ground does to bodies that it holds at the start of a run."""
+        """Forces of the ground on bodies that it holds at the start of a run."""
         return standing_forces(self.system, state, self.gravity)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
@@ -266,11 +266,11 @@ class Stepper:
         return self._ended(state, step, solution, state.time + dt if end is None else end)
 
     def _begin(self, state: State, dt: float) -> Step:
-        """What is settled before the solve."""
+        """Data that are settled before the solve."""
         start = self.prepare(state, dt)
         bodies = range(len(self.system.bodies))
         motions = [state.rigid_motion(self.system, number) for number in bodies]
-        turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
+        turning = RotationPrediction.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
             dt=dt,
             scheme=self.scheme.damped if state.is_damped(dt) else self.scheme,
@@ -338,7 +338,7 @@ class Stepper:
     def _velocity_correction(
         self, u: Array, v: Array, solution: StepSolution, step: Step, rubbed: float
     ) -> VelocityCorrection:
-        """What contact at velocity level changes after a step in which friction took `rubbed`."""
+        """Changes by contact at velocity level after a step in which friction took `rubbed`."""
         correction: VelocityCorrection | None = None
         pressed = [contact.force[:, 0] > 0 for contact in solution.contacts]
         closed = joined(pressed).nonzero()[0]
