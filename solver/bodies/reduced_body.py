@@ -16,7 +16,7 @@ import scipy.linalg as la
 from numpy.typing import NDArray
 
 from solver.bodies.craig_bampton import Bound, InnerBasis, ReducedMatrices, Shapes
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_body import DampedBody, ElasticBody
 from solver.bodies.kinematics import RigidMotion
 from solver.bodies.surface_layer import Layer
 from solver.parallel import global_sum
@@ -93,7 +93,7 @@ class ReducedParts(NamedTuple):
     """The body that it stands for."""
 
 
-class ReducedBody:
+class ReducedBody(DampedBody):
     """Forces, energies and tangents of a reduced body; it offers what `ElasticBody` does.
 
     With M, K about the equilibrium under weight and K_0 of the undeformed body, all projected,
@@ -219,29 +219,9 @@ class ReducedBody:
             return None
         return self.damping.stiffness / dt * (self._own.undeformed @ (u - self._start))
 
-    def settled(self, u: Array) -> Array:
-        """The unknowns that the next step starts from: those at the end of this one."""
-        return u
-
     def spring(self, vector: Array) -> Array | None:
         """Force of the springs to the ground for a displacement; None without them."""
         return self._own.spring @ vector if self.has_spring else None
-
-    def drag(self, velocity: Array) -> Array | None:
-        """C v: mass-proportional damping and the dashpot; None without both."""
-        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
-        if self.delay and self.has_spring:
-            dashpot = self.dashpot(velocity)
-            force = dashpot if force is None else force + dashpot
-        return force
-
-    def dashpot(self, velocity: Array) -> Array:
-        """Force of the dashpots beside the springs to the ground, which there are."""
-        return self.delay * (self._own.spring @ velocity)
-
-    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
-        """Weights of the tangent in a step."""
-        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self.delay)
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
@@ -277,10 +257,6 @@ class ReducedBody:
             self.factorizations += 1
             self.solvers.add(DenseFactor.name)
         return self._factorizations[weights]
-
-    def forget(self, weights: TangentWeights) -> None:
-        """Drop a factorization; it is made anew when needed."""
-        self._factorizations.pop(weights, None)
 
     def mass_inverse(self) -> DenseFactor:
         """The factorized mass."""
