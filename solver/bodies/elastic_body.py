@@ -19,7 +19,7 @@ from solver.bodies.elastic_forms import ElasticForms, Moduli, Region, StrainWeig
 from solver.bodies.factorization import Factorization
 from solver.bodies.kinematics import RigidMotion
 from solver.bodies.mass_properties import MassProperties, move_on, resultant, turn_all
-from solver.compat import PackedForm
+from solver.bodies.packed_form import PackedForm
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights

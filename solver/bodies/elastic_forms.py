@@ -21,7 +21,7 @@ import ufl
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
-from solver.compat import PackedForm, packed_coefficients
+from solver.bodies.packed_form import PackedForm, packed_coefficients
 from solver.law.compiled import compiled
 from solver.scene.material import Material, Plane
 from solver.types import Array, Indices

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from solver.bodies.craig_bampton import Bound, InnerBasis, ReducedMatrices, Shapes
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import RigidMotion
-from solver.parallel import Layer, global_sum
+from solver.bodies.surface_layer import Layer
+from solver.parallel import global_sum
 from solver.scene.damping import DampingSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.types import Array, Indices

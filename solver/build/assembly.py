@@ -91,7 +91,7 @@ def build(
     The motion of the ground is read here where it is not given; the options are for SNES.
     """
     ground = ground or read_ground(scene, comm)
-    placed = stands(scene)
+    placed = stands(scene.order, scene.dimension)
     members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
     support = foundation(scene, len(members), comm, ground)
     bodies: list[Body] = []

@@ -39,14 +39,13 @@ from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
 from solver.contact.carriers import Carrier, Face, Plane
 from solver.contact.facets import Facets, carrier_surface
 from solver.errors import NotConverged, SceneError
-from solver.excitation.bandwidth import highest_frequency
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.excitation.spectrum import highest_frequency
 from solver.parallel import global_sum, on_first_rank
 from solver.scene import Scene
 from solver.scene.damping import DampingSpec, stiffness_damping
 from solver.scene.foundation import FeetSpec, Foundation, FrameSpec, OscillatorSpec, PlateSpec
 from solver.scene.material import Material
-from solver.scene.places import poses
 from solver.types import Array, Indices, Mask
 
 
@@ -537,7 +536,7 @@ def _reduced_storeys(full: Storeys, kept: Indices, shapes: Shapes) -> Storeys:
 
 def _footprints(scene: Scene) -> list[Footprint]:
     """Footprints of all blocks that stand on the foundation, as if nothing were tilted."""
-    placed = poses(scene, upright=True)
+    placed = scene.poses(upright=True)
     found = []
     for block in scene.blocks:
         if block.on == "foundation":

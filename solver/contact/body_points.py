@@ -13,6 +13,7 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
+from solver.bodies.surface_layer import Layer
 from solver.contact.kernels.nitsche import (
     NitscheState,
     TractionPull,
@@ -23,7 +24,6 @@ from solver.contact.kernels.nitsche import (
     point_values,
 )
 from solver.contact.nitsche_points import ContactPoints
-from solver.parallel import Layer
 from solver.types import Array, Indices
 
 

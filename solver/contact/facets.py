@@ -15,9 +15,9 @@ import numpy as np
 from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
-from solver.compat import geometry_degree, geometry_nodes
+from geometry.compat import geometry_degree, geometry_nodes
+from solver.bodies.surface_layer import Layer
 from solver.contact.quadrature import Rule, facet_rule, on_facets, on_pieces, on_polygons
-from solver.parallel import Layer
 from solver.types import Array, Indices
 
 Records = tuple[NDArray[Any], ...]

@@ -15,9 +15,9 @@ import numpy as np
 import scipy.sparse as sp
 from dolfinx import fem, mesh
 
+from solver.bodies.surface_layer import Layer
 from solver.contact.facets import Evaluations, evaluate_facets, extent, gather
 from solver.contact.kernels.nitsche import SurfaceRows
-from solver.parallel import Layer
 from solver.scene.material import Material
 from solver.types import Array, Indices
 

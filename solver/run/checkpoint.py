@@ -25,7 +25,7 @@ from solver.excitation.motion import GroundMotion
 from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
-from solver.scene.overrides import differing
+from solver.scene.reader import differing
 
 FORMAT = 13
 """Version of the layout of the file."""

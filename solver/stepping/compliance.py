@@ -20,9 +20,9 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
 from solver.bodies.memory import ASKED_PART, compliance_bytes, require
 from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.surface_layer import Layer
 from solver.contact.nitsche_points import same
 from solver.law.compiled import compiled
-from solver.parallel import Layer
 from solver.types import Array, Indices
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from swaying import SwayingBlock, sway_modes
 
 from rockslip import Scene, parse_scene, simulate
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.reference.sliding import sliding
 from solver.scene.material import Material
 

@@ -1,7 +1,8 @@
-"""Synthetic ground motions by the stochastic method (Boore 1983, 2003).
+"""Synthetic ground motions by the stochastic method (Boore 1983, 2003), and a suite of them.
 
 Noise under an envelope gets the amplitudes that an earthquake has on average. docs/synthetic.md
-says where the method falls short.
+has the limits of the method. The suite stands in place of the recorded motions of the paper's
+Table 1.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.excitation.point_source import duration, fourier_amplitude
 from solver.excitation.sampled import SampledMotion
-from solver.excitation.synthetic.point_source import duration, fourier_amplitude
 from solver.scene.checking import is_open
 from solver.scene.motion import SyntheticSpec
 from solver.types import Array
@@ -38,7 +39,7 @@ EVENT, SITE, NOISE = 0, 1, 2
 
 
 def synthetic_motion(spec: SyntheticSpec) -> SampledMotion:
-    """The motion that a scene asks for; the same for the same spec, bit for bit."""
+    """The motion of a spec; the same for the same spec, bit for bit."""
     value = spec.scale * acceleration(spec)
     return SampledMotion(
         time=spec.start + spec.dt * np.arange(value.size), value=value, step=spec.dt
@@ -129,3 +130,44 @@ def _moments(acceleration: Array) -> Array:
     """Sums that are proportional to velocity and displacement at the end, where both ends are 0."""
     count = len(acceleration)
     return np.stack((np.ones(count), (count - 1.0) - np.arange(count))) @ acceleration / count
+
+
+MAGNITUDES = (6.5, 6.9)
+DISTANCES_KM = (20.0, 30.0)
+VS30 = (180.0, 760.0)
+"""Range of shear-wave velocities of NEHRP's classes D and C, m/s."""
+
+EVENT_SIGMA = 0.30
+"""Standard deviation between earthquakes, ln: BSSA14's tau, 0.21 to 0.35."""
+SITE_SIGMA = 0.50
+"""Between sites and paths: with what the noise itself varies it makes BSSA14's phi, 0.5 to 0.6."""
+
+
+_DRAW = 3
+"""The stream of random numbers of one seed that a motion itself makes no use of."""
+
+
+def table1_suite(count: int = 30, seed: int = 1) -> list[SyntheticSpec]:
+    """Motions of earthquakes and sites drawn evenly from Table 1's ranges, Vs30 in its logarithm.
+
+    The first ones are the same however many; motion number i has the seed 1000 `seed` + i.
+    """
+    return [_drawn(1000 * seed + number) for number in range(1, count + 1)]
+
+
+def _drawn(seed: int) -> SyntheticSpec:
+    raw = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(_DRAW,))).random_raw(3)
+    parts = [float(value >> np.uint64(11)) * 2.0**-53 for value in raw]
+    low, high = map(math.log, VS30)
+    return SyntheticSpec(
+        seed=seed,
+        magnitude=round(_within(MAGNITUDES, parts[0]), 2),
+        distance_km=round(_within(DISTANCES_KM, parts[1]), 1),
+        vs30=float(round(math.exp(_within((low, high), parts[2])))),
+        event_sigma=EVENT_SIGMA,
+        site_sigma=SITE_SIGMA,
+    )
+
+
+def _within(ends: tuple[float, float], part: float) -> float:
+    return ends[0] + part * (ends[1] - ends[0])

@@ -1,6 +1,6 @@
-"""The one place that knows how versions of dolfinx differ (0.9 to 0.11), and how forms compile.
+"""Forms of finite elements: compiled for this processor, with constants packed once.
 
-Also what PETSc does to signals when it is imported, which is taken back here.
+PETSc takes SIGPIPE over when it is imported, which is taken back here.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from dolfinx import cpp, fem, jit
 from numpy.typing import NDArray
 
 VECTORIZED = ["-O3", "-g0", "-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"]
-"""What lets the C compiler sum over quadrature points and nodes several at a time: two to four
-times as fast as what dolfinx asks for. What is not a number stays so. (-ffast-math would let it
-forget that, and old linkers then flush small numbers to zero in the whole process.)"""
+"""Options with which the C compiler sums over quadrature points and nodes several at a time: two to
+four times as fast as by the options of dolfinx. NaN stays NaN. (-ffast-math would let it forget
+that, and old linkers then flush small numbers to zero in the whole process.)"""
 
 LEVELS = {
     "x86-64-v4": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
     "x86-64-v3": {"avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"},
 }
-"""Instruction sets, the largest first, by what Linux says of a processor that has them. Named, and
-not "native": what is kept for one processor is then never run on another."""
+"""Instruction sets, the largest first, by the flags of Linux. Named, and not "native": code that is
+kept for one processor is then never run on another."""
 
 
 @cache
 def compiler_options() -> dict[str, Any]:
-    """How dolfinx is to compile forms, unless the user's own settings for it say so."""
+    """Options for the compilation of forms; none where the user's settings of dolfinx have them."""
     wanted, name = jit.get_options(), "cffi_extra_compile_args"
     if wanted[name] != jit.DOLFINX_DEFAULT_JIT_OPTIONS[name][0]:
         return {}
@@ -103,15 +103,3 @@ class PackedForm:
         matrix = assemble_matrix(self.form)
         matrix.assemble()
         return matrix
-
-
-def geometry_nodes(domain: Any) -> NDArray[np.int32]:
-    """Numbers of the geometry's nodes of each cell of a mesh, (cells, k)."""
-    found = getattr(domain.geometry, "dofmaps", None)  # since 0.11, which has several kinds of cell
-    return domain.geometry.dofmap if found is None else found[0]
-
-
-def geometry_degree(domain: Any) -> int:
-    """Degree of the map from the reference cell to the cells of a mesh."""
-    found = getattr(domain.geometry, "cmaps", None)
-    return int((domain.geometry.cmap if found is None else found[0]).degree)
