@@ -42,7 +42,7 @@ from solver.stepping.delassus import (
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
 from solver.stepping.response import CandidateSet, Kinematics, repeat_compliances, saved_compliances
-from solver.stepping.step_contact import ContactModel, OthersNear, StepContact, compile_law
+from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array, Indices, Mask
 
@@ -298,7 +298,6 @@ class ContactSolve:
     ):
         """Set SNES up for the bodies and their interfaces."""
         points = PointTable(system, links)
-        compile_law(system.dimension, in_rounds=points.decays)
         self._model = ContactModel(
             system=system,
             points=points,

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.interface import carry_over, rotate_frame
-from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.memory import Memory
 from solver.contact.pairs import ContactPair
-from solver.law.compiled import runs_machine_code
 from solver.stepping.state import State
 from solver.stepping.system import Link, System
 from solver.types import Array
@@ -82,10 +78,8 @@ class Interfaces:
         for number, contact in enumerate(self._contacts):
             key = number, faces[number]
             if key not in self._links:
-                link = Link(contact.join(faces[number]), contact.body, contact.carrier)
-                self._links[key] = link
-                if runs_machine_code():
-                    _compile(self._system, link)
+                joined = contact.join(faces[number])
+                self._links[key] = Link(joined, contact.body, contact.carrier)
         self._last = faces, tuple(self._links[key] for key in enumerate(faces))
         return self._last[1]
 
@@ -185,12 +179,3 @@ class Interfaces:
                 strict=True,
             )
         ]
-
-
-def _compile(system: System, link: Link) -> None:
-    """Let what is compiled of an interface be compiled, or read back, before time counts."""
-    at, on = (system.parts(np.zeros(system.size), link) for _ in range(2))
-    force = np.zeros((link.interface.count, link.interface.dimension))
-    weights = ForceWeights.of(contact=1.0, traction=0.5, sign=1.0)
-    seen = link.interface.evaluate_forces(None, at, force, on, weights)
-    link.interface.add_forces(ContactIncrement(seen, seen, force), on, weights)

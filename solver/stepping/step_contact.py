@@ -19,9 +19,8 @@ from solver.contact.kernels.candidates import (
     take_over,
 )
 from solver.contact.memory import Memory
-from solver.law.compiled import runs_machine_code
 from solver.law.friction import Bounds, points_at_bound
-from solver.law.local_problem import LocalProblem, NoContactSolution, image, new_counts
+from solver.law.local_problem import LocalProblem, NoContactSolution, image
 from solver.law.many_points import MANY_ROWS
 from solver.stepping.active_set import ContactMargin
 from solver.stepping.balance import Balance
@@ -166,25 +165,6 @@ STEADYING = 0.99
 """Part of their difference that forces of rigid points keep from step to step where no motion tells
 it (two corners that push against each other): with nothing to hold them back such forces grow until
 their round-off shows, so they become even step by step."""
-
-
-def compile_law(d: int, *, in_rounds: bool) -> None:
-    """Let what is compiled of the contact law be compiled, or read back, before time counts.
-
-    `in_rounds`: friction follows the motion in rounds of its own.
-    """
-    if not runs_machine_code():
-        return
-    y, near, W = np.zeros((1, d)), np.array([0]), np.eye(d).reshape(1, d, 1, d)
-    mask, nothing, reach = np.ones(1, dtype=np.bool_), np.zeros(1), np.ones(1)
-    force, q, change = y.copy(), y.copy(), y.copy()
-    of_points = reach, mask, y[:, 1:].copy(), nothing, y, nothing, nothing
-    filled, bounds = (force, near.copy()), (nothing, nothing)
-    how = not in_rounds, new_counts()
-    settle(y, near, W, nothing, *of_points, *filled, *bounds, *how, q, change)
-    if in_rounds:
-        LocalProblem().solve(W, y, y, Bounds.uniform(0.5, 1))
-        take_over(force, near, y, change)
 
 
 class OthersNear(NamedTuple):
