@@ -145,7 +145,7 @@ def _inertia(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     add(
         "--by", nargs="+", choices=("rigid", "elements"), action="extend", default=[],
-        help="besides the closed form of the sliding block: rigid blocks, finite elements",
+        help="besides a block that slides: rigid blocks, finite elements",
     )  # fmt: skip
     _add_motions(parser, 300)
     add(
@@ -247,7 +247,7 @@ STUDIES = {
     "inertia": (
         "the portion of the live load that counts as inertia, with its interval, over maps",
         _inertia,
-        "solver.study.inertia.command:run",
+        "solver.study.inertia.cases:InertiaStudy.run",
     ),
     "modes": (
         "rest, slide, rock or both: how a block at rest begins to move, against Shenton (1996)",

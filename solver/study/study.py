@@ -267,6 +267,11 @@ def finished(folder: Path) -> dict[str, Row]:
     return {name: row for name, row in rows.items() if row.get("status") == "completed"}
 
 
+def digest(said: Any) -> str:
+    """A name made from what JSON can say: equal things have one."""
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:20]
+
+
 def contents(said: Any) -> dict[str, str]:
     """Digests of what files hold that tables name, by their names; of those that can be read."""
     found: dict[str, str] = {}

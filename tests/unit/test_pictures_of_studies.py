@@ -15,8 +15,7 @@ from solver.study.damping.restitution import Restitution
 from solver.study.damping.search import Search, Trial
 from solver.study.damping.target import Target
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.inertia.findings import CLOSED, Finding
-from solver.study.inertia.portion import Portion
+from solver.study.inertia.numbers import SLIDING, Finding, Portion
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
 from solver.study.suite.findings import Sample
 from solver.types import Array
@@ -44,7 +43,7 @@ def of_inertia(period: float, friction: float, found: tuple[float, float, float]
             values=(("period", period), ("friction", friction)), structure=structure,
             friction=friction, aspect=None,
         ),
-        by=CLOSED, motions=4, arithmetic=portion, geometric=portion, insensitive=False,
+        by=SLIDING, motions=4, arithmetic=portion, geometric=portion, insensitive=False,
         drift=0.01, drift_over_fixed=0.9, drift_over_bare=1.4, shear_over_fixed=0.8,
         shear_over_bare=1.6,
     )  # fmt: skip

@@ -37,7 +37,7 @@ def test_each_check_can_fail(demo: ModuleType, capsys: Captured) -> None:
     row = {
         "period_s": "1",
         "friction": "0.1",
-        "by": "closed form",
+        "by": "sliding block",
         "lambda": "0.5",
         "lambda_low": "0.4",
     }
@@ -46,4 +46,4 @@ def test_each_check_can_fail(demo: ModuleType, capsys: Captured) -> None:
     assert demo.verdict("live_load", results) == 1
     error = capsys.readouterr().err
     assert "T 1 s: 0.600, 0.500, growing" in error
-    assert "friction 0.1: 0.5040 by rigid blocks, 0.5000 in closed form" in error
+    assert "friction 0.1: 0.5040 by rigid blocks, 0.5000 by the sliding block" in error
