@@ -16,8 +16,7 @@ from solver.excitation.sampled import SampledMotion
 from solver.excitation.synthetic.suite_motion import synthetic_motion
 from solver.excitation.synthetic.table1 import table1_suite
 from solver.reference.answer import reference_history
-from solver.reference.friction import Resistance, coulomb
-from solver.reference.platform_sampled import sampled_sliding_on_platform
+from solver.reference.sliding import Resistance, coulomb, sliding
 from solver.reference.sliding_peaks import Stretches, fixed_drifts, slider_peaks
 from solver.scene import FrictionSpec
 from solver.scene.foundation import Platform
@@ -101,12 +100,12 @@ def test_peaks_are_those_of_the_history(law: str, period: float) -> None:
     platform = Platform.on_spring(500.0, period=period, stiffness=None, damping_ratio=0.05)
     motion = rough()
     found = slider_peaks(Stretches.of(motion), platform, 1000.0, LAWS[law], 9.81)
-    other = sampled_sliding_on_platform(
+    other = sliding(
         platform=platform,
         mass=1000.0,
         friction=LAWS[law],
         gravity=9.81,
-        motion=motion,
+        acceleration=motion,
         end=motion.stop,
         step=2e-4,
     )

@@ -164,7 +164,7 @@ def run_task(task: Task) -> dict[str, Any]:
 
 def _run_closed(task: ClosedTask) -> dict[str, list[float]]:
     """Peak drift (m), base shear over the mass of the platform (m/s^2), slip (m); or the curve."""
-    from solver.reference.friction import Resistance
+    from solver.reference.sliding import Resistance
     from solver.reference.sliding_peaks import Stretches, fixed_drifts, slider_peaks
     from solver.scene import FrictionSpec
 
