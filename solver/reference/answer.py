@@ -13,7 +13,7 @@ from solver.excitation.sampled import SampledMotion
 from solver.history.history import History, scene_columns
 from solver.reference.housner import RockingReference, housner
 from solver.reference.initiation import expected_mode, resistance
-from solver.reference.phases import Acceleration, still
+from solver.reference.phases import EXACT, Acceleration, still
 from solver.reference.sliding import SlidingReference, sliding
 from solver.results.endings import Watch
 from solver.scene import Scene
@@ -75,7 +75,13 @@ def reference_run(
     """
     ground = ground or read_ground(scene)
     slides = reference_name(scene, ground) in (SLIDING, ON_PLATFORM)
-    known = slide(scene, ground) if slides else rock(scene, ground)
+    return as_history(scene, slide(scene, ground) if slides else rock(scene, ground), file)
+
+
+def as_history(
+    scene: Scene, known: dict[str, Array], file: Path | None = None
+) -> tuple[History, str]:
+    """Columns as a history, which ends where `time.stop` says, and why it does, in words."""
     history = History(scene_columns(scene), file)
     unknown = np.full_like(known["time_s"], np.nan)
     table = np.stack([known.get(name, unknown) for name in history.columns], axis=1)
@@ -175,8 +181,23 @@ def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     return _table(scene, ground, found, values, kinetic, found.slip_velocity, lost=lost)
 
 
-def rock(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
-    """Columns of the block that rocks without sliding; restitution may be given."""
+def rock(
+    scene: Scene,
+    ground: GroundMotion,
+    *,
+    step: float | None = None,
+    longest: float | None = None,
+    tolerance: float = EXACT,
+) -> dict[str, Array]:
+    """Columns of the block that rocks without sliding; restitution may be given.
+
+    Args:
+        scene: What is asked.
+        ground: Its motion of the ground.
+        step: Between rows, s; None: that of the scene.
+        longest: Longest step of the integrator, s; None: that between rows.
+        tolerance: Relative, of the integrator.
+    """
     block, (along, down) = scene.blocks[0], scene.gravity_vector
     shape = block.shape
     found = housner(
@@ -184,13 +205,15 @@ def rock(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
         gravity=-down,
         tilt=block.tilt,
         end=scene.time.end,
-        step=scene.time.step,
+        step=step or scene.time.step,
         acceleration=_acceleration_of(ground.along),
         vertical=_acceleration_of(ground.up),
         restitution=block.restitution,
         platform=scene.platform() if scene.has_platform else None,
         along=along,
         drift=_first_drift(scene),
+        longest=longest,
+        tolerance=tolerance,
     )
     angle, velocity, turning = found.angle, found.angular_velocity, found.angular_acceleration
     # At rest: upright, or lying on its side.

@@ -113,7 +113,7 @@ def housner(
         gravity: g across the ground, m/s^2.
         tilt: Angle of release, rad, without angular velocity; 0: at rest.
         end: s.
-        step: Between output times, s.
+        step: Between output times, s; in such steps uplift is looked for, too.
         acceleration: a_g of the ground, m/s^2.
         vertical: a_v of the ground upwards, m/s^2, > -g.
         restitution: e; None: that of an impact without rebound (Housner's on firm ground), 0 for
@@ -142,7 +142,8 @@ def housner(
         ground=acceleration if not along else lambda time: acceleration(time) - along,
         vertical=vertical,
         end=end,
-        step=math.inf if free else longest or step,
+        step=step,
+        longest=math.inf if free else longest or step,
         tolerance=tolerance,
     )
     recorder = Recorder(output_times(end, step), size=4)
@@ -175,7 +176,9 @@ class _Rocker:
     vertical: Acceleration
     end: float
     step: float
-    """Longest of the integrator, s."""
+    """In which uplift on firm ground is looked for, s."""
+    longest: float
+    """Step of the integrator, s."""
     tolerance: float
 
     def follow(
@@ -255,26 +258,25 @@ class _Rocker:
         return np.array([angle, velocity, state[2], state[3] + jump])
 
     def _rates(self, time: float, state: State, side: float) -> tuple[float, float]:
-        """Angular acceleration in a swing, and A, the acceleration of what carries it with a_g."""
+        """Angular acceleration in a swing, and A - a_g of what carries the block."""
         angle, velocity, drift, speed = state
         mass, inertia = self.shape.mass, self.shape.rotary_inertia_about_corner
         across, up = self._arms(angle, side)
         moment, coupling = -mass * up * (self.gravity + self.vertical(time)), mass * across
         if self.platform is None:
-            ground = self.ground(time)
-            return (moment - coupling * ground) / inertia, ground
+            return (moment - coupling * self.ground(time)) / inertia, 0.0
         m, k, c = self.platform
         force = -c * speed - k * drift - mass * up * velocity**2
         whole = inertia * (m + mass) - coupling**2
         turning = (moment * (m + mass) - coupling * force) / whole
-        return turning, (inertia * force - coupling * moment) / whole
+        return turning, (inertia * force - coupling * moment) / whole - self.ground(time)
 
     def _swing(self, side: float, start: float, state: Array) -> Any:
         """About one corner, up to impact (event 0) or overturning (event 1); event 2: a peak."""
 
         def derivative(time: float, y: Array) -> tuple[float, float, float, float]:
             turning, under = self._rates(time, y, side)
-            return y[1], turning, y[3], under - self.ground(time)
+            return y[1], turning, y[3], under
 
         events = [
             event(lambda time, y: side * y[0], falling=True, terminal=True),
@@ -298,7 +300,7 @@ class _Rocker:
     def _solved(self, derivative: Any, start: float, state: Array, events: list[Any]) -> Any:
         span = start, self.end
         return solve(
-            derivative, span, state, step=self.step, events=events, tolerance=self.tolerance
+            derivative, span, state, step=self.longest, events=events, tolerance=self.tolerance
         )
 
     def accelerations(self, times: Array, states: Array) -> tuple[Array, Array]:
@@ -306,8 +308,8 @@ class _Rocker:
         found = np.zeros((len(times), 2))
         for row, time in enumerate(map(float, times)):
             state = states[row]
-            swings = 0 < abs(state[0]) < math.pi / 2 or state[1] != 0
-            side = math.copysign(1.0, state[0] or state[1])
-            rates = self._rates(time, state, side) if swings else (0.0, self._together(time, state))
-            found[row] = rates[0], rates[1] - self.ground(time)
+            if 0 < abs(state[0]) < math.pi / 2 or state[1] != 0:
+                found[row] = self._rates(time, state, math.copysign(1.0, state[0] or state[1]))
+            else:
+                found[row] = 0.0, self._together(time, state) - self.ground(time)
         return found[:, 0], found[:, 1]
