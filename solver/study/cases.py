@@ -1,19 +1,18 @@
-"""Cases of a study: run side by side, counted, and put into words where they fail."""
+"""What `study.py` replaces: it goes with the last study that is not yet a `Study`."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from contextlib import closing, suppress
-from importlib import import_module
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from solver.errors import NotConverged, SceneError, not_installed
+from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
 from solver.study.folder import store
-from solver.study.pool import side_by_side
-from solver.study.tally import Tally
+from solver.study.pool import finished_cases as finished_cases
+from solver.study.pool import reason_of as reason_of
 
 
 class NamedCase(Protocol):
@@ -34,35 +33,6 @@ class StudyPlan(Protocol):
 
 Case = TypeVar("Case", bound=NamedCase)
 Plan = TypeVar("Plan", bound=StudyPlan)
-Value = TypeVar("Value")
-
-
-def finished_cases(
-    function: Callable[[Case], Value],
-    cases: Sequence[Case],
-    *,
-    done: int = 0,
-    processes: int | None = None,
-    quiet: bool = False,
-) -> Generator[tuple[Case, Value | Exception], None, None]:
-    """Cases as they finish, not in their order, while a tally is shown; as `side_by_side`.
-
-    The function is one of a module, since other processes import it; `done` is how many other cases
-    had been done before. With each case comes what it returned or the exception that it raised.
-    """
-    from mpi4py import MPI
-
-    if MPI.COMM_WORLD.size > 1:
-        # PETSc starts on all ranks together, also on the first one, which runs nothing. Where it is
-        # missing, cases that need it say so.
-        with suppress(ImportError):
-            import_module("petsc4py.PETSc")
-    tally = Tally(done + len(cases), done=done, quiet=quiet, rank=MPI.COMM_WORLD.rank)
-    outcomes = side_by_side(function, cases, processes=processes)
-    with closing(tally), closing(outcomes):
-        for number, outcome in outcomes:
-            yield cases[number], outcome
-            tally.add(cases[number].name)
 
 
 def kept_rows(
@@ -133,14 +103,7 @@ def tell(text: str, rows: Iterable[Mapping[str, Any]], folder: Path) -> None:
     say(f"written to {folder}\n")
 
 
-def reason_of(error: Exception) -> str:
-    """Why a case failed, in one line: what a refused scene says, else kind and text of the error.
-
-    Raises:
-        EnvironmentTrouble: Where a package is missing: then no case can be run.
-    """
-    if isinstance(error, ImportError):
-        raise not_installed(error) from error
-    if isinstance(error, SceneError):
-        return str(error)
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+def check_processes(processes: int | None) -> None:
+    """Refuse a number of processes below one."""
+    if processes is not None and processes < 1:
+        raise SceneError("-j", f"{processes}", "a whole number > 0")

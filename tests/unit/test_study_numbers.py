@@ -25,8 +25,8 @@ from solver.study.damping.restitution import Restitution
 from solver.study.damping.sweep import Sweep, SweptValue
 from solver.study.damping.table import words as damping_words
 from solver.study.damping.target import measured_peaks
-from solver.study.horizon.table import as_text as horizons_as_text
-from solver.study.horizon.table import growth
+from solver.study.horizon.numbers import as_text as horizons_as_text
+from solver.study.horizon.numbers import growth
 from solver.study.inertia import runs
 from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.findings import CLOSED, Finding, Line

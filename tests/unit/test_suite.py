@@ -20,12 +20,12 @@ from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
 from solver.study.folder import finished, store
+from solver.study.pool import Tally
 from solver.study.suite.case import variations
 from solver.study.suite.command import prepare
 from solver.study.suite.folder import FOLDER
 from solver.study.suite.motions import find_motions
 from solver.study.suite.table import as_csv, as_text, ratios
-from solver.study.tally import Tally
 
 pytestmark = pytest.mark.serial
 
@@ -344,7 +344,7 @@ def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) ->
     now = iter([0.0, 1.0, 3.0, 4.0, 4.0, 4.0])
     shared = SimpleNamespace(monotonic=lambda: next(now))
     monkeypatch.setattr("solver.run.progress.clock", shared)
-    monkeypatch.setattr("solver.study.tally.clock", shared)
+    monkeypatch.setattr("solver.study.pool.clock", shared)
     tally = Tally(5, done=2)
     for name in ("c", "d", "e"):
         tally.add(name)

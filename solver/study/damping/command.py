@@ -9,44 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
+from solver.study.cases import check_processes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from solver.study.damping.case import BaseScene, DampingCase
     from solver.study.damping.sweep import Sweep
-
-TEXT = "restitution of impacts over step, mesh, damping and others; damping for a restitution"
-
-IMPACTS = 4
-"""Impacts that count where the command line says nothing."""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add = parser.add_argument
-    add_scene(parser)
-    add_overrides(parser, example="time.end=1.5")
-    add(
-        "--of", metavar="NAME[=V1,V2,...]", nargs="+", action="extend", default=[],
-        help="what is varied, such as beta=0,1e-5,1e-4: step, tolerance, mesh, gamma, rho_inf, "
-        "damped_steps, beta, contact, young, floor; default all",
-    )  # fmt: skip
-    add(
-        "--at", metavar="NAME=V1,V2,...", nargs="+", action="extend", default=[],
-        help="repeat all of it with each of these values, such as mesh=1,2",
-    )  # fmt: skip
-    add(
-        "--target", metavar="WHAT",
-        help="find the damping instead: restitution=0.936, or history=FILE (time, angle)",
-    )  # fmt: skip
-    add("--impacts", type=int, default=IMPACTS, metavar="N", help=f"that count, default {IMPACTS}")
-    add("--block", metavar="NAME", help="whose impacts count; default the first with a mesh")
-    add("--histories", action="store_true", help="run to the scene's end and draw the angles, too")
-    add_study_options(parser, "study", ".damping")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

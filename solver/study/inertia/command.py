@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
+from solver.study.cases import check_processes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from solver.study.inertia.runs import BlockTask, Task
     from solver.study.suite.motions import SuiteMotion
 
-TEXT = "the portion of the live load that counts as inertia, with its interval, over maps"
-
 COUNT = 300
 """Synthetic motions where the command line says nothing."""
 
@@ -33,33 +31,6 @@ FIRST = 30
 
 MOST_CELLS = 12
 """Cells for which finite elements are offered."""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add = parser.add_argument
-    add_scene(parser, text="a TOML file; its motion and end are replaced")
-    add_overrides(parser, example="foundation.mass_ratio=1")
-    add(
-        "--of", metavar="NAME=V1,V2,...", nargs="+", action="extend", default=[],
-        help="axes of the map: period, friction or friction_over_pga, mass_ratio, damping_ratio, "
-        "aspect; default 6 periods x 8 friction coefficients",
-    )  # fmt: skip
-    add(
-        "--by", nargs="+", choices=("rigid", "elements"), action="extend", default=[],
-        help="besides the closed form of the sliding block: rigid blocks, finite elements",
-    )  # fmt: skip
-    add(
-        *("--motions", "--motion"), metavar="MOTION", nargs="+", action="extend", default=[],
-        help="files, folders of files, @FILE with a name a line, or synthetic (the default)",
-    )  # fmt: skip
-    add("--count", type=int, metavar="N", help=f"number of synthetic motions, default {COUNT}")
-    add("--seed", type=int, metavar="S", help="of the synthetic motions")
-    add(
-        "--within", type=float, metavar="W",
-        help="stop at fewer motions once all intervals of 90 %% are within +-W, such as 0.05",
-    )  # fmt: skip
-    add_study_options(parser, "study", ".inertia")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

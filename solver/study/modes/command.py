@@ -8,28 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import SceneError
+from solver.study.cases import check_processes
 
 if TYPE_CHECKING:
     from solver.study.modes.case import ModesCase
-
-TEXT = "rest, slide, rock or both: how a block at rest begins to move, against Shenton (1996)"
-
-POINTS = 12
-"""Points of the grid along each axis, by default."""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add = parser.add_argument
-    add_scene(parser, text="a TOML file with one block at rest; its motion and end are replaced")
-    add_overrides(parser, example="block.width=0.5")
-    add("--ratios", metavar="H/B,...", help="aspect ratios H/B; default that of the scene")
-    add("--points", type=int, default=POINTS, metavar="N", help=f"a side, default {POINTS}")
-    text = "rigid and elastic blocks; default: both, or rigid where the block has no young, poisson"
-    add("--engines", metavar="NAMES", help=text)
-    add_study_options(parser, "study", ".modes")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

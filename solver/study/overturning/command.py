@@ -8,39 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import SceneError
+from solver.study.cases import check_processes
 
 if TYPE_CHECKING:
     from solver.study.overturning.case import OverturningCase
     from solver.study.overturning.rounds import Wanted
 
-TEXT = "amplitudes of pulses that overturn a block, over their frequency: all intervals"
-
-PULSES, FREQUENCIES, AMPLITUDES = "half_sine,one_sine", "0.5:10:40", "1:12:48"
-"""What is run where the command line says nothing."""
-
 ENOUGH_FRICTION = 1.7
 """Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add = parser.add_argument
-    add_scene(parser, text="a TOML file with one block at rest; its motion and end are replaced")
-    add_overrides(parser, example="contact.friction=3")
-    add("--pulses", default=PULSES, metavar="NAMES",
-        help=f"of half_sine, one_sine, ricker; default {PULSES}")  # fmt: skip
-    add("--frequencies", default=FREQUENCIES, metavar="OMEGA/P",
-        help=f"V1,V2,... or LOW:HIGH:COUNT, default {FREQUENCIES}")  # fmt: skip
-    add("--amplitudes", default=AMPLITUDES, metavar="LOW:HIGH:COUNT",
-        help=f"of the scan, over g tan alpha, default {AMPLITUDES}")  # fmt: skip
-    add("--restitution", metavar="E,...", help="of rigid blocks; default the scene's, or Housner's")
-    add("--rounds", type=int, default=2, metavar="N",
-        help="how often frequencies are added where intervals begin or end; default 2")  # fmt: skip
-    add("--ode", metavar="OMEGA/P", help="frequencies at which Housner's equation is solved, too")
-    add("--elastic", metavar="OMEGA/P", help="frequencies at which the elastic block is run, too")
-    add_study_options(parser, "study", ".overturning")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

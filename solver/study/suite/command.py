@@ -10,45 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from solver.arguments import add_overrides, add_scene, add_study_options, check_processes
 from solver.errors import NotConverged, SceneError
 from solver.run.streams import say
-from solver.study.suite.ensemble import Ensemble, EnsemblePart, add_ensemble
+from solver.study.cases import check_processes
+from solver.study.suite.ensemble import Ensemble, EnsemblePart
 
 if TYPE_CHECKING:
     from solver.study.suite.case import SuiteCase
-
-TEXT = "one scene under many motions side by side: records, tables, synthetic ones"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the study."""
-    add = parser.add_argument
-    add_scene(parser, text="a TOML file; its motion and end are replaced")
-    add(
-        *("--motions", "--motion"),
-        metavar="MOTION",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="files, folders of files, @FILE with a name a line, or synthetic (the default)",
-    )
-    add("--count", type=int, metavar="N", help="number of synthetic motions, default 30")
-    add("--seed", type=int, metavar="S", help="of the synthetic motions")
-    add_overrides(parser)
-    add(
-        "--vary",
-        metavar="KEY=V1,V2,...",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="run all motions with each of these values, such as contact.friction=0.1,0.2",
-    )
-    add_ensemble(parser)
-    add("--tail", type=float, default=0.0, metavar="S", help="go on after the motion, s; default 0")
-    add("--reference", action="store_true", help="the rigid-body answer beside each run")
-    add("--keep", action="store_true", help="keep all files of each run, in DIR/runs")
-    add_study_options(parser, "suite", ".suite")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

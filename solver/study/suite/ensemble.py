@@ -11,7 +11,7 @@ from typing import Any
 from solver.errors import SceneError, missing_key
 from solver.scene.checking import shown
 from solver.study.suite.engines import ELASTIC, ENGINES, ODE, with_model
-from solver.study.suite.intensity import HORIZONTAL, ROTD50, Intensity
+from solver.study.suite.intensity import ROTD50, Intensity
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,21 +70,6 @@ class Ensemble:
         """What a suite that is resumed must have in common with the earlier one."""
         measure = self.intensity.name if self.intensity else None
         return {"engines": self.engines, "levels": self.levels, "intensity": measure}
-
-
-def add_ensemble(parser: argparse.ArgumentParser) -> None:
-    """Options of ensembles."""
-    add = parser.add_argument
-    add(
-        "--levels",
-        metavar="V1,V2,...",
-        help="scale each motion to these intensities, or LOW:HIGH:COUNT",
-    )
-    add("--intensity", metavar="IM", help="of the levels: PGA or PSA:T (g), PGV (m/s); default PGA")
-    add("--horizontal", metavar="HOW", choices=HORIZONTAL,
-        help=f"how two horizontal components are measured: {', '.join(HORIZONTAL)}; "
-        f"default {ROTD50}")  # fmt: skip
-    add("--engines", metavar="NAMES", help=f"of {', '.join(ENGINES)}, beside each other")
 
 
 def read_ensemble(

@@ -1,4 +1,4 @@
-"""The table of a study of horizons: one row for each run and twin."""
+"""Numbers of a study of horizons: one row for each run and twin, how fast differences grow."""
 
 from __future__ import annotations
 
