@@ -267,7 +267,7 @@ STUDIES = {
     "suite": (
         "one scene under many motions side by side: records, tables, synthetic ones",
         _suite,
-        "solver.study.suite.command:run",
+        "solver.study.suite.cases:SuiteStudy.run",
     ),
 }
 """What each study does, what adds its options, and what runs it."""

@@ -18,7 +18,7 @@ from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.findings import CLOSED, Finding
 from solver.study.inertia.portion import Portion
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
-from solver.study.suite.findings import Sample
+from solver.study.suite.numbers import Sample
 from solver.types import Array
 
 pytest.importorskip("matplotlib")
@@ -98,7 +98,7 @@ def sample(level: float | None, angles: tuple[float, ...]) -> Sample:
 
 def test_bars_of_probabilities_are_intervals_of_confidence() -> None:
     """Of none and of all of ten (Clopper and Pearson 1934): 0.025^(1/10) is their other end."""
-    from solver.study.suite.fragility_picture import _curves
+    from solver.study.suite.picture import _curves
 
     own = [sample(0.5, (0.3,) * 10), sample(1.0, (math.inf,) * 10)]
     (axes,) = _curves([(own, None)], "PGA").axes
@@ -109,7 +109,7 @@ def test_bars_of_probabilities_are_intervals_of_confidence() -> None:
 
 def test_a_distribution_of_peaks_ends_at_the_part_that_stood() -> None:
     """Two of five overturned: the curve ends at 0.6, and jumps by 0.2 at each of the others."""
-    from solver.study.suite.fragility_picture import _distributions
+    from solver.study.suite.picture import _distributions
 
     angles = _distributions([sample(None, (math.inf, 0.5, 0.2, math.inf, 0.3))], "PGA").axes[0]
     (line,) = angles.lines

@@ -36,9 +36,9 @@ from solver.study.inertia.table import words as inertia_words
 from solver.study.modes.table import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
 from solver.study.overturning.table import boundary_rows, differences
-from solver.study.suite.case import SuiteCase
+from solver.study.suite.cases import SuiteCase
 from solver.study.suite.motions import SuiteMotion
-from solver.study.suite.table import as_text as suite_as_text
+from solver.study.suite.numbers import as_text as suite_as_text
 from solver.types import Array
 
 STRUCTURE = Structure(

@@ -14,8 +14,8 @@ from rockslip import parse_scene
 from solver.cli import main
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
-from solver.study.suite.engines import equation
-from solver.study.suite.findings import Sample, distances, fits, samples
+from solver.study.suite.cases import equation
+from solver.study.suite.numbers import Sample, distances, fits, samples
 
 pytestmark = pytest.mark.serial
 

@@ -24,7 +24,7 @@ from solver.study.inertia.cells import Cell, Structure, cells_of, chosen
 from solver.study.inertia.findings import Finding, Line
 from solver.study.inertia.portion import grid
 from solver.study.inertia.runs import block_tasks, closed_tasks, content_of, ladder, run_task
-from solver.study.suite.case import scene_of
+from solver.study.suite.cases import scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
 
 pytestmark = pytest.mark.serial

@@ -18,7 +18,7 @@ from solver.errors import NotConverged, Statement
 from solver.scene import parse_scene
 from solver.study.inertia.cells import Cell, Structure, tables_of
 from solver.study.inertia.portion import grid
-from solver.study.suite.case import SuiteCase, scene_of
+from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion
 
 CURVE, BARE = "curve", "bare"
