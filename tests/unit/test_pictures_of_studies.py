@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 from solver.study.damping.axes import AXES
-from solver.study.damping.findings import Line as DampingLine
-from solver.study.damping.limit import Limit
-from solver.study.damping.restitution import Restitution
-from solver.study.damping.search import Search, Trial
-from solver.study.damping.target import Target
+from solver.study.damping.calibration import Search, Target, Trial
+from solver.study.damping.numbers import Limit, Restitution
+from solver.study.damping.numbers import Line as DampingLine
 from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.findings import CLOSED, Finding
 from solver.study.inertia.portion import Portion
@@ -143,7 +141,7 @@ def test_a_measured_history_leans_to_the_side_of_the_calibrated_run(
     own: float, measured: float
 ) -> None:
     """Whatever side it was released to, and its clock starts with the run's."""
-    from solver.study.damping.calibration_picture import _figure
+    from solver.study.damping.picture import _figure
 
     time = np.linspace(0.0, 2.0, 101)
     swing: Array = 0.05 * np.exp(-time) * np.cos(4 * time)

@@ -16,15 +16,11 @@ from rockslip import parse_scene
 from solver.run import simulate as running
 from solver.scene import Scene
 from solver.scene.foundation import PlateSpec
-from solver.study.damping.axes import AXES, Axis
-from solver.study.damping.case import BaseScene, watched
-from solver.study.damping.findings import Line as DampingLine
-from solver.study.damping.findings import lines, sentence
-from solver.study.damping.limit import limit
-from solver.study.damping.restitution import Restitution
-from solver.study.damping.sweep import Sweep, SweptValue
-from solver.study.damping.table import words as damping_words
-from solver.study.damping.target import measured_peaks
+from solver.study.damping.axes import AXES, Axis, BaseScene, Sweep, SweptValue, watched
+from solver.study.damping.calibration import measured_peaks
+from solver.study.damping.numbers import Line as DampingLine
+from solver.study.damping.numbers import Restitution, limit, lines, sentence
+from solver.study.damping.numbers import words as damping_words
 from solver.study.horizon.numbers import as_text as horizons_as_text
 from solver.study.horizon.numbers import growth
 from solver.study.inertia import runs
