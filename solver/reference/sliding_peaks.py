@@ -1,6 +1,6 @@
 """Peaks of a platform under samples of the ground's acceleration: a block slides, or is fixed.
 
-The equations and the closed forms of each phase are those of `solver.reference.platform_sampled`,
+The equations and the closed forms of each phase are those of `solver.reference.sliding`,
 compiled and without a history: a suite of motions takes milliseconds a motion. Peaks are those of
 the continuous motion: turning points between samples are found as roots, too.
 """
@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.excitation.sampled import SampledMotion, even_step
-from solver.reference.friction import Resistance
 from solver.reference.kernels.slider import fixed, slider
+from solver.reference.sliding import Resistance
 from solver.scene import Platform
 from solver.types import Array
 

@@ -232,7 +232,7 @@ STUDIES = {
     "damping": (
         "restitution of impacts over step, mesh, damping and others; damping for a restitution",
         _damping,
-        "solver.study.damping.command:run",
+        "solver.study.damping.cases:run",
     ),
     "error-runtime": (
         "error against run time: ladders of step, tolerance, mesh, degree, points, rho_inf, model",
@@ -267,7 +267,7 @@ STUDIES = {
     "suite": (
         "one scene under many motions side by side: records, tables, synthetic ones",
         _suite,
-        "solver.study.suite.command:run",
+        "solver.study.suite.cases:SuiteStudy.run",
     ),
 }
 """What each study does, what adds its options, and what runs it."""

@@ -6,14 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import ks_2samp, norm
+from scipy.stats import norm
 
 from solver.errors import SceneError
 from solver.excitation.sampled import SampledMotion
-from solver.study.suite.ensemble import Ensemble
-from solver.study.suite.findings import Sample, as_text, distances
-from solver.study.suite.fragility import distance, fitted, interval
 from solver.study.suite.intensity import Intensity
+from solver.study.suite.numbers import Sample, distances, fitted, fragility_text, interval
 
 
 def samples(
@@ -84,14 +82,6 @@ def test_intervals_of_probabilities() -> None:
     assert (low, high) == pytest.approx((0.0490, 0.1762), abs=1e-4)
 
 
-def test_distances() -> None:
-    rng = np.random.default_rng(3)
-    one, other = rng.normal(size=100), rng.normal(0.5, size=80)
-    assert distance(one, other) == pytest.approx(ks_2samp(one, other).statistic)
-    assert distance([0.1, 0.2, math.inf, math.inf], [0.1, 0.2, 0.3, math.inf]) == 0.25
-    assert distance([1.0], [1.0]) == 0.0
-
-
 def test_intensities() -> None:
     """Of 2 m/s^2 sin(2 pi t/0.5): PGA, PGV = a T/pi from rest, PSA at rest and in resonance."""
     time = np.arange(0.0, 20.0005, 0.001)
@@ -145,7 +135,7 @@ def test_the_second_engine_that_overturns_more_has_points_more() -> None:
         (row,) = distances(pair)
         assert row["engines"] == [sample.engine for sample in pair]
         assert row["overturned"] == pytest.approx(points / 100)
-        assert f"overturned {points:+d} points" in as_text([], [], [row], Ensemble())
+        assert f"overturned {points:+d} points" in fragility_text([], [], [row], "")
 
 
 def test_the_largest_velocity_may_be_a_negative_one() -> None:
@@ -166,7 +156,7 @@ def test_the_row_of_a_sample_has_quantiles_that_are_values_of_it() -> None:
     found = [row[f"angle_over_alpha_{q}"] for q in (16, 50, 84)]
     assert found == [0.2, 0.5, None]
     assert [row[f"slip_m_{q}"] for q in (16, 50, 84)] == pytest.approx([0.002, 0.005, 0.009])
-    words = as_text([sample], [], [], Ensemble()).splitlines()[1].split()
+    words = fragility_text([sample], [], [], "").splitlines()[1].split()
     assert words[:4] == ["contact.friction", "0.3,", "a", "rigid"]
     assert words[4:8] == ["0.5", "10", "2", "0.200"]
     assert words[-5:] == ["0.200", "0.500", "over", "5.000", "9.000"]
@@ -180,11 +170,12 @@ def test_engines_are_compared_at_the_same_level_and_block_only() -> None:
         Sample(b, "rigid", 0.5, (0.1, 0.2), (0.01, 0.02)),
         Sample(a, "ode", 0.5, (0.1, 0.3), ()),
         Sample(a, "elastic", 0.5, (0.3, 0.4), (0.02, 0.03)),
-        Sample(a, "ode", 0.7, (0.1, 0.3), ()),
+        Sample(a, "ode", 0.7, (0.1, 0.2, math.inf, math.inf), ()),
+        Sample(a, "rigid", 0.7, (0.1, 0.2, 0.3, math.inf), ()),
     ])  # fmt: skip
     assert [row["engines"] for row in found] == [
-        ["rigid", "ode"], ["rigid", "elastic"], ["ode", "elastic"]
+        ["rigid", "ode"], ["rigid", "elastic"], ["ode", "elastic"], ["ode", "rigid"]
     ]  # fmt: skip
-    assert [row["angle"] for row in found] == pytest.approx([0.5, 1.0, 0.5])
-    assert [row["slip"] for row in found] == [None, pytest.approx(0.5), None]
+    assert [row["angle"] for row in found] == pytest.approx([0.5, 1.0, 0.5, 0.25])
+    assert [row["slip"] for row in found] == [None, pytest.approx(0.5), None, None]
     assert {row["block"] for row in found} == {"a"}

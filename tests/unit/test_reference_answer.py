@@ -14,8 +14,7 @@ from rockslip import History, Scene, parse_scene
 from solver.errors import SceneError
 from solver.excitation.motion import read_ground
 from solver.reference import answer
-from solver.reference.expected import demand
-from solver.reference.shenton import release_friction, rocking_friction
+from solver.reference.initiation import demand, release_friction, rocking_friction
 
 BLOCK = {
     "width": 0.25,

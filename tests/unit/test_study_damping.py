@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 import math
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +20,24 @@ from solver.reference.housner import housner
 from solver.results.rocking import impacts as impacts_of
 from solver.scene import BlockSpec, DampingSpec, Scene
 from solver.scene.foundation import PlateSpec
-from solver.study.damping import calibration, command
-from solver.study.damping.axes import AXES
-from solver.study.damping.case import BaseScene, DampingCase, time_for, watched
-from solver.study.damping.folder import keep
-from solver.study.damping.limit import limit
-from solver.study.damping.restitution import Restitution, geometric_mean
-from solver.study.damping.search import MOST_RUNS, Search, Trial
-from solver.study.damping.sweep import chosen_axes, sweep
-from solver.study.damping.target import measured_peaks, read_history, target_of
+from solver.study.damping.axes import (
+    AXES,
+    BaseScene,
+    DampingCase,
+    chosen_axes,
+    sweep,
+    time_for,
+    watched,
+)
+from solver.study.damping.calibration import (
+    MOST_RUNS,
+    Search,
+    Trial,
+    measured_peaks,
+    read_history,
+    target_of,
+)
+from solver.study.damping.numbers import Restitution, limit
 from solver.types import Array
 from tests.scenes import GRANITE
 
@@ -369,16 +377,11 @@ class MadeUp:
         self.runs = 0
 
     def __call__(
-        self,
-        cases: Sequence[DampingCase],
-        rows: dict[str, dict[str, Any]],
-        folder: Path,
-        options: argparse.Namespace,
-    ) -> None:
+        self, function: Any, cases: Sequence[DampingCase], **options: Any
+    ) -> Iterator[tuple[DampingCase, dict[str, Any]]]:
         for case in cases:
-            if case.key not in rows:
-                self.runs += 1
-                rows[case.key] = keep(folder, case.key, self.outcome(case.scene))
+            self.runs += 1
+            yield case, self.outcome(case.scene)
 
     def outcome(self, scene: Scene) -> dict[str, Any]:
         block, damping = scene.blocks[0], scene.damping
@@ -413,8 +416,7 @@ def made_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MadeUp:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(SCENE)
     stand_in = MadeUp()
-    monkeypatch.setattr(command, "run_cases", stand_in)
-    monkeypatch.setattr(calibration, "run_cases", stand_in)
+    monkeypatch.setattr("solver.study.study.finished_cases", stand_in)
     return stand_in
 
 
@@ -549,7 +551,3 @@ def test_folders_are_not_written_over(made_up: MadeUp, capsys: Captured) -> None
     )
     assert main(["study", "damping", "scene.toml", "-o", ".", "--force"]) == 2
     assert "which holds the scene itself" in capsys.readouterr().err
-
-
-def test_geometric_mean() -> None:
-    assert geometric_mean([0.5, 2.0]) == pytest.approx(1.0)

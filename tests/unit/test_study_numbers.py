@@ -15,15 +15,11 @@ from scenes import BLOCK
 from rockslip import parse_scene
 from solver.scene import Scene
 from solver.scene.foundation import PlateSpec
-from solver.study.damping.axes import AXES, Axis
-from solver.study.damping.case import BaseScene, watched
-from solver.study.damping.findings import Line as DampingLine
-from solver.study.damping.findings import lines, sentence
-from solver.study.damping.limit import limit
-from solver.study.damping.restitution import Restitution
-from solver.study.damping.sweep import Sweep, SweptValue
-from solver.study.damping.table import words as damping_words
-from solver.study.damping.target import measured_peaks
+from solver.study.damping.axes import AXES, Axis, BaseScene, Sweep, SweptValue, watched
+from solver.study.damping.calibration import measured_peaks
+from solver.study.damping.numbers import Line as DampingLine
+from solver.study.damping.numbers import Restitution, limit, lines, sentence
+from solver.study.damping.numbers import words as damping_words
 from solver.study.horizon.numbers import as_text as horizons_as_text
 from solver.study.horizon.numbers import growth
 from solver.study.inertia import cases as inertia
@@ -34,9 +30,9 @@ from solver.study.inertia.numbers import words as inertia_words
 from solver.study.modes.table import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
 from solver.study.overturning.table import boundary_rows, differences
-from solver.study.suite.case import SuiteCase
+from solver.study.suite.cases import SuiteCase
 from solver.study.suite.motions import SuiteMotion
-from solver.study.suite.table import as_text as suite_as_text
+from solver.study.suite.numbers import as_text as suite_as_text
 from solver.types import Array
 
 STRUCTURE = Structure(

@@ -19,13 +19,10 @@ import pytest
 from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
-from solver.study.folder import finished, store
 from solver.study.pool import Tally
-from solver.study.suite.case import variations
-from solver.study.suite.command import prepare
-from solver.study.suite.folder import FOLDER
+from solver.study.suite.cases import SuiteStudy, variations
 from solver.study.suite.motions import find_motions
-from solver.study.suite.table import as_csv, as_text, ratios
+from solver.study.suite.numbers import as_text, ratios
 
 pytestmark = pytest.mark.serial
 
@@ -211,27 +208,8 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         words = ["study", "suite", "scene.toml", "--motions", "motions", "-o", "out"]
-        prepare(build_parser().parse_args(words))
+        SuiteStudy(build_parser().parse_args(words)).claimed()
     return folder
-
-
-def test_force_begins_anew_and_spares_what_is_not_its_own(done: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "out"
-    FOLDER.claim(folder, {"one": 1}, force=False, resume=False)
-    store(folder, "case", {"status": "completed", "value": 1.0})
-    store(folder, "other", {"status": "failed"})
-    (folder / "notes.txt").write_text("mine")
-    assert finished(folder) == {"case": {"status": "completed", "value": 1.0}}
-    FOLDER.claim(folder, {"one": 1}, force=False, resume=True)
-    assert list(finished(folder)) == ["case"]
-    for damaged in ('{"status": "comp', "[]"):
-        (folder / "cases" / "damaged.json").write_text(damaged)
-        assert list(finished(folder)) == ["case"]
-    FOLDER.claim(folder, {"one": 2}, force=True, resume=False)
-    assert finished(folder) == {}
-    assert sorted(file.name for file in folder.iterdir()) == [
-        "cases", "notes.txt", "settings.json"
-    ]  # fmt: skip
 
 
 def command(folder: Path, *words: str) -> list[str]:
@@ -335,9 +313,6 @@ def test_means_of_ratios_by_hand() -> None:
     doubtful = [{**rows[0], "cautions": f"odd {number}"} for number in range(12)]
     lines = as_text(doubtful, ["mu"]).splitlines()
     assert lines[-2:] == ["a, mu 0.1: caution: odd 9", "2 more cases have cautions: see suite.csv"]
-    lines = as_csv(rows).splitlines()
-    assert lines[0] == "motion,mu,status,platform.peak_drift_ratio,reason"
-    assert lines[3] == "c,0.1,failed,,broken"
 
 
 def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) -> None:

@@ -24,7 +24,7 @@ from solver.study.inertia.cases import SlidingCase, block_cases
 from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder
 from solver.study.inertia.numbers import Finding, Line
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
-from solver.study.suite.case import scene_of
+from solver.study.suite.cases import scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
 
 pytestmark = pytest.mark.serial

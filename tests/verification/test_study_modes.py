@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from solver.cli import main
-from solver.reference.shenton import initial_accelerations, initial_mode, near_boundary
+from solver.reference.initiation import initial_accelerations, initial_mode, near_boundary
 from solver.scene.scaling import Scale, scaled_tables
 from solver.study.modes.case import rigid_of, scene_of
 from solver.study.modes.onset import Onset, ramped_onset, sudden_onset

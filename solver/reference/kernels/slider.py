@@ -1,6 +1,6 @@
 """Peaks of a platform on a spring: with masses fixed to it, and with a block that sticks or slides.
 
-The phases are those of `solver.reference.platform_sampled`, which keeps the history as well.
+The phases are those of `solver.reference.sliding`, which keeps the history as well.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ from solver.study.inertia.numbers import Finding, Line, grid, widest
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
 from solver.study.scenes import Tables, refuse_components, scene_tables
 from solver.study.study import SUMMARY, Row, Study, digest
-from solver.study.suite.case import SuiteCase, scene_of
+from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
 
 COUNT = 300

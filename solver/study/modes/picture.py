@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.pictures.style import BLUE, GREEN, GREY, ORANGE, RED, legend_above, new_figure, save
-from solver.reference.shenton import initial_mode, rocking_friction
+from solver.reference.initiation import initial_mode, rocking_friction
 from solver.study.modes.table import Row
 
 COLOURS = {"rest": GREY, "slide": BLUE, "rock": GREEN, "slide-rock": ORANGE}

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from geometry.block import Block
-from solver.reference.shenton import initial_accelerations, initial_mode, near_boundary
+from solver.reference.initiation import initial_accelerations, initial_mode, near_boundary
 from solver.study.tables import in_columns
 
 Row = dict[str, Any]
