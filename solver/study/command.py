@@ -252,7 +252,7 @@ STUDIES = {
     "modes": (
         "rest, slide, rock or both: how a block at rest begins to move, against Shenton (1996)",
         _modes,
-        "solver.study.modes.command:run",
+        "solver.study.modes.cases:ModesStudy.run",
     ),
     "overturning": (
         "amplitudes of pulses that overturn a block, over their frequency: all intervals",

@@ -27,7 +27,7 @@ from solver.study.inertia.cases import BlockCase, SlidingCase
 from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid, resampled
 from solver.study.inertia.numbers import words as inertia_words
-from solver.study.modes.table import maps_of
+from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
 from solver.study.overturning.table import boundary_rows, differences
 from solver.study.suite.cases import SuiteCase

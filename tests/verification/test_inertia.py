@@ -16,8 +16,7 @@ from solver.excitation.sampled import SampledMotion
 from solver.excitation.synthetic.suite_motion import synthetic_motion
 from solver.excitation.synthetic.table1 import table1_suite
 from solver.reference.answer import reference_history
-from solver.reference.friction import Resistance
-from solver.reference.platform import sliding_on_platform
+from solver.reference.sliding import Resistance, sliding
 from solver.scene import FrictionSpec
 from solver.scene.foundation import Platform
 from solver.study.inertia.cases import SlidingCase, block_cases
@@ -89,7 +88,7 @@ def suite(count: int, scale: float = 1.0) -> list[SuiteMotion]:
 
 @pytest.mark.parametrize("period", [0.1, 0.5, 2.0])
 def test_peaks_are_those_of_the_equations(period: float) -> None:
-    """Against Runge-Kutta; of first order where friction falls as sliding begins."""
+    """Against matrix exponentials; of first order where friction falls as sliding begins."""
     time = 0.02 * np.arange(150)
     waves = np.sin(11.0 * time) + 0.6 * np.sin(29.0 * time)
     motion = SampledMotion(time=time, value=4.0 * np.sin(time) ** 2 * waves)
@@ -102,12 +101,12 @@ def test_peaks_are_those_of_the_equations(period: float) -> None:
     (fixed,) = fixed_drifts(change, step, platform, np.array([1e3]))
     assert fixed == pytest.approx(found[0][0, -1], rel=1e-9)  # which never slides
     for (static, dynamic), drift, shear in zip(laws, *(row[0] for row in found), strict=True):
-        exact = sliding_on_platform(
+        exact = sliding(
             platform=platform,
             mass=1e3,
             friction=Resistance(law=FrictionSpec(static=static, dynamic=dynamic)),
             gravity=9.81,
-            acceleration=motion.acceleration,
+            acceleration=motion,
             end=motion.stop,
             step=period / 200,
         )

@@ -1,4 +1,4 @@
-"""The table of a study of modes: every point beside Shenton's criteria and closed forms."""
+"""Numbers of a study of modes: every point beside Shenton's criteria and closed forms."""
 
 from __future__ import annotations
 
@@ -23,13 +23,8 @@ NAMES = (
 
 
 def points_of(rows: Sequence[Mapping[str, Any]], gravity: float) -> list[Row]:
-    """One row for each point of the rows of cases; gravity g in m/s^2."""
-    return [
-        _point(row, point, gravity)
-        for row in rows
-        if row["status"] == "completed"
-        for point in row["points"]
-    ]
+    """One row for each point of the rows of completed cases; gravity g in m/s^2."""
+    return [_point(row, point, gravity) for row in rows for point in row["points"]]
 
 
 def _point(row: Mapping[str, Any], point: Mapping[str, Any], gravity: float) -> Row:
