@@ -13,7 +13,7 @@ from mpi4py import MPI
 import numpy as np
 
 from solver.errors import SceneError, Statement, not_applicable
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import number_in
 from solver.reference.housner import housner
 from solver.results.endings import cut_short
 from solver.results.motion import block_motion
