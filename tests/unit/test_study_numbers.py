@@ -29,7 +29,7 @@ from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion,
 from solver.study.inertia.numbers import words as inertia_words
 from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
-from solver.study.overturning.table import boundary_rows, differences
+from solver.study.overturning.numbers import boundary_rows, differences
 from solver.study.suite.cases import SuiteCase
 from solver.study.suite.motions import SuiteMotion
 from solver.study.suite.numbers import as_text as suite_as_text
