@@ -257,7 +257,7 @@ STUDIES = {
     "overturning": (
         "amplitudes of pulses that overturn a block, over their frequency: all intervals",
         _overturning,
-        "solver.study.overturning.command:run",
+        "solver.study.overturning.cases:OverturningStudy.run",
     ),
     "stability": (
         "scenes driven far, each with a verdict: held, refused by name, or failed",

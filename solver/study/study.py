@@ -30,11 +30,9 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
-from mpi4py import MPI
-
 from solver import VERSION
 from solver.errors import NotConverged, SceneError
-from solver.parallel import abort_on_exceptions, on_first_rank
+from solver.parallel import Comm, abort_on_exceptions, on_first_rank
 from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
 from solver.run.streams import say
 from solver.scene.checking import nearest, shown
@@ -133,6 +131,8 @@ class Study(ABC, Generic[Case]):
     @classmethod
     def run(cls, options: argparse.Namespace) -> int:
         """Run the study of a command line; its exit code. Collective on all ranks."""
+        from mpi4py import MPI
+
         comm = MPI.COMM_WORLD
         abort_on_exceptions(comm)
         study: Self = on_first_rank(comm, lambda: cls(options).claimed())
@@ -144,7 +144,7 @@ class Study(ABC, Generic[Case]):
             raise
         return 0 if on_first_rank(comm, study.conclude) else NotConverged.exit_code
 
-    def run_rounds(self, comm: MPI.Intracomm) -> None:
+    def run_rounds(self, comm: Comm) -> None:
         """Run the cases that have no row yet, and keep their rows; collective on all ranks."""
         rounds = self.rounds()
         while (waiting := on_first_rank(comm, lambda: self._waiting(rounds))) is not None:
@@ -223,7 +223,7 @@ class Study(ABC, Generic[Case]):
         """Remove an earlier study; folders of such names that are of no study are refused."""
         folders = [self.folder / name for name in (CASES, *self.folders)]
         others = [folder for folder in folders if folder.exists()]
-        if others and not {"version", FILES} & _read(self.folder / SETTINGS).keys():
+        if others and not {"version", FILES} & read_mapping(self.folder / SETTINGS).keys():
             got = f"{self.folder}, which holds {others[0].name}/, but no study"
             raise SceneError("-o", got, "another folder")
         for pattern in (SETTINGS, REPORT, *self.files):
@@ -234,7 +234,7 @@ class Study(ABC, Generic[Case]):
 
     def _compare(self, held: Mapping[str, Any]) -> None:
         """Refuse a folder that was made from something else than settings with what files hold."""
-        earlier = _read(self.folder / SETTINGS)
+        earlier = read_mapping(self.folder / SETTINGS)
         digests = earlier.pop(FILES, {})
         if not earlier or not isinstance(digests, dict):
             got = f"{self.folder}, which holds no {self.noun}"
@@ -252,7 +252,7 @@ def _run(case: StudyCase) -> Row:
     return case.run()
 
 
-def _read(file: Path) -> Row:
+def read_mapping(file: Path) -> Row:
     """A mapping of a JSON file; an empty one where there is none."""
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
@@ -263,7 +263,7 @@ def _read(file: Path) -> Row:
 
 def finished(folder: Path) -> dict[str, Row]:
     """The rows of the completed cases by name; failed and damaged ones are tried again."""
-    rows = {file.stem: _read(file) for file in sorted((folder / CASES).glob("*.json"))}
+    rows = {file.stem: read_mapping(file) for file in sorted((folder / CASES).glob("*.json"))}
     return {name: row for name, row in rows.items() if row.get("status") == "completed"}
 
 

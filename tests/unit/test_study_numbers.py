@@ -17,22 +17,18 @@ from solver.scene import Scene
 from solver.scene.foundation import PlateSpec
 from solver.study.damping.axes import AXES, Axis, BaseScene, Sweep, SweptValue, watched
 from solver.study.damping.calibration import measured_peaks
-from solver.study.damping.numbers import Line as DampingLine
-from solver.study.damping.numbers import Restitution, limit, lines, sentence
-from solver.study.damping.numbers import words as damping_words
+from solver.study.damping.numbers import limit, lines
 from solver.study.horizon.numbers import as_text as horizons_as_text
 from solver.study.horizon.numbers import growth
 from solver.study.inertia import cases as inertia
 from solver.study.inertia.cases import BlockCase, SlidingCase
 from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid, resampled
-from solver.study.inertia.numbers import words as inertia_words
 from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
-from solver.study.overturning.table import boundary_rows, differences
+from solver.study.overturning.numbers import boundary_rows, differences
 from solver.study.suite.cases import SuiteCase
 from solver.study.suite.motions import SuiteMotion
-from solver.study.suite.numbers import as_text as suite_as_text
 from solver.types import Array
 
 STRUCTURE = Structure(
@@ -161,11 +157,6 @@ def test_the_largest_difference_from_the_sliding_block_is_told() -> None:
     assert _difference(found[:3]) == ""
 
 
-def test_the_table_of_inertia_has_drifts_in_millimetres() -> None:
-    heading, row = inertia_words([finding(0.1, SLIDING, 0.5, drift=0.01234)])
-    assert dict(zip(heading, row, strict=True))["drift mm"] == "12.34"
-
-
 # --- horizon, modes, overturning, suite
 
 
@@ -237,16 +228,6 @@ def test_a_boundary_of_overturning_is_compared_with_the_rigid_one(
     assert edges[-1]["rigid_amplitude"] == 1.0
     assert edges[-1]["difference"] == pytest.approx(difference)
     assert differences(edges) == {"ode": pytest.approx(abs(difference))}
-
-
-def test_the_table_of_a_suite_has_drifts_in_millimetres() -> None:
-    row = {
-        "motion": "a", "status": "completed", "reason": "", "platform.peak_drift_m": 0.0123,
-        "reference.platform.peak_drift_m": 0.0124,
-    }  # fmt: skip
-    heading, told = suite_as_text([row], ())[:-1].splitlines()
-    assert heading.split() == ["motion", "status", "drift", "mm", "reference"]
-    assert told.split() == ["a", "completed", "12.300", "12.400"]
 
 
 # --- damping
@@ -321,23 +302,3 @@ def test_a_peak_between_measured_rows_is_that_of_its_parabola() -> None:
     angle: Array = np.concatenate([-0.05 * np.cos(math.pi / 0.6 * first), swing])
     found = measured_peaks(np.concatenate([first, time]), angle)
     assert found == pytest.approx([0.05, top], abs=1e-12)
-
-
-def test_what_is_unresolved_is_what_contact_and_time_integration_lose() -> None:
-    row = {
-        "axis": "", "value": None, "loss.damping": 0.55, "loss.friction": 0.15,
-        "loss.contact": 0.2, "loss.numerical": 0.1,
-    }  # fmt: skip
-    nothing = Sweep(base="", values=(), at=None, cases=(), left_out=())
-    heading, told = damping_words([row], nothing, 1)
-    shown = dict(zip(heading, told, strict=True))
-    assert (shown["damping"], shown["unresolved"]) == ("55%", "30%")
-
-
-def test_the_largest_standard_error_of_an_axis_is_told() -> None:
-    """Of two impacts it is half of their difference."""
-    found = (Restitution((0.90, 0.92), 2), Restitution((0.90, 0.96), 2))
-    line = DampingLine(
-        axis=AXES["gamma"], at=None, values=(30.0, 100.0), found=found, limit=None, limits=()
-    )
-    assert sentence(line, None).endswith("standard error of a mean at most 0.0300")

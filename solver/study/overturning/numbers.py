@@ -1,4 +1,4 @@
-"""The table of a study of overturning: one row for each boundary, and what was compared."""
+"""Numbers of a study of overturning: one row for each boundary, and what was compared."""
 
 from __future__ import annotations
 
@@ -90,3 +90,9 @@ def differences(edges: Sequence[Row]) -> dict[str, float]:
         engine = edge["engine"]
         found[engine] = max(found.get(engine, 0.0), abs(edge["difference"]))
     return found
+
+
+def kinds(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """What comes of pulses from the least amplitude to the largest, in words."""
+    edges = row["boundaries"]
+    return tuple(edge["below"] for edge in edges) + tuple(edge["above"] for edge in edges[-1:])
