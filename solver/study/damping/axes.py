@@ -485,7 +485,7 @@ def chosen_axes(words: Sequence[str], option: str) -> dict[str, tuple[float, ...
 
 
 def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
-    """The sweeps that a command line asks for.
+    """The sweeps of a command line.
 
     Args:
         base: What is varied.

@@ -63,7 +63,7 @@ DIGITS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """What runs are compared with.
+    """The target of a calibration.
 
     Attributes:
         restitution: Mean restitution, which has to be within the reach of the parameter.
@@ -79,7 +79,7 @@ class Target:
 
     @property
     def wanted(self) -> tuple[float, ...]:
-        """What is wanted, number by number."""
+        """The numbers that are wanted."""
         return self.peaks or (self.restitution,)
 
     def of(self, row: Mapping[str, Any]) -> tuple[float, ...] | None:
@@ -281,7 +281,7 @@ class Search:
 
     @property
     def within_reach(self) -> bool:
-        """Whether the target lies between restitutions that were found, or next to one."""
+        """True if the target lies between restitutions that were found, or next to one."""
         least, largest = self.reach
         return least - ENOUGH <= self.restitution <= largest + ENOUGH
 

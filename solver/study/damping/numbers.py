@@ -55,11 +55,11 @@ class Restitution:
 
     @property
     def complete(self) -> bool:
-        """Whether all impacts that count are known."""
+        """True if all impacts that count are known."""
         return len(self.known) >= self.wanted
 
     def too_few(self, end: float) -> str:
-        """What is missing, in words; "" where nothing is.
+        """Missing impacts in words; "" where there are enough.
 
         Args:
             end: Time at which the run ended, s.
@@ -221,7 +221,7 @@ def _line(group: Sequence[SweptValue], rows: Rows, impacts: int) -> Line:
 
 
 def sentence(line: Line, at: Axis | None) -> str:
-    """What a line shows, in words."""
+    """The result of a line in words."""
     where = "" if line.at is None or at is None else f" at {at.name} {line.at:g}"
     head = f"{line.axis.name}{where}"
     if not line.means:
@@ -354,7 +354,7 @@ def _number(value: Any, form: str) -> str:
 def remarks(
     table: Sequence[Mapping[str, Any]], sweep: Sweep, found: Sequence[Line]
 ) -> Iterator[str]:
-    """What the axes show, then what went wrong."""
+    """Sentences on the axes, then on what went wrong."""
     for line in found:
         yield sentence(line, sweep.at)
     for row in table:
