@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from solver.study.damping.axes import Axis, Sweep, SweptValue
@@ -44,7 +44,7 @@ class Restitution:
     @property
     def mean(self) -> float | None:
         """Geometric mean; None where there is no impact."""
-        return geometric_mean(self.known) if self.known else None
+        return statistics.geometric_mean(self.known) if self.known else None
 
     @property
     def error(self) -> float:
@@ -68,11 +68,6 @@ class Restitution:
             return ""
         count = f"{len(self.known) or 'no'} impact{'s' * (len(self.known) != 1)}"
         return f"{count} with a restitution by {end:g} s, {self.wanted} are wanted"
-
-
-def geometric_mean(values: Sequence[float]) -> float:
-    """Geometric mean of positive numbers."""
-    return math.exp(statistics.fmean(math.log(value) for value in values))
 
 
 def restitution_of(row: Mapping[str, Any] | None, impacts: int) -> Restitution | None:
@@ -255,20 +250,8 @@ def as_json(line: Line) -> dict[str, Any]:
         "values": list(line.values),
         "restitution": line.means,
         "standard_error": [found.error for found in line.found],
-        "limit": _limit_as_json(line.limit),
-        "limits_of_impacts": [_limit_as_json(each) for each in line.limits],
-    }
-
-
-def _limit_as_json(found: Limit | None) -> dict[str, Any] | None:
-    """A limit for programs."""
-    if found is None:
-        return None
-    return {
-        "value": found.value,
-        "uncertainty": found.uncertainty,
-        "source": found.source,
-        "order": found.order,
+        "limit": asdict(line.limit) if line.limit else None,
+        "limits_of_impacts": [asdict(each) if each else None for each in line.limits],
     }
 
 

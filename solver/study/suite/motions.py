@@ -189,7 +189,7 @@ def _synthetic(
 
 
 def _replaced(said: Mapping[str, dict[str, Any]], table: Mapping[str, Any]) -> Iterator[str]:
-    """A note on the keys of the scene's motion that the motions of the suite do not have from it."""
+    """A note on the keys of the scene's motion that those of the suite do not have from it."""
     gone = [
         f"motion.{key}.{name}" if key else f"motion.{name}"
         for key, own in said.items()
