@@ -9,6 +9,12 @@ from itertools import pairwise
 STAYS, DIRECTLY, LATER = "stays", "overturns without impact", "overturns after an impact"
 """What may come of a pulse."""
 
+FIRST = 0.004
+"""Part of the rigid block's threshold by which the first pair of amplitudes differs from it."""
+
+WIDEST = 0.4
+"""Part of it beyond which no boundary is looked for."""
+
 NARROW = 2e-3
 """Relative width of the narrowest interval that is looked for between two numbers of impacts."""
 
@@ -152,3 +158,38 @@ def _straight(low: Sample, high: Sample, away: float) -> float:
     at = low[0] + min(max(share, 0.02), 0.98) * (high[0] - low[0])
     at += away if share < 0.5 else -away
     return min(max(at, low[0] + 0.5 * away), high[0] - 0.5 * away)
+
+
+def near(
+    fate: Callable[[float], str], rigid: float, below: str, above: str, tolerance: float
+) -> tuple[float, float] | None:
+    """The two amplitudes between which the fate changes next to a rigid block's boundary.
+
+    Args:
+        fate: What comes of an amplitude, in the words of boundaries.
+        rigid: The boundary of a rigid block.
+        below: What comes of it below the boundary.
+        above: What comes of it above.
+        tolerance: Relative, of the distance between both.
+
+    Returns:
+        The lower and the higher one; None where none is found within `WIDEST`.
+    """
+    part, low, high = FIRST, rigid, rigid
+    while part < WIDEST:
+        if low == rigid and fate(rigid * (1 - part)) == below:
+            low = rigid * (1 - part)
+        if high == rigid and fate(rigid * (1 + part)) == above:
+            high = rigid * (1 + part)
+        if low < rigid < high:
+            break
+        part *= 2
+    else:
+        return None
+    while high - low > tolerance * rigid:
+        middle = 0.5 * (low + high)
+        found = fate(middle)
+        if found not in (below, above):  # another boundary lies between
+            return None
+        low, high = (low, middle) if found == above else (middle, high)
+    return low, high
