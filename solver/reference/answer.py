@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from solver.errors import SceneError
-from solver.excitation.motion import BaseMotion, GroundMotion, read_ground
+from solver.excitation.kinds import BaseMotion
+from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.history.history import History, scene_columns
 from solver.reference.housner import RockingReference, housner

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from solver.errors import SceneError, not_installed
-from solver.launcher import launched_rank
+from solver.parallel import launched_rank
 from solver.pictures.page.html import (
     cautions,
     document,

@@ -36,7 +36,7 @@ from solver.parallel import Comm, abort_on_exceptions, on_first_rank
 from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
 from solver.run.streams import say
 from solver.scene.checking import nearest, shown
-from solver.scene.overrides import differing
+from solver.scene.reader import differing
 from solver.study.pool import finished_cases, reason_of
 from solver.study.tables import write
 

@@ -13,8 +13,7 @@ import pytest
 
 from rockslip import load_scene
 from solver.excitation.sampled import SampledMotion
-from solver.excitation.synthetic.suite_motion import synthetic_motion
-from solver.excitation.synthetic.table1 import table1_suite
+from solver.excitation.synthetic import synthetic_motion, table1_suite
 from solver.reference.answer import reference_history
 from solver.reference.sliding import Resistance, sliding
 from solver.scene import FrictionSpec

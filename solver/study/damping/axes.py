@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
@@ -15,7 +13,7 @@ from mpi4py import MPI
 import numpy as np
 
 from solver.errors import SceneError, Statement, not_applicable
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import number_in
 from solver.reference.housner import housner
 from solver.results.endings import cut_short
 from solver.results.motion import block_motion
@@ -23,7 +21,7 @@ from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown, to_table
 from solver.scene.damping import DEFAULT_RATIO, stiffness_damping
-from solver.study.study import Row
+from solver.study.study import Row, digest
 from solver.types import Array
 
 Tables = dict[str, Any]
@@ -388,8 +386,7 @@ class BaseScene:
 
 def _key(scene: Scene) -> str:
     """A key made from all that a scene says but its title."""
-    said = json.dumps(replace(scene, title="").to_dict(), sort_keys=True)
-    return hashlib.sha256(said.encode()).hexdigest()[:12]
+    return digest(replace(scene, title="").to_dict())[:12]
 
 
 def watched(scene: Scene, name: str | None) -> BlockSpec:

@@ -14,14 +14,13 @@ from mpi4py import MPI
 
 import numpy as np
 
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
 from solver.reference.housner import housner, housner_restitution
 from solver.rigid.plane.system import PlaneSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
-from solver.scene.motion import HalfSineSpec, OneSineSpec, RickerSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, HalfSineSpec, OneSineSpec, RickerSpec
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS, Response
 from solver.study.scenes import Tables, variant
 from solver.types import Array

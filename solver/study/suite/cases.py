@@ -22,14 +22,14 @@ from solver.errors import SceneError, missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.reference.answer import as_history, reference_history, reference_name, rock
-from solver.results.doubtful_input import cautions_of_input
+from solver.results.cautions import cautions_of_input
 from solver.results.endings import motion_end
 from solver.results.summary import summarise
 from solver.run.simulate import simulate
 from solver.run.streams import say
 from solver.scene import Scene, parse_scene
 from solver.scene.checking import shown
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 from solver.study.scenes import refuse_components, refuse_others, scene_tables, with_model
 from solver.study.study import SUMMARY, Row, Study, words
 from solver.study.study import numbers as numbers_of
