@@ -14,7 +14,7 @@ from solver.types import Array
 
 
 class RotationPrediction(NamedTuple):
-    """Prediction of the rotations of all bodies in a step.
+    """Predicted rotations of all bodies in a step.
 
     Attributes:
         step: Length of the step, s.
@@ -94,7 +94,7 @@ class State(NamedTuple):
         return self.damped_until - self.time > 1e-6 * dt
 
     def rigid_motion(self, system: System, number: int) -> RigidMotion:
-        """The motion of a body as a whole; found once."""
+        """The motion of a body as a whole; computed once."""
         if number not in self.motions:
             own = system.slices[number]
             self.motions[number] = system.bodies[number].rigid_motion(self.u[own], self.v[own])
