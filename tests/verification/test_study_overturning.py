@@ -78,9 +78,7 @@ def test_half_sines_without_an_impact(
     assert amplitude == pytest.approx(linear, rel=0.005)
 
 
-@pytest.mark.parametrize(
-    ("frequency", "restitution"), [(1, None), (3, None), (6, None), (6, 0.936)]
-)
+@pytest.mark.parametrize(("frequency", "restitution"), [(1, None), (3, None), (6, 0.936)])
 def test_both_modes_of_one_sine_and_the_island(
     tables: Tables, frequency: float, restitution: float | None
 ) -> None:
