@@ -1,4 +1,4 @@
-"""The rigid-body answer to a scene, in the columns of its history; what it does not know is nan."""
+"""The rigid-body answer to a scene, in the columns of its history; unknown ones are nan."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ ROCKING_ON_PLATFORM = "rigid block on a platform, rocking"
 
 
 def reference_name(scene: Scene, ground: GroundMotion | None = None) -> str:
-    """Which answer a scene has.
+    """The name of the answer that a scene has.
 
     On a platform a block rocks that is tilted, or that friction holds at rest until it uplifts;
     others slide. On firm ground it rocks, unless it slides from rest and stays flat.
 
     Args:
-        scene: What is asked.
+        scene: The scene.
         ground: Its motion of the ground, as it was read; None: it is read here.
 
     Raises:
@@ -67,7 +67,7 @@ def reference_run(
     """The rigid-body answer: rocking without sliding, or sliding without rocking.
 
     Args:
-        scene: What is asked; SceneError where there is no answer.
+        scene: The scene; SceneError where there is no answer.
         file: CSV file to write, too.
         ground: Motion of the ground, as it was read; None: it is read here.
 
@@ -193,7 +193,7 @@ def rock(
     """Columns of the block that rocks without sliding; restitution may be given.
 
     Args:
-        scene: What is asked.
+        scene: The scene.
         ground: Its motion of the ground.
         step: Between rows, s; None: that of the scene.
         longest: Longest step of the integrator, s; None: that between rows.
@@ -267,7 +267,7 @@ def _table(
     """Columns of all answers; the work of the ground by the trapezoidal rule over the rows.
 
     Args:
-        scene: What is asked.
+        scene: The scene.
         ground: Its motion of the ground.
         found: How the block moves, and what it stands on.
         values: Columns of the block, by what follows its name.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -50,7 +50,7 @@ SPACING = 1e-3
 ALLOWED = "NAME or NAME=V1,V2,..., such as beta=0,1e-5,1e-4"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Axis:
     """A parameter that is swept.
 
@@ -59,7 +59,6 @@ class Axis:
         key: What is set, for headings: the key of the scene, or words.
         unit: Of its values; "" without one.
         meaning: "physical": a property of the blocks; "numerical": of the method.
-        text: What it is, in words.
         put: Sets it.
         values: Values that suit a scene.
         limit: Where its limit is: at zero, at infinity, or nowhere.
@@ -70,7 +69,6 @@ class Axis:
     key: str
     unit: str
     meaning: Literal["physical", "numerical"]
-    text: str
     put: Setter
     values: Chosen
     limit: Literal["zero", "infinity", ""] = ""
@@ -253,53 +251,34 @@ def _youngs(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
 AXES = {
     axis.name: axis
     for axis in (
+        Axis("step", "time.step", "s", "numerical", _put_step, _steps, "zero"),
+        Axis("tolerance", "time.tolerance", "", "numerical", _put_tolerance, _tolerances, "zero"),
         Axis(
-            name="step", key="time.step", unit="s", meaning="numerical", limit="zero",
-            text="fixed time steps", put=_put_step, values=_steps,
+            "mesh", "cells of an edge over the scene's", "", "numerical",
+            _put_mesh, _fixed(0.5, 1.0, 2.0, 4.0), "infinity",
         ),
         Axis(
-            name="tolerance", key="time.tolerance", unit="", meaning="numerical", limit="zero",
-            text="tolerance of adaptive steps", put=_put_tolerance, values=_tolerances,
+            "gamma", "contact.gamma", "", "numerical",
+            _set("contact", "gamma"), _fixed(30.0, 100.0, 300.0, 1000.0),
         ),
         Axis(
-            name="mesh", key="cells of an edge over the scene's", unit="",
-            meaning="numerical", limit="infinity", text="mesh of all bodies", put=_put_mesh,
-            values=_fixed(0.5, 1.0, 2.0, 4.0),
+            "rho_inf", "time.rho_inf", "", "numerical",
+            _set("time", "rho_inf"), _fixed(0.0, 0.5, 0.8, 1.0),
         ),
         Axis(
-            name="gamma", key="contact.gamma", unit="", meaning="numerical",
-            text="Nitsche parameter", put=_set("contact", "gamma"),
-            values=_fixed(30.0, 100.0, 300.0, 1000.0),
+            "damped_steps", "time.damped_steps", "", "numerical",
+            _put_damped_steps, _fixed(0.0, 2.0, 8.0, 32.0),
         ),
+        Axis("beta", "beta_R", "s", "physical", _put_beta, _betas, bounds=_beta_bounds),
         Axis(
-            name="rho_inf", key="time.rho_inf", unit="", meaning="numerical",
-            text="spectral radius of the time integration", put=_set("time", "rho_inf"),
-            values=_fixed(0.0, 0.5, 0.8, 1.0),
-        ),
-        Axis(
-            name="damped_steps", key="time.damped_steps", unit="", meaning="numerical",
-            text="damped steps after a change of contact", put=_put_damped_steps,
-            values=_fixed(0.0, 2.0, 8.0, 32.0),
-        ),
-        Axis(
-            name="beta", key="beta_R", unit="s", meaning="physical",
-            text="stiffness-proportional damping", put=_put_beta, values=_betas,
-            bounds=_beta_bounds,
-        ),
-        Axis(
-            name="contact", key="contact.damping", unit="", meaning="physical",
-            text="dashpots of contact over their critical value",
-            put=_set("contact", "damping"), values=_fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+            "contact", "contact.damping", "", "physical",
+            _set("contact", "damping"), _fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
             bounds=_contact_bounds,
         ),
+        Axis("young", "E", "Pa", "physical", _put_young, _youngs),
         Axis(
-            name="young", key="E", unit="Pa", meaning="physical",
-            text="Young's modulus of the block", put=_put_young, values=_youngs,
-        ),
-        Axis(
-            name="floor", key="E of floor over E of block", unit="",
-            meaning="physical", limit="infinity", text="stiffness of a meshed floor",
-            put=_put_floor, values=_fixed(1.0, 3.0, 10.0, 30.0),
+            "floor", "E of floor over E of block", "", "physical",
+            _put_floor, _fixed(1.0, 3.0, 10.0, 30.0), "infinity",
         ),
     )
 }  # fmt: skip
@@ -506,7 +485,7 @@ def chosen_axes(words: Sequence[str], option: str) -> dict[str, tuple[float, ...
 
 
 def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
-    """The sweeps that a command line asks for.
+    """The sweeps of a command line.
 
     Args:
         base: What is varied.
@@ -517,57 +496,31 @@ def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
     repeated = chosen_axes(at, "--at")
     if len(repeated) > 1 or repeated.keys() & axes.keys():
         raise SceneError("--at", shown(" ".join(at)), "one axis that is not swept itself")
-    axis_at = AXES[next(iter(repeated))] if repeated else None
+    others: list[tuple[Axis, float] | None] = [None]
+    for name, values in repeated.items():
+        others = [(AXES[name], v) for v in values or AXES[name].values(base.scene, base.block)]
     own = base.case()
-    cases, values, left_out = {own.key: own}, [], []
-    for axis, value, asked in _values(base, axes, named=bool(of)):
-        for other in _at_values(base, axis_at, repeated):
-            before = [] if axis_at is None or other is None else [(axis_at, other)]
-            try:
-                case = base.case(*before, (axis, value))
-            except SceneError as error:
-                if asked:
-                    raise
-                left_out.append(f"{axis.name} {value:g}: {error}")
-                continue
-            cases.setdefault(case.key, case)
-            values.append(SweptValue(axis=axis, value=value, at=other, case=case.key))
+    cases, swept, left_out = {own.key: own}, [], []
+    for axis in (axis for name, axis in AXES.items() if name in axes):
+        given = sorted(axes[axis.name])
+        for other in others:
+            for number, value in enumerate(given or axis.values(base.scene, base.block)):
+                try:
+                    case = base.case(*([other] if other else []), (axis, value))
+                except SceneError as error:
+                    # Of an axis that is asked for by name, at least the first value is possible.
+                    if given or (of and number == 0):
+                        raise
+                    left_out.append(f"{axis.name} {value:g}: {error}")
+                    continue
+                cases.setdefault(case.key, case)
+                repetition = other[1] if other else None
+                swept.append(SweptValue(axis=axis, value=value, at=repetition, case=case.key))
+    order = {name: number for number, name in enumerate(AXES)}
     return Sweep(
         base=own.key,
-        values=tuple(sorted(values, key=_place)),
-        at=axis_at,
+        values=tuple(sorted(swept, key=lambda v: (order[v.axis.name], v.at or 0.0, v.value))),
+        at=others[0][0] if others[0] else None,
         cases=tuple(cases.values()),
         left_out=tuple(left_out),
     )
-
-
-def _values(
-    base: BaseScene, axes: dict[str, tuple[float, ...]], *, named: bool
-) -> Iterator[tuple[Axis, float, bool]]:
-    """All axes with their values, and whether the command line asks for just that.
-
-    Args:
-        base: What is varied.
-        axes: Names and values; without values the default ones.
-        named: Whether the command line names the axes.
-    """
-    for name, values in axes.items():
-        axis = AXES[name]
-        for number, value in enumerate(values or axis.values(base.scene, base.block)):
-            # Of an axis that is asked for by name, at least the first value has to be possible.
-            yield axis, value, bool(values) or (named and number == 0)
-
-
-def _at_values(
-    base: BaseScene, axis: Axis | None, chosen: dict[str, tuple[float, ...]]
-) -> tuple[float | None, ...]:
-    """Values that all is repeated for; a single None where nothing is."""
-    if axis is None:
-        return (None,)
-    return chosen[axis.name] or axis.values(base.scene, base.block)
-
-
-def _place(swept: SweptValue) -> tuple[int, float, float]:
-    """Place in the table: by axis, repetition and value."""
-    order = list(AXES).index(swept.axis.name)
-    return order, -1.0 if swept.at is None else swept.at, swept.value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +18,7 @@ from solver.excitation.layouts.text import number_in, read_lines, rows_of, split
 from solver.results.rocking import speed_at_impact
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import shown
-from solver.study.damping.numbers import Restitution, geometric_mean
+from solver.study.damping.numbers import Restitution
 from solver.types import Array
 
 ALLOWED = "restitution=NUMBER, or history=FILE with times (s) and angles (rad)"
@@ -63,7 +64,7 @@ DIGITS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """What runs are compared with.
+    """The target of a calibration.
 
     Attributes:
         restitution: Mean restitution, which has to be within the reach of the parameter.
@@ -79,7 +80,7 @@ class Target:
 
     @property
     def wanted(self) -> tuple[float, ...]:
-        """What is wanted, number by number."""
+        """The numbers that are wanted."""
         return self.peaks or (self.restitution,)
 
     def of(self, row: Mapping[str, Any]) -> tuple[float, ...] | None:
@@ -152,7 +153,7 @@ def _of_history(
     up = [speed_at_impact(peak, shape, gravity, -drag) for peak in kept[1:]]
     ratios = [after / before for before, after in zip(down, up, strict=True)]
     return Target(
-        restitution=geometric_mean(ratios),
+        restitution=statistics.geometric_mean(ratios),
         peaks=tuple(peak / kept[0] for peak in kept[1:]),
         impacts=count,
         history=history,
@@ -281,7 +282,7 @@ class Search:
 
     @property
     def within_reach(self) -> bool:
-        """Whether the target lies between restitutions that were found, or next to one."""
+        """True if the target lies between restitutions that were found, or next to one."""
         least, largest = self.reach
         return least - ENOUGH <= self.restitution <= largest + ENOUGH
 

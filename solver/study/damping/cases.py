@@ -182,7 +182,7 @@ class Calibration(_Impacts):
         )
 
     def rounds(self) -> Iterator[Sequence[DampingCase]]:
-        """Runs at the values that the search asks for.
+        """Runs at the values of the search, round after round.
 
         Raises:
             SceneError: The target is out of reach.
@@ -276,7 +276,7 @@ class Calibration(_Impacts):
         return rows
 
     def _sentences(self) -> list[str]:
-        """What came of it, in words."""
+        """The result in words."""
         target, best = self.target, self._best
         kind = "of the measured peaks" if target.peaks else f"of the first {target.impacts}"
         wanted = f"target: restitution {target.restitution:.4f}, the geometric mean {kind}"
@@ -288,6 +288,6 @@ class Calibration(_Impacts):
         return [wanted, reach, f"{found}, after {len(self.search.trials)} runs"]
 
     def say(self, text: str) -> None:
-        """Say what came of it, and where it is; what is out of reach is an error of its own."""
+        """Say the result, and where it is; a target out of reach is an error of its own."""
         if self._best is not None:
             say(f"{text}written to {self.folder}; run {self.folder / 'calibrated.toml'}\n")

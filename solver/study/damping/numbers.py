@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from solver.study.damping.axes import Axis, Sweep, SweptValue
@@ -44,7 +44,7 @@ class Restitution:
     @property
     def mean(self) -> float | None:
         """Geometric mean; None where there is no impact."""
-        return geometric_mean(self.known) if self.known else None
+        return statistics.geometric_mean(self.known) if self.known else None
 
     @property
     def error(self) -> float:
@@ -55,11 +55,11 @@ class Restitution:
 
     @property
     def complete(self) -> bool:
-        """Whether all impacts that count are known."""
+        """True if all impacts that count are known."""
         return len(self.known) >= self.wanted
 
     def too_few(self, end: float) -> str:
-        """What is missing, in words; "" where nothing is.
+        """Missing impacts in words; "" where there are enough.
 
         Args:
             end: Time at which the run ended, s.
@@ -68,11 +68,6 @@ class Restitution:
             return ""
         count = f"{len(self.known) or 'no'} impact{'s' * (len(self.known) != 1)}"
         return f"{count} with a restitution by {end:g} s, {self.wanted} are wanted"
-
-
-def geometric_mean(values: Sequence[float]) -> float:
-    """Geometric mean of positive numbers."""
-    return math.exp(statistics.fmean(math.log(value) for value in values))
 
 
 def restitution_of(row: Mapping[str, Any] | None, impacts: int) -> Restitution | None:
@@ -221,7 +216,7 @@ def _line(group: Sequence[SweptValue], rows: Rows, impacts: int) -> Line:
 
 
 def sentence(line: Line, at: Axis | None) -> str:
-    """What a line shows, in words."""
+    """The result of a line in words."""
     where = "" if line.at is None or at is None else f" at {at.name} {line.at:g}"
     head = f"{line.axis.name}{where}"
     if not line.means:
@@ -255,20 +250,8 @@ def as_json(line: Line) -> dict[str, Any]:
         "values": list(line.values),
         "restitution": line.means,
         "standard_error": [found.error for found in line.found],
-        "limit": _limit_as_json(line.limit),
-        "limits_of_impacts": [_limit_as_json(each) for each in line.limits],
-    }
-
-
-def _limit_as_json(found: Limit | None) -> dict[str, Any] | None:
-    """A limit for programs."""
-    if found is None:
-        return None
-    return {
-        "value": found.value,
-        "uncertainty": found.uncertainty,
-        "source": found.source,
-        "order": found.order,
+        "limit": asdict(line.limit) if line.limit else None,
+        "limits_of_impacts": [asdict(each) if each else None for each in line.limits],
     }
 
 
@@ -354,7 +337,7 @@ def _number(value: Any, form: str) -> str:
 def remarks(
     table: Sequence[Mapping[str, Any]], sweep: Sweep, found: Sequence[Line]
 ) -> Iterator[str]:
-    """What the axes show, then what went wrong."""
+    """Sentences on the axes, then on what went wrong."""
     for line in found:
         yield sentence(line, sweep.at)
     for row in table:

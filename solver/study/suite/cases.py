@@ -64,7 +64,7 @@ KEPT = (
 )
 
 OF_ROCKING = tuple(key for key in KEPT if "angle" in key or key in ("mode", "overturned_at_s"))
-"""What is kept where Housner's equation answers, which knows no slip."""
+"""The same for Housner's equation, which has no slip."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +99,7 @@ class SuiteCase:
 
     @property
     def columns(self) -> Row:
-        """What its row says of it besides what came of it."""
+        """The columns of its row that do not follow from its run."""
         found: Row = {"motion": self.motion.name, **dict(self.varied)} | self._part
         return found | ({"intensity": self.intensity.name} if self.intensity else {})
 
@@ -168,7 +168,7 @@ def scene_of(case: SuiteCase) -> tuple[Scene, GroundMotion]:
 
 
 def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
-    """The summary of a case by Housner's equation, which knows no slip.
+    """The summary of a case by Housner's equation, which has no slip.
 
     Raises:
         SceneError: The ground does not move along x alone, by samples.

@@ -76,11 +76,11 @@ class SuiteMotion:
     """One motion of a suite."""
 
     name: str
-    """What the suite calls it, and no other of its motions."""
+    """Its own in the suite."""
     table: Mapping[str, Any]
-    """What stands in `[motion]`, with names of files that hold in every folder."""
+    """The table `[motion]`, with names of files that hold in every folder."""
     held: Any = field(init=False, repr=False)
-    """What it says, with digests of what its files hold instead of their names; read once."""
+    """The same with digests of what its files hold instead of their names; read once."""
 
     @property
     def beside(self) -> list[str]:
@@ -137,7 +137,7 @@ def find_motions(
 
 
 def _directions(motion: Any) -> dict[str, dict[str, Any]]:
-    """What the scene says of each direction in which it moves: "" is x, the others are keys.
+    """The tables of the scene for each direction in which it moves: "" is x, the others are keys.
 
     A table of no kind says what `[motion]` does where it says nothing itself.
     """
@@ -154,7 +154,7 @@ def _directions(motion: Any) -> dict[str, dict[str, Any]]:
 
 
 def _kept(said: Mapping[str, dict[str, Any]], direction: str, kinds: Sequence[str]) -> Any:
-    """What the scene says of a direction if it is of these kinds, else what it says of x."""
+    """The table of a direction if it is of these kinds, else that of x."""
     own = said[direction] if said[direction]["kind"] in kinds else said[""]
     return own if own["kind"] in kinds else {"kind": kinds[0]}
 
@@ -189,7 +189,7 @@ def _synthetic(
 
 
 def _replaced(said: Mapping[str, dict[str, Any]], table: Mapping[str, Any]) -> Iterator[str]:
-    """What the scene says of its motion that the motions of the suite do not have from it."""
+    """A note on the keys of the scene's motion that those of the suite do not have from it."""
     gone = [
         f"motion.{key}.{name}" if key else f"motion.{name}"
         for key, own in said.items()
@@ -264,7 +264,7 @@ def _named_apart(motions: Sequence[SuiteMotion]) -> Iterator[SuiteMotion]:
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """What the name of a file says of the component that it holds.
+    """The component that a file holds, by its name.
 
     Attributes:
         event: The name without the component.

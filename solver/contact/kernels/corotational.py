@@ -38,12 +38,12 @@ def into_frame(vectors: Array, turns: Array, factor: float, turned: Array, total
 
 @compiled
 def shifted(shift: Array, push: Array) -> Array:
-    """How far a push (d,) moves all nodes alike, S p, (d,)."""
-    way = np.zeros(len(push))
+    """Displacement of all nodes alike by a push (d,): S p, (d,)."""
+    shift_by = np.zeros(len(push))
     for j in range(len(push)):
         for i in range(len(push)):
-            way[j] += shift[j, i] * push[i]
-    return way
+            shift_by[j] += shift[j, i] * push[i]
+    return shift_by
 
 
 @compiled
@@ -77,13 +77,13 @@ def moved_with_strain(
     d, rotation, total = len(push), turns[0], np.zeros(len(push))
     for p in range(len(vectors)):
         total += vectors[p]
-    way, further = shifted(turns[2], push), shifted(turns[2], total)
+    shift_by, further = shifted(turns[2], push), shifted(turns[2], total)
     for n in range(0, len(nodes), d):
         for i in range(d):
             along = 0.0
             for j in range(d):
                 added = strain[n + j] + further[j]
-                along += rotation[i, j] * ((nodes[n + j] + way[j]) + added)
+                along += rotation[i, j] * ((nodes[n + j] + shift_by[j]) + added)
             moved[n + i] = along
 
 
@@ -143,12 +143,12 @@ def read_points(
         shift: S, (d, d), m/N.
         read: (m, d).
     """
-    (m, d), way = read.shape, shifted(shift, push)
+    (m, d), shift_by = read.shape, shifted(shift, push)
     for p in range(m):
         for i in range(d):
             total = 0.0
             for a in range(start[p * d + i], start[p * d + i + 1]):
-                total += weight[a] * (nodes[column[a]] + way[column[a] % d])
+                total += weight[a] * (nodes[column[a]] + shift_by[column[a] % d])
             read[p, i] = total
 
 
