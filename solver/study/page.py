@@ -137,7 +137,7 @@ def _rows(file: Path) -> list[list[str]]:
 
 
 def _failures(rows: list[list[str]]) -> list[str]:
-    """What did not complete, and why."""
+    """Cases that did not complete, with their reasons."""
     names = rows[0] if rows else []
     if "status" not in names:
         return []
@@ -168,7 +168,7 @@ def _short(word: str) -> str:
 
 
 def _caption(file: Path) -> str:
-    """What a picture is called, as words."""
+    """The name of a picture, as words."""
     return file.stem.replace("_", " ").capitalize()
 
 

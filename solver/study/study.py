@@ -288,7 +288,7 @@ def contents(said: Any) -> dict[str, str]:
 
 
 def with_contents(said: Any, digests: Mapping[str, str]) -> Any:
-    """What tables say, with digests of files instead of their names where there are such."""
+    """Tables with digests of files instead of their names where there are such."""
     if isinstance(said, Mapping):
         changed = {key: with_contents(value, digests) for key, value in said.items()}
         if isinstance(said.get("file"), str):

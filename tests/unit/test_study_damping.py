@@ -450,15 +450,21 @@ def test_calibration_to_a_restitution(made_up: MadeUp, wanted: float, capsys: Ca
     assert "within reach: 0.9" in capsys.readouterr().out
 
 
-def test_calibration_to_a_history(made_up: MadeUp) -> None:
-    """That of a rigid block, released to the other side, its clock set to another time."""
-    beta = 2.5e-5
-    _, time, angle = measured(model(beta))
-    np.savetxt("measured.csv", np.column_stack([time + 12.0, -angle]))
-    assert study("--target", "history=measured.csv", "-q") == 0
+@pytest.mark.parametrize("own", [False, True])
+def test_calibration_to_a_history(made_up: MadeUp, own: bool) -> None:
+    """That of a rigid block released to the other side, by another clock; or that of a run."""
+    beta, file, again = 2.5e-5, Path("measured.csv"), ["--resume"] * own
+    if own:
+        assert study("--of", f"beta={beta}", "-q") == 0
+        with Path("out/damping.csv").open(encoding="utf-8", newline="") as stream:
+            file = Path("out/cases") / f"{list(csv.DictReader(stream))[-1]['case']}.csv"
+    else:
+        _, time, angle = measured(model(beta))
+        np.savetxt(file, np.column_stack([time + 12.0, -angle]))
+    assert study("--target", f"history={file}", "-q", *again) == 0
     found = json.loads(Path("out/summary.json").read_text())
     assert found["value"] == pytest.approx(beta, rel=0.05)
-    assert found["difference"] < 5e-4 and made_up.runs <= 8
+    assert found["difference"] < 5e-4 and found["runs"] <= 8
 
 
 @pytest.mark.parametrize("wanted", [0.90, 0.96])

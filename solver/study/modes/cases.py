@@ -37,7 +37,7 @@ RAMPED_STEPS = 400
 
 
 SUDDEN, SUDDEN_STEPS = 0.075566, 200
-"""Time from the start of a sudden acceleration that a rigid block is looked at, and its steps.
+"""Time from the start of a sudden acceleration in which a rigid block is followed, and its steps.
 
 Times are over 1/p, in which blocks turn; for the paper's block they are whole ms, here 20.
 """
@@ -58,7 +58,7 @@ Three per cent beyond a boundary they are at least 0.03 where there is one of th
 
 @dataclass(frozen=True, slots=True)
 class Onset:
-    """How a block begins to move; it leans and slips against the ground's acceleration."""
+    """First motion of a block, which leans and slips against the ground's acceleration."""
 
     turn: float
     """theta'', rad/s^2."""

@@ -39,7 +39,7 @@ TOLERANCE = {"rigid": 1e-5, "ode": 1e-4, "elastic": 2e-3}
 """Relative, of the amplitudes of boundaries."""
 
 BESIDE = 0.01
-"""Part of a rigid block's boundary within which the equation's is looked for."""
+"""Part of a rigid block's boundary within which the equation's is sought."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +66,7 @@ class OverturningCase:
 
     @property
     def name(self) -> str:
-        """What the study calls it, and no other case; also the name of its file."""
+        """Its own in the study; also the name of its file."""
         e = "" if self.restitution is None else f",e={self.restitution:g}"
         beside = "".join(f",{amplitude:.8g}" for amplitude, _, _ in self.rigid)
         return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}{beside}"
