@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.errors import SceneError
-from solver.pictures.page.html import (
+from solver.pictures.html import (
     cautions,
     document,
     figure,

@@ -60,7 +60,7 @@ def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
 
     (run,) = read_runs([folder])
     try:
-        from solver.pictures.page.run_page import run_page
+        from solver.pictures.page import run_page
 
         if filmed:
             import pyvista  # noqa: F401  (imported when it draws, and missed before that)

@@ -37,7 +37,7 @@ TIME = "[time]\nend = 0.1\nstep = 0.002\n[output]\n"
 
 def grids(folder: Path) -> list[tuple[float, dict[str, Any]]]:
     """Times and bodies of a run, whatever its format."""
-    from solver.pictures.field_grids import HdfGrids, PvdGrids
+    from solver.pictures.meshes import HdfGrids, PvdGrids
 
     one = folder / NAME
     files = HdfGrids(one) if one.is_file() else PvdGrids(folder / "fields.pvd")
@@ -234,7 +234,7 @@ def test_a_killed_run_leaves_its_times(tmp_path: Path) -> None:
 
 def grids_of(file: Path) -> list[tuple[float, Any]]:
     """Times and the one body of a file."""
-    from solver.pictures.field_grids import HdfGrids
+    from solver.pictures.meshes import HdfGrids
 
     files = HdfGrids(file)
     return [(float(at), files.read(k)[0]) for k, at in enumerate(files.times)]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
-from solver.pictures.page.html import (
+from solver.pictures.html import (
     document,
     figure,
     heading,
