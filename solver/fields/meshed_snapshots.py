@@ -19,12 +19,13 @@ from solver.bodies.reduced.body import ReducedBody, ReducedParts
 from solver.bodies.rigid_box import RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
-from solver.fields.body_functions import BodyFunctions
-from solver.fields.destination import Destination, RigidWriter, open_destination
+from solver.fields.files import BodyWriter, FieldFiles, open_files
+from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
 from solver.fields.nodal_contact import NodeState, edge_forces, nodal_contact
 from solver.fields.paraview import write_script
-from solver.fields.pvd import FieldsBefore
+from solver.fields.part import one_cell, rigid_fields
+from solver.fields.vtu import FieldsBefore
 from solver.scene import Scene
 from solver.stepping.state import State
 from solver.stepping.system import Link
@@ -66,7 +67,7 @@ class Snapshots:
         system = self._system = run.assembly.stepper.system
         writes = system.comm.rank == 0
         before = before or FieldsBefore()
-        files = self._files = open_destination(scene, folder, before, writes=writes)
+        files = self._files = open_files(scene, folder, before, writes=writes)
         self._bodies: list[MeshedFields | RigidFields | HeldFields] = []
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
@@ -76,7 +77,7 @@ class Snapshots:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                writer = files.rigid(body.name, corners)
+                writer = files.body(body.name, one_cell(corners))
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         held = run.assembly.support.held
         if held is not None:
@@ -127,7 +128,7 @@ class Snapshots:
 class MeshedFields:
     """The fields of a meshed body."""
 
-    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: Destination):
+    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: FieldFiles):
         """Make the functions that the files hold."""
         self._body = body
         self._own = run.assembly.stepper.system.slices[number]
@@ -144,8 +145,8 @@ class MeshedFields:
             "friction": self._friction,
             "contact_state": self._state,
         }
-        functions = BodyFunctions(nodal, body.moduli, body.thickness, self._linear_about())
-        self._writer = files.meshed(body.name, functions)
+        self._functions = BodyFunctions(nodal, body.moduli, body.thickness, self._linear_about())
+        self._writer = files.body(body.name, part_of(space))
 
     def write(self, taken: Taken) -> None:
         """Write the fields."""
@@ -154,7 +155,7 @@ class MeshedFields:
             function.x.array[: body.size] = self._on_mesh(values[self._own])
             function.x.scatter_forward()
         self._fill_contact(taken)
-        self._writer.write(taken.time)
+        self._writer.write(taken.time, *self._functions.arrays())
 
     def _linear_about(self) -> fem.Function | None:
         """The displacement about which the body is linear; None where it is not."""
@@ -213,7 +214,7 @@ class MeshedFields:
 class ReducedFields(MeshedFields):
     """The fields of a reduced body on the mesh that it stands for; on rank 0, which has it all."""
 
-    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: Destination):
+    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: FieldFiles):
         """Make the functions that the files hold."""
         super().__init__(run, number, parts.mesh, files)
         self._shapes = parts.shapes
@@ -234,14 +235,15 @@ class ReducedFields(MeshedFields):
 class HeldFields:
     """A plate that is meshed and fully restrained: it stands where it stood, without stress."""
 
-    def __init__(self, space: fem.FunctionSpace, files: Destination):
+    def __init__(self, space: fem.FunctionSpace, files: FieldFiles):
         """Take the space of the plate's displacements, all zero."""
         nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
-        self._writer = files.meshed("plate", BodyFunctions(nodal, None))
+        self._functions = BodyFunctions(nodal, None)
+        self._writer = files.body("plate", part_of(space))
 
     def write(self, taken: Taken) -> None:
         """Write the plate."""
-        self._writer.write(taken.time)
+        self._writer.write(taken.time, *self._functions.arrays())
 
     def close(self) -> None:
         """Finish the files."""
@@ -257,7 +259,7 @@ class RigidFields:
         number: int,
         body: DenseBody,
         corners: Array,
-        writer: RigidWriter,
+        writer: BodyWriter,
     ):
         """Take the body, its corners and the writer."""
         self._body, self._corners, self._writer = body, corners, writer
@@ -268,7 +270,9 @@ class RigidFields:
         body, state = self._body, taken.state
         pose, speed = body.replicate(state.u[self._own]), body.replicate(state.v[self._own])
         moved = body.material_positions(self._corners, pose) - self._corners
-        self._writer.write(taken.time, moved, body.rows(self._corners, pose) @ speed)
+        fields = rigid_fields(moved, body.rows(self._corners, pose) @ speed)
+        self._writer.write(taken.time, fields, {})
 
     def close(self) -> None:
-        """Close the files; they are complete after each writing."""
+        """Finish the files."""
+        self._writer.close()

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.fields.destination import open_destination
+from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
-from solver.fields.pvd import FieldsBefore
+from solver.fields.part import one_cell, rigid_fields
+from solver.fields.vtu import FieldsBefore
 from solver.scene import Scene
 from solver.scene.places import poses
 from solver.types import Array
@@ -42,11 +43,11 @@ class RigidSnapshots:
         upright = poses(scene, upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
-        self._files = open_destination(scene, folder, before or FieldsBefore(), writes=writes)
+        self._files = open_files(scene, folder, before or FieldsBefore(), writes=writes)
         parts = [(b.name, c) for b, c in zip(scene.blocks, self._upright, strict=True)]
         if scene.has_platform:
             parts.append(("platform", platform_corners(scene)))
-        self._writers = [self._files.rigid(name, corners) for name, corners in parts]
+        self._writers = [self._files.body(name, one_cell(corners)) for name, corners in parts]
         self._files.begin()
         if writes:
             write_script(folder, scene, stress=False)
@@ -56,13 +57,13 @@ class RigidSnapshots:
         for block, upright in enumerate(self._upright):
             arms, velocity = self._moved(block)
             place = arms + self._bodies.centre(block)
-            self._writers[block].write(time, place - upright, velocity)
+            self._writers[block].write(time, rigid_fields(place - upright, velocity), {})
         for writer in self._writers[len(self._corners) :]:
             count = 2**self._dimension
             shift, speed = np.zeros((count, self._dimension)), np.zeros((count, self._dimension))
             shift[:, : self._dimension - 1] = self._bodies.drift
             speed[:, : self._dimension - 1] = self._bodies.drift_velocity
-            writer.write(time, shift, speed)
+            writer.write(time, rigid_fields(shift, speed), {})
         self._files.end_time(time)
 
     def flush(self) -> None:
@@ -82,4 +83,6 @@ class RigidSnapshots:
 
     def close(self) -> None:
         """Close the files; they are complete after every snapshot."""
+        for writer in self._writers:
+            writer.close()
         self._files.close()

@@ -11,7 +11,7 @@ from typing import Any, Protocol, TextIO
 
 from solver.errors import OutputTrouble
 from solver.excitation.motion import GroundMotion
-from solver.fields.pvd import FieldsBefore
+from solver.fields.vtu import FieldsBefore
 from solver.history.history import History
 from solver.parallel import Comm, Single, on_first_rank
 from solver.results.summary import write_json, write_whole

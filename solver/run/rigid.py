@@ -16,8 +16,8 @@ import numpy as np
 
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.stepped import SteppedGround
-from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
+from solver.fields.vtu import FieldsBefore
 from solver.history.columns import positions
 from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, runs_machine_code

@@ -11,7 +11,7 @@ import pytest
 from rockslip import parse_scene, simulate
 from solver.errors import RockslipError
 from solver.fields import meshed_snapshots
-from solver.fields.pvd import ENTRY, PvdIndex
+from solver.fields.vtu import ENTRY, PvdFiles
 from solver.history.history import History
 from solver.run import files
 from solver.scene import Scene
@@ -112,15 +112,15 @@ def test_none_is_written_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
 ) -> None:
     """What stops the third one while it is listed leaves the others, in their order."""
-    usual = PvdIndex.add
+    usual = PvdFiles.add
 
-    def add(index: PvdIndex, time: float, *piece: object, **of: object) -> None:
+    def add(index: PvdFiles, time: float, *piece: object, **of: object) -> None:
         if time == pytest.approx(TIMES[2]) and "above" in piece:
             raise error("no more")
         usual(index, time, *piece, **of)  # type: ignore[arg-type]
 
     monkeypatch.setattr(files, "PAUSE", math.inf)
-    monkeypatch.setattr(PvdIndex, "add", add)
+    monkeypatch.setattr(PvdFiles, "add", add)
     with pytest.raises(error, match="no more"):
         simulate(scene(), folder=tmp_path)
     assert listed(tmp_path) == pytest.approx(TIMES[:2] + TIMES[3:])
