@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 class RigidSnapshots:
     """Displacement and velocity of all blocks and of the platform."""
 
-    waiting = False
-    """Whether any wait to be written."""
-
     def __init__(
         self,
         bodies: PlaneSystem | SpaceSystem,
@@ -64,9 +61,6 @@ class RigidSnapshots:
             speed[:, : self._dimension - 1] = self._bodies.drift_velocity
             writer.write(time, rigid_fields(shift, speed), {})
         self._files.end_time(time)
-
-    def flush(self) -> None:
-        """Do nothing: all fields are written at once."""
 
     def _moved(self, block: int) -> tuple[Array, Array]:
         """From the centre of a block to its corners, m, and the velocities of these, m/s."""
