@@ -16,7 +16,7 @@ from typing import Any
 
 from solver.errors import SceneError, not_installed
 from solver.parallel import launched_rank
-from solver.pictures.page.html import (
+from solver.pictures.html import (
     cautions,
     document,
     figure,
@@ -95,7 +95,7 @@ def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
 
     (run,) = read_runs([folder])
     try:
-        from solver.pictures.page.run_page import run_page
+        from solver.pictures.page import run_page
 
         if filmed:
             import pyvista  # noqa: F401  (imported when it draws, and missed before that)
