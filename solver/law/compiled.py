@@ -29,7 +29,6 @@ from solver.law.sources import version_of
 from solver.law.switch import CHOICE, is_interpreted
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def _numba() -> ModuleSpec | None:
@@ -116,60 +115,3 @@ def compiled(function: Function) -> Function:
         return function
     lazy: Any = _Compiled(function)
     return cast("Function", lazy)
-
-
-class _Borrowed:
-    """The identity; in machine code an intrinsic that switches off the counting of uses."""
-
-    def __call__(self, arrays: Any) -> Any:
-        """Return the arrays as they are."""
-        return arrays
-
-    @property
-    def _numba_type_(self) -> Any:
-        """What the intrinsic is to numba."""
-        from numba.core.registry import cpu_target
-
-        found, context = _intrinsic(), cpu_target.typing_context
-        context.refresh()  # the context learns of intrinsics then
-        return context.resolve_value_type(found)
-
-
-@cache
-def _intrinsic() -> Any:
-    """`borrowed` as an intrinsic of numba."""
-    from numba.core import cgutils, types
-    from numba.extending import intrinsic
-
-    def borrow(context: Any, arrays: Any) -> Any:
-        def without_counts(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-            if isinstance(kind, types.Array):
-                array = context.make_array(kind)(context, builder, value)
-                array.meminfo = cgutils.get_null_value(array.meminfo.type)
-                return array._getvalue()
-            if isinstance(kind, types.BaseTuple):
-                items = zip(kind, cgutils.unpack_tuple(builder, value), strict=True)
-                return context.make_tuple(
-                    builder, kind, [without_counts(context, builder, *item) for item in items]
-                )
-            return value
-
-        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            return without_counts(context, builder, arrays, values[0])
-
-        return arrays(arrays), generate
-
-    return intrinsic(borrow)
-
-
-_borrowed = _Borrowed()
-
-
-@compiled
-def borrowed(arrays: Arrays) -> Arrays:
-    """A named tuple of arrays whose uses are not counted, for compiled code.
-
-    numba counts the uses of every array of a tuple at every call, atomically: two thirds of the
-    time of a step. Python holds the arrays while compiled code runs, so nobody has to count.
-    """
-    return _borrowed(arrays)

@@ -31,11 +31,6 @@ _COUNTING_HOME = "numba.core.runtime.nrtdynmod"
 _OF_COUNTING = ("_define_nrt_decref", "_define_nrt_incref", "_word_type")
 
 
-#: How an array of Python's becomes one of machine code, with a count of its uses and without.
-_COUNTED, _BORROWED = "NRT_adapt_ndarray_from_python", "numba_adapt_ndarray"
-_GIVEN_BACK = "NRT_adapt_ndarray_to_python"
-
-
 @cache
 def _codegen_class() -> Any:
     """The class of numba's code generator whose libraries wait; None where numba is another."""
@@ -105,19 +100,6 @@ def _codegen_class() -> Any:
                     called += _declared(parts[number])
                     self._final_module.link_in(parts[number])
 
-        def _borrow_arguments(self) -> None:
-            """Take Python's arrays as they are, which Python holds while machine code runs.
-
-            numba asks for memory to count the uses of each, half the time of a small call. What
-            gives arrays back still counts: they may be parts of those that it was given. (Nor may
-            any be kept otherwise, in a typed list or a class of numba's: there are none here.)
-            """
-            functions = {function.name: function for function in self._final_module.functions}
-            gives_back = any(name.startswith(_GIVEN_BACK) for name in functions)
-            known = llvm.address_of_symbol(_BORROWED)
-            if known and _COUNTED in functions and not gives_back:
-                functions[_COUNTED].name = _BORROWED
-
         def finalize(self) -> None:
             """Make machine code of the function and of all below it."""
             require_global_compiler_lock()
@@ -127,7 +109,6 @@ def _codegen_class() -> Any:
             if not own.intersection(("NRT_incref", "NRT_decref")):  # it is not numba's own counting
                 self._final_module.link_in(_counting(self._codegen))
             self._link()
-            self._borrow_arguments()
             for function in _defined(self._final_module):
                 if function.name not in own:
                     function.linkage = llvm.Linkage.internal

@@ -8,15 +8,13 @@ import sys
 import time
 import tomllib
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from solver.law import compiled as module
 from solver.law import kept_code, late_linking, sources
-from solver.law.compiled import borrowed, compiled
-from solver.rigid.plane.model import PlaneMemory, new_memory
+from solver.law.compiled import compiled
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -154,79 +152,6 @@ def test_imports_are_found_however_they_are_written() -> None:
     )
     names = ["solver.law.impact", "solver.law.friction", "solver.law.newton"]
     assert list(sources._modules(text)) == names
-
-
-def test_borrowed_arrays_are_the_same_arrays() -> None:
-    """What is written through them is seen outside."""
-
-    @compiled
-    def write(memory: module.Arrays) -> None:
-        """Write one number."""
-        borrowed(memory).gap[1] = 7.0  # type: ignore[attr-defined]
-
-    memory = new_memory(3)
-    write(memory)
-    assert memory.gap.tolist() == [0.0, 7.0, 0.0]
-
-
-class Nested(NamedTuple):
-    """A tuple of arrays in another."""
-
-    inner: PlaneMemory
-    numbers: np.ndarray
-
-
-@compiled
-def rest(arrays: Nested) -> tuple[float, np.ndarray]:
-    """Write one number, return the sum of some and an array of its own."""
-    own = borrowed(arrays)
-    own.inner.gap[0] = 5.0
-    return own.numbers[1:].sum(), 2.0 * own.numbers
-
-
-def test_borrowed_arrays_outlive_their_use() -> None:
-    """Also those of tuples in tuples: nobody frees what Python holds, nor keeps what it drops."""
-    for k in range(200):
-        arrays = Nested(new_memory(2), np.full(1000, float(k)))
-        counts = [sys.getrefcount(arrays.numbers), sys.getrefcount(arrays.inner.gap)]
-        total, twice = rest(arrays)
-        assert total == 999.0 * k and (twice == 2.0 * k).all()
-        assert arrays.inner.gap.tolist() == [5.0, 0.0] and (arrays.numbers == k).all()
-        assert [sys.getrefcount(arrays.numbers), sys.getrefcount(arrays.inner.gap)] == counts
-
-
-@compiled
-def largest_of(numbers: np.ndarray) -> float:
-    """The largest number; the array is written to."""
-    numbers[0] = -1.0
-    return float(numbers.max())
-
-
-@compiled
-def all_but_first(numbers: np.ndarray) -> np.ndarray:
-    """A part of what is given."""
-    return numbers[1:]
-
-
-@pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
-def test_arrays_of_python_are_counted_only_where_a_part_of_them_may_be_given_back() -> None:
-    """That part then outlives all else that knew of the array."""
-    numbers, ways = np.arange(4.0), []
-    names = late_linking._COUNTED, late_linking._BORROWED
-    before = sys.getrefcount(numbers)
-    assert largest_of(numbers) == 3.0 and numbers[0] == -1.0
-    assert sys.getrefcount(numbers) == before
-    rest_of_them = all_but_first(np.arange(1000.0))
-    for k in range(100):  # what was freed would be written over
-        np.full(1000, -float(k))
-    assert (rest_of_them == np.arange(1.0, 1000.0)).all()
-    for function in (largest_of, all_but_first):
-        machine = function._machine  # type: ignore[attr-defined]
-        machine.recompile()  # the text of code that was read back is not known
-        (overload,) = machine.overloads.values()
-        text = overload.library.get_llvm_str()
-        ways.append([f"@{name}(" in text for name in names])
-    assert ways == [[False, True], [True, False]]
 
 
 @pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
 
 EDGE_BLEND_WIDTH = 0.02
@@ -61,7 +61,7 @@ def stand_on_chain(
         place: (g, s), (m, 2), m.
         stand: The fields of the `Feet` of the points, without names: handed over faster.
     """
-    last, feet = len(chain) - 2, borrowed(Feet(*stand))
+    last, feet = len(chain) - 2, Feet(*stand)
     height, along = np.empty(last + 2), np.empty(last + 2)
     for k in range(last + 2):
         x = carrier[chain[k]]

@@ -15,7 +15,7 @@ from solver.contact.kernels.shapes import (
     shape_functions,
     slope_and_stretch,
 )
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.types import Array, Indices
 
 FOOT_SETTLED = 1e-12
@@ -177,8 +177,8 @@ def stand_on_facets(
         place: (g, s), (m, d), m.
         stand: The fields of the `Feet` of the points.
     """
-    shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
-    placed, inverses, mean_slope, mean_stretch = borrowed(room)
+    shapes, feet = FacetShapes(*face), Feet(*stand)
+    placed, inverses, mean_slope, mean_stretch = room
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
     placed[:], points = carrier @ frame.T, position @ frame.T
     if shapes.corners > 2:

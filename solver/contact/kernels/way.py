@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.kernels.shapes import inverted
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.types import Array, Indices
 
 STANDING_STILL = 1e-4
@@ -140,7 +140,7 @@ def forces_in_space(
 
     They are f_n (n - kappa t) + a^-T f_t; arguments as in `foot_way`.
     """
-    d, old, new = len(frame), borrowed(Stand(*before)), borrowed(Stand(*after))
+    d, old, new = len(frame), Stand(*before), Stand(*after)
     way, ds, kappa, local = np.empty(d), np.empty(d - 1), np.empty(d - 1), np.empty(d)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     vectors[:] = 0.0
@@ -171,7 +171,7 @@ def work_defect(
     Only feet of closed points that hardly move have any: kappa . e_t is not e_n there,
     nor a^-1 e_t ds. Arguments as in `foot_way`.
     """
-    d, total, old, new = len(frame), 0.0, borrowed(Stand(*before)), borrowed(Stand(*after))
+    d, total, old, new = len(frame), 0.0, Stand(*before), Stand(*after)
     way, ds, kappa = np.empty(d), np.empty(d - 1), np.empty(d - 1)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     for p in range(len(force)):

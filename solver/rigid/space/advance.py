@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.history.columns import RowLayout
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.rigid.space.contact import HAIR
 from solver.rigid.space.friction import touched
 from solver.rigid.space.impact import collide, gaps_after, step_to_impact
@@ -59,7 +59,6 @@ def _accept(
     model: SpaceModel, state: SpaceState, s: SpaceSolution, start: Array, end: Array, tally: Array
 ) -> None:
     """Take a step, and correct the velocities at its end."""
-    s = borrowed(s)
     watch(model, state, s, tally)
     rubbed = -state.exchanged[1]
     take(model, state, s, start, end, tally[-1])
@@ -91,8 +90,6 @@ def run(
     Returns:
         Number of steps that succeeded, number of rejected solutions.
     """
-    model, state = borrowed((model, state))
-    ground, shift, seen, rows = borrowed((ground, shift, seen, rows))
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
     speed, bounces, cuts = state.velocity[-1].copy(), bool(np.any(model.restitution > 0.0)), 0
     rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0

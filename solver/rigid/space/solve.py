@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.law.friction import ITERATIONS, SHARES, Bounds
 from solver.law.local_problem import solve as solve_local
 from solver.rigid.space.contact import chosen, contacts_of, halfway, rotations, rows_of
@@ -136,29 +136,28 @@ def solve(
     """
     frames, size = rotations(state.quaternion), np.max(model.half)
     points = _points(model, state, frames, dt, after, shut)
-    lent = borrowed(points)
     load = loads(model, 0.5 * (before + after))
     free, yields = free_motion(model, state, dt, load)
-    force = recalled(state, lent)
-    mu, cohesion = friction_at_start(model, state, frames, lent)
+    force = recalled(state, points)
+    mu, cohesion = friction_at_start(model, state, frames, points)
     held = force * np.array([EVENING, 1.0, 1.0])
-    moved, turned = _guess(model, state, frames, lent, (free, yields, force), dt)
+    moved, turned = _guess(model, state, frames, points, (free, yields, force), dt)
     rounds = 0
     while True:
         hat, turning = free_turn(model, state, frames, turned, dt)
         mean, shift = mean_motion(state, frames, moved, turned)
-        rows = rows_of(halfway(lent, state, frames, mean, shift), mean, shift)
+        rows = rows_of(halfway(points, state, frames, mean, shift), mean, shift)
         still, soft, law = (free, hat), (yields, turning), (mu, cohesion)
         even = ROUND_OFF * size if rounds == 0 else np.inf
-        found, softness = _linear(lent, rows, still, soft, law, held, force, state.settled, even)
-        total, moment, pushed = act(lent, rows, force, len(free))
+        found, softness = _linear(points, rows, still, soft, law, held, force, state.settled, even)
+        total, moment, pushed = act(points, rows, force, len(free))
         last, moved = moved, free + yields * total
         previous, turned = turned, _turned(hat, turning, moment)
-        change, yielded = changes(lent, rows, moved, turned), softness * (force - held)
+        change, yielded = changes(points, rows, moved, turned), softness * (force - held)
         slip = change[:, 1:] + yielded[:, 1:]
         slid = sliding_of(force, slip, softness, mu, cohesion)
         share = SHARES[rounds // ITERATIONS]
-        again = follow_law(model, state, lent, slid, slip, dt, law, share)
+        again = follow_law(model, state, points, slid, slip, dt, law, share)
         rounds += 1
         left = _error(size, moved - last, turned - previous, turned)
         done = bool(found and not again and left <= ROUND_OFF * size)
