@@ -27,22 +27,18 @@ _OF_LIBRARIES = (
     *("_optimize_final_module", "add_linking_library", "finalize", "get_pointer_to_function"),
 )
 
-_COUNTING_HOME = "numba.core.runtime.nrtdynmod"
-_OF_COUNTING = ("_define_nrt_decref", "_define_nrt_incref", "_word_type")
-
 
 @cache
 def _codegen_class() -> Any:
     """The class of numba's code generator whose libraries wait; None where numba is another."""
     try:
-        llvm, nrt = import_module("llvmlite.binding"), import_module(_COUNTING_HOME)
+        llvm = import_module("llvmlite.binding")
         from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
         from numba.core.compiler_lock import require_global_compiler_lock
         from numba.core.environment import lookup_environment
     except ImportError:
         return None
     there = [hasattr(JITCodeLibrary, name) for name in _OF_LIBRARIES]
-    there += [hasattr(nrt, name) for name in _OF_COUNTING]
     if not all((*there, hasattr(JITCPUCodegen, "set_env"))):
         return None
 
@@ -106,8 +102,6 @@ def _codegen_class() -> Any:
             self._codegen._check_llvm_bugs()
             self._raise_if_finalized()
             own = {function.name for function in _defined(self._final_module)}
-            if not own.intersection(("NRT_incref", "NRT_decref")):  # it is not numba's own counting
-                self._final_module.link_in(_counting(self._codegen))
             self._link()
             for function in _defined(self._final_module):
                 if function.name not in own:
@@ -133,25 +127,6 @@ def _codegen_class() -> Any:
                 super().set_env(env_name, env)
 
     return Codegen
-
-
-def _counting(codegen: Any) -> Any:
-    """How uses of arrays are counted: one by one, instead of numba's atomic additions.
-
-    Those lock the memory against other threads, a quarter of the time of blocks in space. Here
-    nobody else counts meanwhile: compiled functions never let go of Python's global lock.
-    """
-    ir, nrt = import_module("llvmlite.ir"), import_module(_COUNTING_HOME)
-    module, word = codegen._create_empty_module("counting"), nrt._word_type
-    for define, change in ((nrt._define_nrt_incref, 1), (nrt._define_nrt_decref, -1)):
-        kind = ir.FunctionType(word, [word.as_pointer()])
-        count = ir.Function(module, kind, name=f"count_{define.__name__}")
-        builder = ir.IRBuilder(count.append_basic_block())
-        number = builder.add(builder.load(count.args[0]), ir.Constant(word, change))
-        builder.store(number, count.args[0])
-        builder.ret(number)
-        define(module, count)
-    return import_module("llvmlite.binding").parse_assembly(str(module))
 
 
 def _defined(module: Any) -> list[Any]:
