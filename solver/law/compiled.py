@@ -1,42 +1,64 @@
 """`@compiled`: functions of plain numbers and arrays, as machine code where numba is installed.
 
 Without numba, or with ROCKSLIP_NO_NUMBA=1 in the environment, they stay what they are and the same
-code is interpreted, as it is in runs that are over before numba is imported (`solver.law.switch`).
-Machine code is kept between runs, in a folder per version of a file and of all files that it
-imports (`solver.law.sources`): numba itself looks at the file of a function only, not at those of
-the functions that it calls, and would run old code after an update. Nothing is ever written into
-the checkout.
+code is interpreted.
 
-NUMBA_CACHE_DIR says where to keep it; else it is the user's cache folder, and where that cannot be
-written, nowhere: each run then compiles anew (`solver.law.kept_code`).
+numba keeps machine code between runs, in a folder for each version of all sources: numba itself
+looks at the file of a function only, not at those of the functions that it calls, and would run old
+code after an update. NUMBA_CACHE_DIR says where these folders are; else they are in the user's
+cache folder, and where that cannot be written, nowhere: each run then compiles anew.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import cache, cached_property, update_wrapper
 from importlib import import_module
-from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from operator import attrgetter
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
-from solver.law.kept_code import cache_folder, folder_of
-from solver.law.late_linking import linked_late, part_of_others
-from solver.law.sources import version_of
-from solver.law.switch import CHOICE, is_interpreted
+from solver.law.late_linking import late_linking
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+SWITCH = "ROCKSLIP_NO_NUMBA"
+"""Environment variable; set to anything but "" or "0": interpret."""
 
-def _numba() -> ModuleSpec | None:
-    """Where the compiler is, if it is installed and wanted; it is not imported yet."""
-    return None if is_interpreted() else find_spec("numba")
+COMPILING = "compiling, once, up to a minute: kept for later runs"
+COMPILING_IN_VAIN = "compiling, up to a minute: nothing can be kept in the user's cache folder"
+"""What watchers show."""
+
+ROOT = Path(__file__).parents[2]
+"""Where the packages are."""
+
+WITHOUT_KERNELS = ("pictures", "study")
+"""The last packages of docs/architecture.md: no other one imports from them, so that no function
+that is kept holds anything of them. Functions in these are not kept."""
+
+UNUSED = 30 * 24 * 3600.0
+"""How long the code of a version that nothing uses is kept, s."""
 
 
-NUMBA = _numba()
+def is_interpreted() -> bool:
+    """True if the environment asks for compiled functions to be interpreted."""
+    return os.environ.get(SWITCH, "0") not in ("", "0")
+
+
+NUMBA = None if is_interpreted() else find_spec("numba")
+"""Where the compiler is, if it is installed and wanted; it is not imported yet."""
+
+
+def runs_machine_code() -> bool:
+    """True if compiled functions run as machine code."""
+    return NUMBA is not None
 
 
 @cache
@@ -51,13 +73,8 @@ def _compiler() -> ModuleType | None:
     return numba
 
 
-def runs_machine_code() -> bool:
-    """Whether compiled functions run as machine code now: see `solver.law.switch`."""
-    return NUMBA is not None and not CHOICE.interprets
-
-
 class _Compiled:
-    """A function that is compiled at its first call, or interpreted where a run chose so.
+    """A function that is compiled at its first call.
 
     Compiled functions that call it see the machine code: numba asks what an object is by
     `_numba_type_`.
@@ -67,41 +84,40 @@ class _Compiled:
         """Remember the function; numba is not imported yet."""
         self.py_func = function
         update_wrapper(self, function)
-        self.choose_again()
-        CHOICE.followers.add(self)
 
-    def choose_again(self) -> None:
-        """Ask at the next call whether to interpret or to run machine code."""
-        self._runs: Callable[..., Any] = self._first
-
-    def _first(self, *arguments: Any, **named: Any) -> Any:
-        """Call it for the first time since that was chosen."""
-        self._runs = self.py_func if CHOICE.interprets else self._machine
-        return self._runs(*arguments, **named)
-
-    __call__ = property(attrgetter("_runs"))
+    __call__ = property(attrgetter("_machine"))
     """Calls it, without a frame of Python's own: that took a third of the time of a small call."""
 
     @cached_property
     def _machine(self) -> Any:
         """The machine code for Python; the function itself where numba cannot be imported."""
-        numba, folder = _compiler(), cache_folder()
+        numba, folder = _compiler(), _folder_of(self.py_func)
         if numba is None:
             return self.py_func
         if folder is None:
-            return linked_late(numba.njit(error_model="numpy")(self.py_func), kept=False)
-        before = numba.config.CACHE_DIR
-        version = version_of(Path(self.py_func.__code__.co_filename))
-        numba.config.CACHE_DIR = str(folder_of(version, folder))
-        try:
-            return linked_late(numba.njit(cache=True, error_model="numpy")(self.py_func), kept=True)
-        finally:
-            numba.config.CACHE_DIR = before
+            machine = numba.njit(error_model="numpy")(self.py_func)
+        else:
+            before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
+            try:
+                machine = numba.njit(cache=True, error_model="numpy")(self.py_func)
+            finally:
+                numba.config.CACHE_DIR = before
+        usual = machine.compile
+
+        def compile_late(signature: Any) -> Any:
+            with late_linking(), _watched(kept=folder is not None):
+                return usual(signature)
+
+        machine.compile = compile_late
+        return machine
 
     @cached_property
     def _part(self) -> Any:
         """The code for other compiled functions, which becomes a part of theirs."""
-        return part_of_others(self.py_func)
+        from numba import njit
+
+        no_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return njit(error_model="numpy", **no_wrappers)(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
@@ -115,3 +131,102 @@ def compiled(function: Function) -> Function:
         return function
     lazy: Any = _Compiled(function)
     return cast("Function", lazy)
+
+
+def digest(folders: Sequence[Path], without: Sequence[str] = ()) -> str:
+    """Digest of all Python sources in some folders and below them, but for folders of some names.
+
+    Such a folder stands right below one of the others.
+    """
+    files = sorted(
+        file
+        for folder in folders
+        for file in folder.rglob("*.py")
+        if file.relative_to(folder).parts[0] not in without
+    )
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
+
+
+def _folder_of(function: FunctionType) -> Path | None:
+    """The folder in which the machine code of a function is kept; None: it is not."""
+    try:
+        parts = Path(function.__code__.co_filename).relative_to(ROOT).parts
+    except ValueError:
+        return None
+    if parts[0] != "solver" or parts[1] in WITHOUT_KERNELS:
+        return None
+    given = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    return _folder_of_version(Path(given or Path.home() / ".cache") / "rockslip" / "compiled")
+
+
+@cache
+def _folder_of_version(home: Path) -> Path | None:
+    """The folder of this version of the sources, marked as used; None where none can be made.
+
+    Where it is new, those that nothing has used for a month are removed.
+    """
+    own = home / digest([ROOT / "geometry", ROOT / "solver"], WITHOUT_KERNELS)
+    try:
+        is_new = not own.is_dir()
+        own.mkdir(parents=True, exist_ok=True)
+        os.utime(own)
+    except OSError:
+        return None
+    if is_new:
+        for other in home.iterdir():
+            with suppress(OSError):
+                if time.time() - other.stat().st_mtime > UNUSED:
+                    shutil.rmtree(other, ignore_errors=True)
+    return own if os.access(own, os.W_OK) else None
+
+
+class Watcher(Protocol):
+    """A display that is to stand still while functions are compiled or read back."""
+
+    def pause(self, why: str) -> None:
+        """It begins; `why` is empty where machine code is read back."""
+
+    def go_on(self, seconds: float) -> None:
+        """It is over, and took some seconds."""
+
+
+_WATCHERS: list[Watcher] = []
+
+
+@contextmanager
+def watching(watcher: Watcher) -> Iterator[None]:
+    """Let a watcher know of what is compiled or read back within this block."""
+    _WATCHERS.append(watcher)
+    try:
+        yield
+    finally:
+        _WATCHERS.remove(watcher)
+
+
+@contextmanager
+def _watched(*, kept: bool) -> Iterator[None]:
+    """Let the watchers pause, and say why as soon as numba begins to compile."""
+    from numba.core import event
+
+    began, words = time.perf_counter(), COMPILING if kept else COMPILING_IN_VAIN
+
+    class Listener(event.Listener):  # type: ignore[misc]
+        said = False
+
+        def on_start(self, event: Any) -> None:
+            if not self.said:
+                self.said = True
+                for watcher in _WATCHERS:
+                    watcher.pause(words)
+
+        def on_end(self, event: Any) -> None:
+            """Nothing: watchers go on at the end of the block."""
+
+    for watcher in _WATCHERS:
+        watcher.pause("")
+    try:
+        with event.install_listener("numba:compile", Listener()):
+            yield
+    finally:
+        for watcher in _WATCHERS:
+            watcher.go_on(time.perf_counter() - began)

@@ -55,7 +55,7 @@ def swing(start: Array, times: tuple[float, float], peak: float = 0.0, omega: fl
 
 def first_touch(run: Scene) -> float:
     """When the lean vanishes, by a parabola through the last rows before it."""
-    result = simulate(run, many=True)
+    result = simulate(run)
     assert result.status == "completed", result.summary["reason"]
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-5
     history = result.history
@@ -100,7 +100,7 @@ def test_two_motions_lift_a_rigid_block_onto_a_corner() -> None:
         motion=along | {"second": along},
         time={"end": duration, "step": 1e-4},
     )
-    history = simulate(run, many=True).history
+    history = simulate(run).history
     omega = math.pi / duration
     start = math.asin(math.tan(SLENDERNESS) * G / peak) / omega
 

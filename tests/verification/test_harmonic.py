@@ -31,7 +31,7 @@ pytestmark = pytest.mark.serial
 def test_steady_rocking_of_a_rigid_block(restitution: float | None, most: float) -> None:
     """Within 1 % of Housner's equation; a slender, linear block has 0.18951."""
     keys = {"model": "rigid"} | ({"restitution": restitution} if restitution else {})
-    history = simulate(under_a_sine(60, **keys), many=True).history
+    history = simulate(under_a_sine(60, **keys)).history
     found = steady(history["time_s"], history["block.angle_rad"], 60)
     assert found == pytest.approx(most, rel=0.01)
     assert found == pytest.approx(0.18951, rel=0.01)
@@ -55,7 +55,7 @@ def test_steady_rocking_of_an_elastic_block() -> None:
         "velocity": [along, math.copysign(1, angle) * up],
     }
     scene = under_a_sine(11, **STONE, damping={"stiffness": 3e-5}, **start)
-    result = simulate(scene, many=True)
+    result = simulate(scene)
     found = steady(result.history["time_s"], result.history["block.angle_rad"], 11, last=3)
     assert found == pytest.approx(0.1891, rel=0.01)
     kept = [e["restitution"] for e in result.summary["blocks"]["block"]["impacts"][:-1]]
@@ -66,7 +66,7 @@ def test_steady_rocking_of_an_elastic_block() -> None:
 def test_steady_rocking_has_no_horizon() -> None:
     """A millionth more motion is a millionth more answer."""
     scene = under_a_sine(30, model="rigid")
-    runs = [simulate(each, many=True).history for each in (scene, twin_of(scene))]
+    runs = [simulate(each).history for each in (scene, twin_of(scene))]
     _, apart = difference(scene, *runs)
     assert 0 < apart.max() < 1e-4
     assert horizon(scene, *runs) is None

@@ -137,7 +137,7 @@ def run_case(case: DampingCase) -> dict[str, Any]:
     from solver.results.motion import block_motion
     from solver.run.simulate import simulate
 
-    result = simulate(case.scene, comm=MPI.COMM_SELF, many=True)
+    result = simulate(case.scene, comm=MPI.COMM_SELF)
     summary = result.summary
     block, energy, cost = summary["blocks"][case.block], summary["energy"], summary["cost"]
     spec = next(spec for spec in case.scene.blocks if spec.name == case.block)

@@ -56,14 +56,14 @@ def run_case(case: HorizonCase) -> dict[str, Any]:
     from solver.run.twin import APART, difference, horizon, twin_of
 
     scene = case.scene()
-    first = simulate(twin_of(scene, 0.0), comm=MPI.COMM_SELF, many=True)
+    first = simulate(twin_of(scene, 0.0), comm=MPI.COMM_SELF)
     row = {"status": first.status, "reason": first.summary["reason"], "engine": case.engine,
            "scale": case.scale, "end_s": first.summary["end_s"], "apart": APART,
            "cut_short": cut_short(first.summary),
            "overturned": any(overturned_at(first.history, b) is not None for b in scene.blocks),
            "peak": _peak(scene, first.history), "twins": []}  # fmt: skip
     for perturbation in case.perturbations if first.status == "completed" else ():
-        twin = simulate(twin_of(scene, perturbation), comm=MPI.COMM_SELF, many=True)
+        twin = simulate(twin_of(scene, perturbation), comm=MPI.COMM_SELF)
         if twin.status != "completed":
             reason = f"twin at {perturbation:g}: {twin.summary['reason']}"
             return row | {"status": twin.status, "reason": reason}

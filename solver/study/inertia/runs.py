@@ -43,7 +43,7 @@ _BLOCKS = (
 @cache
 def code(closed: bool) -> str:
     """The version of the code that runs depend on: its number, and a digest of its sources."""
-    from solver.law.sources import digest
+    from solver.law.compiled import digest
 
     root = Path(__file__).parents[2]
     folders = [root / name for name in (_CLOSED if closed else _BLOCKS)]
@@ -229,7 +229,7 @@ def _run_blocks(task: BlockTask) -> dict[str, list[float]]:
         table = dict(case.motion.table)
         table["scale"] = table.get("scale", 1.0) * scene.gravity / ground.along.peak
         scene, ground = scene_of(replace(case, motion=replace(case.motion, table=table)))
-    result = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True)
+    result = simulate(scene, comm=MPI.COMM_SELF, ground=ground)
     if result.status != "completed":
         raise NotConverged(f"{result.status}: {result.summary['reason']}")
     m, k, c = scene.platform()

@@ -49,19 +49,16 @@ class ModesCase:
 
 def run_case(case: ModesCase) -> dict[str, Any]:
     """Run a case on one process; its row, with a list of points."""
-    from solver.law.switch import chosen_for
-
     onset = sudden_onset if case.engine == "rigid" else ramped_onset
     points = []
-    with chosen_for(np.inf):
-        for friction, scene in zip(case.frictions, case.scenes, strict=True):
-            found, shape = onset(scene, case.acceleration), scene.blocks[0].shape
-            mode = found.mode(shape, case.acceleration, scene.gravity)
-            point = {"friction": friction, "mode": mode, "turn": found.turn, "slip": found.slip}
-            if case.engine == "elastic":
-                rigid = ramped_onset(rigid_of(scene), case.acceleration)
-                point |= {"rigid_turn": rigid.turn, "rigid_slip": rigid.slip}
-            points.append(point)
+    for friction, scene in zip(case.frictions, case.scenes, strict=True):
+        found, shape = onset(scene, case.acceleration), scene.blocks[0].shape
+        mode = found.mode(shape, case.acceleration, scene.gravity)
+        point = {"friction": friction, "mode": mode, "turn": found.turn, "slip": found.slip}
+        if case.engine == "elastic":
+            rigid = ramped_onset(rigid_of(scene), case.acceleration)
+            point |= {"rigid_turn": rigid.turn, "rigid_slip": rigid.slip}
+        points.append(point)
     return {
         "status": "completed",
         "engine": case.engine,

@@ -92,7 +92,7 @@ def ramped_onset(scene: Scene, acceleration: float) -> Onset:
     times = np.array([0.0, RAMP * scale, scene.time.end])
     ramp = SampledMotion(time=times, value=np.array([0.0, level, level]))
     ground = GroundMotion((ramp, None))
-    history = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True).history
+    history = simulate(scene, comm=MPI.COMM_SELF, ground=ground).history
     name, time = scene.blocks[0].name, history["time_s"]
     turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], scale, degree=1)
     slip = 2 * _fitted(time, history[f"{name}.slip_m"], scale, degree=2)

@@ -126,7 +126,7 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
         return equation(scene, ground)
     if case.keep is not None:
         shutil.rmtree(case.keep, ignore_errors=True)  # what an interrupted suite left
-    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF, ground=ground, many=True)
+    result = simulate(scene, folder=case.keep, comm=MPI.COMM_SELF, ground=ground)
     summary = result.summary
     measures = _measures(summary)
     row = {
