@@ -19,8 +19,8 @@ from solver.rigid.plane import rows as plane_rows
 from solver.rigid.plane.model import PlaneGround
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.rows import ENERGY
+from solver.run.context import RunContext
 from solver.run.rigid import RigidRun
-from solver.run.simulate import RunContext
 
 G = 9.81
 
@@ -190,9 +190,9 @@ def test_a_run_that_is_stopped_has_its_last_row(
     output = "output.history_every=7", "output.every=0.04", "output.checkpoint.steps=1000"
     given = scene(*output, f'output.fields="{fields}"')
     whole = simulate(given).history
-    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, desk, total: run._steps + 5)
+    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, context, total: run._steps + 5)
 
-    def stopped(desk: RunContext, now: float) -> str:
+    def stopped(context: RunContext, now: float) -> str:
         return "asked to" if now > 0.054 else ""
 
     monkeypatch.setattr(RunContext, "stopped", stopped)
@@ -264,11 +264,11 @@ def test_a_run_can_be_stopped() -> None:
             """Nothing."""
 
     given = scene()
-    desk: Any = Stop()
-    desk.history, desk.files = History(scene_columns(given)), Files()
-    desk.watch = Watch(given)
-    desk.interruption = SimpleNamespace(anywhere=lambda here: here)
+    context: Any = Stop()
+    context.history, context.files = History(scene_columns(given)), Files()
+    context.watch = Watch(given)
+    context.interruption = SimpleNamespace(anywhere=lambda here: here)
     run = RigidRun(given, print)
-    desk.history.append(run.first_row())
-    assert run.loop(desk) == ("interrupted", "stopped")
-    assert desk.history["time_s"][-1] == pytest.approx(given.time.step)
+    context.history.append(run.first_row())
+    assert run.loop(context) == ("interrupted", "stopped")
+    assert context.history["time_s"][-1] == pytest.approx(given.time.step)
