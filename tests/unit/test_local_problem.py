@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from solver.law.friction import TOUCHING_SLOPE, Bounds
-from solver.law.local_problem import LocalProblem, NoContactSolution, image
+from solver.law.local_problem import FALLBACKS, LocalProblem, NoContactSolution, fallback, image
 from solver.law.newton import OPEN, STICK, Local, lengths, newton
-from solver.law.rescues import RESCUES, rescue
 
 deterministic = settings(derandomize=True, deadline=None, max_examples=60)
 SEEDS = st.integers(0, 10**6)
@@ -333,17 +332,17 @@ def test_without_points_there_is_no_force(d):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-@pytest.mark.parametrize("method", range(len(RESCUES)), ids=RESCUES)
+@pytest.mark.parametrize("method", range(len(FALLBACKS)), ids=FALLBACKS)
 @pytest.mark.parametrize("points", [1, 3, 8])
 def test_every_rescue_finds_what_newton_finds(d, method, points):
     for seed in range(10):
         W, q = easy(400 + seed, points, d)
         local, bounds = LocalProblem(), Bounds.uniform(0.6, points)
         expected = local.solve(W, q, np.zeros_like(q), bounds)
-        assert not local.rescues
+        assert not local.fallbacks
         problem = Local(d, W.reshape(q.size, q.size), q.ravel(), bounds)
         found, states = np.zeros(q.size), np.empty(points, dtype=np.int64)
-        settled = rescue(method, problem, found, states)
+        settled = fallback(method, problem, found, states)
         assert settled
         assert found.reshape(q.shape) == pytest.approx(expected, abs=1e-9)
         assert ((states != OPEN) == (expected[:, 0] > 0)).all()
@@ -367,7 +366,7 @@ def test_hard_cases(points, seed):
     local, bounds = LocalProblem(), Bounds.uniform(friction, points)
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-10
-    assert sum(local.rescues.values()) == 1
+    assert sum(local.fallbacks.values()) == 1
     if points <= 4:
         (expected,) = all_solutions(W, q, friction)
         assert f == pytest.approx(expected, rel=1e-8, abs=1e-8 * np.abs(f).max())
@@ -388,7 +387,7 @@ def test_hard_cases_in_space(points, seed):
     local = LocalProblem()
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
-    assert sum(local.rescues.values()) == 1
+    assert sum(local.fallbacks.values()) == 1
 
 
 def test_a_case_that_was_hard_for_lengths_by_the_diagonal():
@@ -396,7 +395,7 @@ def test_a_case_that_was_hard_for_lengths_by_the_diagonal():
     local = LocalProblem()
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
-    assert not local.rescues
+    assert not local.fallbacks
 
 
 def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
@@ -407,12 +406,12 @@ def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
         f = local.solve(W, q, np.zeros_like(q), bounds)
         assert violation(W, q, f, bounds) < 1e-9
         # From the solution of the same problem there is nothing to do.
-        if not local.rescues:
+        if not local.fallbacks:
             again = LocalProblem()
             same = again.solve(W, q, f, bounds)
             assert same == pytest.approx(f, abs=1e-8 * np.abs(f).max())
             assert not again.rescues
-        rescued += sum(local.rescues.values())
+        rescued += sum(local.fallbacks.values())
     assert rescued <= 20
 
 

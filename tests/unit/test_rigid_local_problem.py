@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from solver.law.friction import Bounds
-from solver.law.local_problem import LocalProblem, named, new_counts, solve
+from solver.law.local_problem import FALLBACKS, LocalProblem, fallback, named, new_counts, solve
 from solver.law.newton import OPEN, SLIP, STICK, Local
-from solver.law.rescues import RESCUES, rescue
 
 Array = NDArray[np.float64]
 FORWARD, BACKWARD = SLIP, -SLIP
@@ -110,7 +109,7 @@ def test_it_agrees_with_arrays_by_point() -> None:
         assert f == pytest.approx(other.ravel(), abs=1e-10)
 
 
-@pytest.mark.parametrize("method", range(len(RESCUES)), ids=RESCUES)
+@pytest.mark.parametrize("method", range(len(FALLBACKS)), ids=FALLBACKS)
 def test_fall_backs_find_the_same(method: int) -> None:
     """Each of them alone, where Newton's method finds a solution, too."""
     solved = 0
@@ -119,7 +118,7 @@ def test_fall_backs_find_the_same(method: int) -> None:
         law = bounds(2, 0.4)
         expected, _ = solution(W, q, law)
         f, states = np.zeros(4), np.zeros(2, dtype=np.int64)
-        if rescue(method, Local(2, W, q, law), f, states):
+        if fallback(method, Local(2, W, q, law), f, states):
             solved += 1
             assert W @ f == pytest.approx(W @ expected, abs=1e-7)
     assert solved >= 18

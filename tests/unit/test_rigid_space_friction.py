@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solver.law.dense import FEW, product, solve_dense
 from solver.law.friction import TOUCHING_SLOPE, Bounds, radius
-from solver.law.local_problem import named, new_counts, solve
-from solver.law.newton import Local
-from solver.law.one_point import one_point
+from solver.law.local_problem import named, new_counts, one_point, solve
+from solver.law.newton import FEW, Local, product, solve_dense
 
 Array = NDArray[np.float64]
 

@@ -12,10 +12,9 @@ from __future__ import annotations
 import math
 
 from solver.law.compiled import compiled
-from solver.law.dense import product
 from solver.law.friction import ITERATIONS, SHARES, remember, remember_open
 from solver.law.local_problem import solve
-from solver.law.newton import OPEN
+from solver.law.newton import OPEN, product
 from solver.rigid.plane.contact import local_place, write_rows
 from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
