@@ -16,7 +16,7 @@ from solver.reference.phases import Acceleration, still
 from solver.reference.platform import sliding_on_platform
 from solver.reference.platform_sampled import sampled_sliding_on_platform
 from solver.reference.sliding import sliding
-from solver.rigid.start import platform_of
+from solver.rigid.system import platform_of
 from solver.scene import Scene
 from solver.types import Array
 

@@ -16,7 +16,7 @@ from geometry.block import Block
 from rockslip import parse_scene, simulate
 from solver.reference.housner import housner
 from solver.rigid.space.system import SpaceSystem
-from solver.rigid.start import RigidBlock
+from solver.rigid.system import RigidBlock
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 

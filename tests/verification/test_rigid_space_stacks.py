@@ -12,7 +12,7 @@ from geometry.arrangement import Pose, initial_position_in_space, on_top
 from geometry.block import Block
 from rockslip import parse_scene
 from solver.rigid.space.system import SpaceSystem
-from solver.rigid.start import RigidBlock, RigidPlatform
+from solver.rigid.system import RigidBlock, RigidPlatform
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
