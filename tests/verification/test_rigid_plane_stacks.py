@@ -148,24 +148,3 @@ def test_a_block_slides_off_its_carrier_and_comes_to_rest_on_the_floor() -> None
     quarter_turns = history["block1.angle_rad"][-1] / (math.pi / 2)
     assert quarter_turns == pytest.approx(round(quarter_turns), abs=1e-7)
     assert result.summary["blocks"]["block1"]["mode"] == "fell"
-
-
-@pytest.mark.parametrize(("offset", "tips"), [(0.19, False), (0.21, True)])
-def test_an_overhang_tips_where_its_centre_leaves_the_carrier(offset: float, tips: bool) -> None:
-    """A carrier of half width 0.2 m holds its load up to there."""
-    result = simulate(scene([(0.4, 0.6), (0.4, 0.2)], 0.6, 1.0, offsets=[0, offset]))
-    angle = result.history["block1.angle_rad"][-1]
-    assert (angle > 1.0) if tips else (abs(angle) < 1e-9)
-    checked(result)
-
-
-def test_blocks_of_other_friction() -> None:
-    """Each pair has its own: the upper block slides on the lower one, which stays."""
-    slippery = [{}, {"friction": 0.1}]
-    result = checked(
-        simulate(scene([(0.6, 0.3), (0.4, 0.2)], 0.6, 3.0, changes=slippery, motion=sine(0.25)))
-    )
-    assert np.abs(result.history["block1.slip_m"]).max() > 0.01
-    assert np.abs(result.history["block0.slip_m"]).max() < 1e-10
-    ratio = np.abs(result.history["block1.friction_force_N"])
-    assert ratio.max() <= 0.1 * DENSITY * 0.08 * G * (1 + 1e-9)

@@ -12,7 +12,7 @@ from geometry.arrangement import Pose, initial_position_in_space, on_top
 from geometry.block import Block
 from rockslip import parse_scene
 from solver.rigid.space.system import SpaceSystem
-from solver.rigid.system import RigidBlock, RigidPlatform
+from solver.rigid.system import RigidBlock
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
@@ -123,31 +123,6 @@ def test_it_falls_off_its_carrier_and_lands_on_the_floor() -> None:
     assert history["block1.centre_z_m"][-1] == pytest.approx(0.15, abs=1e-6)
     assert np.diff(history["energy.total_J"]).max() < 1e-9 * TILE.weight(G)
     assert np.abs(history["energy.ledger_error_J"]).max() < 1e-9 * TILE.weight(G)
-
-
-@pytest.mark.parametrize("azimuth", [0.0, 0.6])
-@pytest.mark.parametrize(
-    ("friction", "drift", "slip"), [(0.1, 0.07699, -0.1001), (0.3, 0.10089, 0.1359)]
-)
-def test_platform(friction: float, drift: float, slip: float, azimuth: float) -> None:
-    """The sliding block of the issue (T2); its springs are alike in all horizontal directions."""
-    shape = Block(width=1.0, height=0.2, thickness=0.8, density=1000.0)
-    mass, dt = shape.mass / 2, 5e-4
-    stiffness = mass * (2 * math.pi / 0.5) ** 2
-    damping = 2 * 0.05 * math.sqrt(stiffness * mass)
-    platform = RigidPlatform(mass=mass, stiffness=stiffness, damping=damping)
-    time = np.arange(12001) * dt
-    pull = np.where(time < 3.6, 0.4 * G * np.sin(2 * np.pi * time / 0.6), 0.0)
-    way = np.array([math.cos(azimuth), math.sin(azimuth)])
-    system = SpaceSystem(stack(shape, 1, friction), GeneralizedAlpha(0.8), platform=platform)
-    history = run(system, len(time) - 1, dt, np.outer(pull, [*way, 0.0]))
-    drifts = np.stack([history["platform.drift_m"], history["platform.drift_second_m"]])
-    slips = np.stack([history["block0.slip_m"], history["block0.slip_second_m"]])
-    assert np.abs(way @ drifts).max() == pytest.approx(drift, rel=2e-3)
-    assert way @ slips[:, -1] == pytest.approx(slip, rel=5e-3)
-    late = history["platform.acceleration_m_s2"][-2000:]
-    assert np.abs(np.diff(late, 2)).max() < 1e-3 * np.abs(late).max()
-    assert np.abs(history["energy.ledger_error_J"]).max() < 1e-9 * shape.weight(G)
 
 
 def test_from_a_scene() -> None:
