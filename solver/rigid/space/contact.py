@@ -8,8 +8,6 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.rigid.space.boxes import (
-    CORNERS,
-    SLOTS,
     TOP,
     corners_of,
     face_axes,
@@ -19,7 +17,14 @@ from solver.rigid.space.boxes import (
     points_between,
     points_on_face,
 )
-from solver.rigid.space.model import SpaceContacts, SpaceMemory, SpaceModel, SpaceState
+from solver.rigid.space.model import (
+    CORNERS,
+    SLOTS,
+    SpaceContacts,
+    SpaceMemory,
+    SpaceModel,
+    SpaceState,
+)
 from solver.rigid.space.rotation import cross, rotation_of, to_space
 from solver.types import Array
 
