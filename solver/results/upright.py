@@ -7,7 +7,6 @@ import numpy as np
 from solver.history.history import History
 from solver.results.motion import centres
 from solver.scene import BlockSpec, Scene
-from solver.scene.places import poses
 from solver.types import Array
 
 
@@ -18,7 +17,7 @@ def upright_centre(scene: Scene, block: BlockSpec) -> Array:
     """
     middle = np.zeros(scene.dimension)
     middle[-1] = block.height / 2
-    return poses(scene, upright=True)[block.name](middle[None])[0]
+    return scene.poses(upright=True)[block.name](middle[None])[0]
 
 
 def gravity_above_upright(scene: Scene, history: History) -> Array:

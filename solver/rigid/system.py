@@ -18,7 +18,7 @@ from geometry.block import Block
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.law.local_problem import named
 from solver.scene import FrictionSpec, Scene
-from solver.scene.places import Drift, poses
+from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
 
@@ -81,7 +81,7 @@ def platform_of(scene: Scene) -> RigidPlatform | None:
 
 def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
     """The blocks in the order of the scene, each where it starts; `drift` of the platform, m."""
-    placed = poses(scene, drift=drift)
+    placed = scene.poses(drift=drift)
     return [
         RigidBlock(
             name=spec.name,

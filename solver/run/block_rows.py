@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from solver.bodies.kernels.rotation import vector_of
+from solver.bodies.kinematics import vector_of
 from solver.history.block_columns import (
     PLANE,
     SPACE,

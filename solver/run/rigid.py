@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.excitation.stepped import SteppedGround
 from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.columns import positions
@@ -37,9 +36,6 @@ STEPS_AT_ONCE = {True: 500, False: 20}
 #: Wall time of steps at once above which there are fewer the next time, s; else there are more.
 LONG = 0.5
 
-#: Steps for which the motion of the ground is found at once.
-STEPS_AHEAD = 5000
-
 
 class RigidRun:
     """The engine of scenes with rigid bodies alone."""
@@ -60,11 +56,9 @@ class RigidRun:
         All ranks compute the same; `writes` is False on all but one.
         """
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
-        self._motion, self._ground = ground or read_ground(scene), None
+        self._motion = ground or read_ground(scene)
         machine_code = runs_machine_code()
         self._most, self._at_once = STEPS_AT_ONCE[machine_code], 1
-        if self._motion.moves:
-            self._ground = SteppedGround(self._motion, scene.time.step, STEPS_AHEAD)
         self._system = self._start()
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
@@ -168,11 +162,17 @@ class RigidRun:
     def _steps_to(self, stop: int) -> Advance:
         """The steps up to number `stop`."""
         step, first = self._scene.time.step, self._steps
-        ground = None if self._ground is None else self._ground.between(first, stop)
+        ground = self._shaking(np.arange(first, stop + 1, dtype=np.float64) * step)
         outcome = self._advance(stop - first, step, ground)
         count = len(outcome.rows)
         outcome.rows[:, self._run_columns.time_s] = np.arange(first + 1, first + 1 + count) * step
         return outcome
+
+    def _shaking(self, times: Array) -> tuple[Array, Array] | None:
+        """Accelerations of the ground at times, s, and mean ones between them; None: at rest."""
+        if not self._motion.moves:
+            return None
+        return self._motion.accelerations(times), self._motion.means(times)
 
     def _rest(self, context: RunContext) -> tuple[str, str]:
         """A last, shorter step where the end is no multiple of the step."""
@@ -181,11 +181,7 @@ class RigidRun:
         rest = span.end - reached
         if rest <= span.smallest * (1 - 1e-9):
             return "completed", ""
-        ends = np.array([reached, span.end])
-        ground = None
-        if self._motion.moves:
-            ground = self._motion.accelerations(ends), self._motion.means(ends)
-        outcome = self._advance(1, rest, ground)
+        outcome = self._advance(1, rest, self._shaking(np.array([reached, span.end])))
         outcome.rows[:, self._run_columns.time_s] = span.end
         self._keep(context, outcome)
         self._report(context, outcome)

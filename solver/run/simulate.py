@@ -21,7 +21,7 @@ from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.compiled import watching
 from solver.parallel import Comm, Single, on_first_rank, world
-from solver.results.doubtful_input import cautions_of_input
+from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise

@@ -10,7 +10,7 @@ from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.contact.memory_transfer import carry_over
+from solver.contact.interface import carry_over
 from solver.reference.housner import housner
 
 BLOCK = {

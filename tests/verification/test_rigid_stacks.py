@@ -13,7 +13,7 @@ from benchmarks import random_columns
 from geometry.arrangement import Pose, initial_position_in_space, on_top
 from geometry.block import Block
 from rockslip import Scene, parse_scene
-from solver.excitation.motion import ground_motion
+from solver.excitation.motion import read_ground
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
 from solver.rigid.system import RigidBlock, RigidSystem
@@ -62,12 +62,9 @@ def scene(d: int, sizes: list[Size], friction: float, end: float, **tables: Any)
 def history_of(asked: Scene) -> dict[str, Array]:
     """Columns of all steps; every step had a solution."""
     system, step = ENGINES[asked.dimension].from_scene(asked), asked.time.step
-    count, motion = round(asked.time.end / step), ground_motion(asked)
-    ground = mean = None
-    if motion is not None:
-        times = np.arange(count + 1) * step
-        ground, mean = motion.accelerations(times), motion.means(times)
-    return columns(system, count, step, ground, mean)
+    count, motion = round(asked.time.end / step), read_ground(asked)
+    times = np.arange(count + 1) * step
+    return columns(system, count, step, motion.accelerations(times), motion.means(times))
 
 
 def columns(
@@ -112,8 +109,7 @@ def test_contact_forces_balance_momentum(d: int) -> None:
     step, count = 1e-3, 2000 if d == 2 else 400
     placed = [{}, {"offset": 0.02}, {"offset": -0.03}]
     asked = scene(d, THREE, 0.6, 2.0, shake=0.5, changes=placed)
-    system, motion = ENGINES[d].from_scene(asked), ground_motion(asked)
-    assert motion is not None
+    system, motion = ENGINES[d].from_scene(asked), read_ground(asked)
     ground = np.array([motion.acceleration(step * k) for k in range(count + 1)])
     mass = np.array([block.shape.mass for block in asked.blocks])
     momentum, rows = np.zeros((count + 1, d)), []

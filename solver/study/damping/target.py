@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.block import Block
 from solver.errors import SceneError
-from solver.excitation.numbers import number_in, read_lines, rows_of, split_header
+from solver.excitation.layouts.text import number_in, read_lines, rows_of, split_header
 from solver.results.rocking import speed_at_impact
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import shown
