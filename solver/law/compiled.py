@@ -3,10 +3,11 @@
 Without numba, or with ROCKSLIP_NO_NUMBA=1 in the environment, they stay what they are and the same
 code is interpreted.
 
-numba keeps machine code between runs, in a folder for each version of all sources: numba itself
-looks at the file of a function only, not at those of the functions that it calls, and would run old
-code after an update. NUMBA_CACHE_DIR says where these folders are; else they are in the user's
-cache folder, and where that cannot be written, nowhere: each run then compiles anew.
+numba keeps machine code between runs, in a folder for each version of a package and of all that it
+may import from: numba itself looks at the file of a function only, not at those of the functions
+that it calls, and would run old code after an update. NUMBA_CACHE_DIR says where these folders are;
+else they are in the user's cache folder, and where that cannot be written, nowhere: each run then
+compiles anew.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import hashlib
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache, cached_property, update_wrapper
 from importlib import import_module
@@ -39,9 +40,12 @@ COMPILING_IN_VAIN = "compiling, up to a minute: nothing can be kept in the user'
 ROOT = Path(__file__).parents[2]
 """Where the packages are."""
 
-WITHOUT_KERNELS = ("pictures", "study")
-"""The last packages of docs/architecture.md: no other one imports from them, so that no function
-that is kept holds anything of them. Functions in these are not kept."""
+PACKAGES = (
+    *("scene", "excitation", "law", "scheme", "history", "bodies", "contact", "stepping"),
+    *("rigid", "build", "fields", "results", "reference", "run"),
+)
+"""In the order of docs/architecture.md: each imports only from those before it, so that its machine
+code holds nothing of those behind it. Code of other packages is not kept."""
 
 UNUSED = 30 * 24 * 3600.0
 """How long the code of a version that nothing uses is kept, s."""
@@ -133,39 +137,38 @@ def compiled(function: Function) -> Function:
     return cast("Function", lazy)
 
 
-def digest(folders: Sequence[Path], without: Sequence[str] = ()) -> str:
-    """Digest of all Python sources in some folders and below them, but for folders of some names.
-
-    Such a folder stands right below one of the others.
-    """
-    files = sorted(
-        file
-        for folder in folders
-        for file in folder.rglob("*.py")
-        if file.relative_to(folder).parts[0] not in without
-    )
+def digest(paths: Iterable[Path]) -> str:
+    """Digest of Python files, and of those in folders and below them."""
+    found = ([path] if path.suffix else path.rglob("*.py") for path in paths)
+    files = sorted(file for each in found for file in each)
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
+
+
+def sources_below(package: str) -> list[Path]:
+    """All that the machine code of a package can hold: itself, and what it may import from."""
+    solver, count = ROOT / "solver", PACKAGES.index(package) + 1
+    packages = [solver / name for name in PACKAGES[:count]]
+    return [ROOT / "geometry", *solver.glob("*.py"), *packages]
 
 
 def _folder_of(function: FunctionType) -> Path | None:
     """The folder in which the machine code of a function is kept; None: it is not."""
-    try:
-        parts = Path(function.__code__.co_filename).relative_to(ROOT).parts
-    except ValueError:
-        return None
-    if parts[0] != "solver" or parts[1] in WITHOUT_KERNELS:
+    file = Path(function.__code__.co_filename)
+    parts = file.relative_to(ROOT).parts if file.is_relative_to(ROOT) else ()
+    if parts[:1] != ("solver",) or parts[1] not in PACKAGES:
         return None
     given = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
-    return _folder_of_version(Path(given or Path.home() / ".cache") / "rockslip" / "compiled")
+    home = Path(given or Path.home() / ".cache") / "rockslip" / "compiled"
+    return _folder_of_version(home, parts[1])
 
 
 @cache
-def _folder_of_version(home: Path) -> Path | None:
-    """The folder of this version of the sources, marked as used; None where none can be made.
+def _folder_of_version(home: Path, package: str) -> Path | None:
+    """The folder of this version of a package, marked as used; None where none can be made.
 
     Where it is new, those that nothing has used for a month are removed.
     """
-    own = home / digest([ROOT / "geometry", ROOT / "solver"], WITHOUT_KERNELS)
+    own = home / digest(sources_below(package))
     try:
         is_new = not own.is_dir()
         own.mkdir(parents=True, exist_ok=True)

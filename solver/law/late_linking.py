@@ -20,10 +20,10 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-#: What is used of numba's libraries besides their public interface.
+#: What is used of numba's libraries below its public interface.
 _USED = (
-    *("_codegen", "_ensure_finalized", "_finalize_final_module", "_get_module_for_linking"),
-    *("_optimize_final_module", "add_linking_library", "finalize", "get_pointer_to_function"),
+    *("_get_module_for_linking", "_optimize_final_module", "add_linking_library", "finalize"),
+    "get_pointer_to_function",
 )
 
 
@@ -36,7 +36,7 @@ def _library_class() -> Any:
         from numba.core.environment import lookup_environment
     except ImportError:
         return None
-    if not all(hasattr(JITCodeLibrary, name) for name in _USED if name != "_codegen"):
+    if not all(hasattr(JITCodeLibrary, name) for name in _USED):
         return None
     if getattr(JITCPUCodegen, "_library_class", None) is not JITCodeLibrary:
         return None
@@ -69,10 +69,9 @@ def _library_class() -> Any:
 
         def finalize(self) -> None:
             """Make machine code of the function and of all below it."""
-            own = {function.name for function in _defined(self._final_module)}
+            self._own = {function.name for function in _defined(self._final_module)}
             # Callers first: what nothing has called so far is not linked.
             self._linking_libraries = _below(self)
-            self._own = own
             super().finalize()
             for variable in self._final_module.global_variables:
                 environment = lookup_environment(variable.name)
