@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from rockslip import Result, Scene, parse_scene, simulate
-from solver.reference.friction import Resistance
-from solver.reference.platform import sliding_on_platform
+from solver.reference.sliding import Resistance, sliding
 from solver.rigid.plane.system import PlaneSystem
 
 G = 9.81
@@ -119,7 +118,7 @@ def test_stick_slip_neither_chatters_nor_fails(step: float, tolerance: float) ->
     outcome = system.advance(count, step, ground)
     assert outcome.failure is None and outcome.rejected == 0
     slip = outcome.rows[:, system.columns.index("block.slip_m")]
-    reference = sliding_on_platform(
+    reference = sliding(
         platform=given.platform(),
         mass=MASS,
         friction=Resistance(law=given.friction_of(given.blocks[0])),
