@@ -231,5 +231,5 @@ class MeshedRun:
             "linear_solvers": sorted({name for body in bodies for name in body.solvers}),
             "unknowns": system.unknowns,
             "ranks": system.comm.size,
-            "local_problems_rescued": dict(stepper.local.rescues),
+            "local_problems_rescued": dict(stepper.local.fallbacks),
         }

@@ -19,7 +19,7 @@ from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.fields.vtu import FieldsBefore
 from solver.history.columns import positions
 from solver.history.history import scene_columns
-from solver.law.compiled import NUMBA, runs_machine_code
+from solver.law.compiled import runs_machine_code
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.system import Advance
 from solver.run.context import RunContext
@@ -68,7 +68,7 @@ class RigidRun:
         self._row: Array | None = None
         """The last row, unless the history holds it."""
         how = "compiled" if machine_code else "interpreted"
-        if NUMBA is None:
+        if not machine_code:
             how += ": numba is not installed, or not wanted"
         self.description = (
             f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks, {how}"

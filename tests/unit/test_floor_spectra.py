@@ -74,7 +74,7 @@ def test_the_ground_is_that_of_the_scene_where_rows_are_far_apart(second: bool) 
         "time": {"end": 4.0, "step": 1e-2},
     }
     scene = parse_scene(tables)
-    history = simulate(scene, many=True).history
+    history = simulate(scene).history
     time = np.arange(0.0, 4.0, 2e-4)
     exact = response_spectrum(0.3 * 9.81 * np.sin(10 * math.pi * time), 2e-4, PERIODS)
     name = "ground along y" if second else "ground"
@@ -99,7 +99,7 @@ def test_ground_that_moves_along_y_alone() -> None:
         },
         "time": {"end": 3.0, "step": 2e-3},
     }
-    result = simulate(parse_scene(tables), many=True)
+    result = simulate(parse_scene(tables))
     spectra = floor_spectra(result.history)
     assert list(spectra) == ["ground", "ground along y", "platform", "platform along y"]
     time = np.arange(0.0, 3.0, 5e-4)

@@ -130,7 +130,6 @@ def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(
 
     interpreted = getattr(plane_rows.advance, "py_func", plane_rows.advance)
     monkeypatch.setitem(interpreted.__globals__, "full_step", fails)
-    monkeypatch.setitem(interpreted.__globals__, "borrowed", lambda arrays: arrays)
     monkeypatch.setattr("solver.rigid.plane.system.advance", interpreted)
     system = PlaneSystem.from_scene(scene())
     outcome = system.advance(10, 1e-3)

@@ -30,7 +30,7 @@ def rocks(dimension: int = 2, block: dict[str, Any] | None = None, **tables: Any
     }
     time = {"end": 2.0, "step": 1e-3}
     scene = {"dimension": dimension, "block": [own | (block or {})], "time": time}
-    return simulate(parse_scene(scene | {"contact": {"friction": 2.0}} | tables), many=True)
+    return simulate(parse_scene(scene | {"contact": {"friction": 2.0}} | tables))
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -72,7 +72,7 @@ def test_on_a_block_that_slides(friction: float, shaken: bool) -> None:
     tables: dict[str, Any] = {"block": [low, up], "time": {"end": 1.5, "step": 2e-4}}
     if shaken:
         tables["motion"] = {"kind": "half_sine", "amplitude_g": 0.02, "duration": 0.1}
-    found = told(simulate(parse_scene(tables), many=True), "up")
+    found = told(simulate(parse_scene(tables)), "up")
     assert len(found) >= 3
     assert found[:-1] == [pytest.approx(GIVEN, abs=1e-4)] * (len(found) - 1)
 

@@ -31,7 +31,7 @@ def released(
 
 def completed(scene: Scene) -> Result:
     """The result of a run that gained no energy."""
-    result = simulate(scene, many=True)
+    result = simulate(scene)
     assert result.status == "completed", result.summary["reason"]
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-5
     return result

@@ -7,7 +7,7 @@ import math
 from solver.history.block_columns import PLANE as BLOCK
 from solver.history.block_columns import MovingBlock, has_lost_carrier, write_plane_motion
 from solver.history.columns import RowLayout, positions
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.rigid.plane.advance import full_step
 from solver.rigid.plane.contact import TOP, distance, local_place, nearest_face
 from solver.rigid.plane.model import (
@@ -150,8 +150,6 @@ def advance(
     Returns:
         Number of steps that succeeded (all, or up to the one that failed) and of rejected ones.
     """
-    system, state, memory, work = borrowed((system, state, memory, work))
-    ground, shift, rows = borrowed((ground, shift, rows))
     rejected = 0
     for i in range(len(rows)):
         iterations, speed = work.counts[1], state.v[-1]

@@ -280,7 +280,7 @@ def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: f
         RuntimeError: The run failed, or ended before the fate of the block was certain.
     """
     scene = elastic_scene(tables, kind, frequency, amplitude)
-    result = simulate(scene, comm=MPI.COMM_SELF, many=True)
+    result = simulate(scene, comm=MPI.COMM_SELF)
     if result.status != "completed":
         raise RuntimeError(f"{result.status}: {result.summary['reason']}")
     name, history = scene.blocks[0].name, result.history

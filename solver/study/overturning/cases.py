@@ -6,7 +6,6 @@ Frequencies are added where the intervals of two neighbours differ.
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -77,8 +76,6 @@ class OverturningCase:
 
     def run(self) -> Row:
         """Find the boundaries on one process; the row of the case, with a list of them."""
-        from solver.law.switch import chosen_for
-
         runs = 0
 
         def counted(respond: Callable[[float], Value]) -> Callable[[float], Value]:
@@ -90,16 +87,15 @@ class OverturningCase:
             return respond_and_count
 
         pulse, found = PULSES[self.pulse], list[Boundary]()
-        with chosen_for(math.inf):
-            if self.engine == "rigid":
-                block = RigidUnderPulses(self.scene(), pulse, self.frequency)
-                found = boundaries(counted(block), self.amplitudes, TOLERANCE["rigid"])
-            elif self.engine == "ode":
-                equation = HousnerUnderPulses(self.scene(), pulse, self.frequency)
-                found = self._beside(counted(equation))
-            else:
-                fate = partial(elastic_fate, self.tables, pulse, self.frequency)
-                found = self._near(counted(fate))
+        if self.engine == "rigid":
+            block = RigidUnderPulses(self.scene(), pulse, self.frequency)
+            found = boundaries(counted(block), self.amplitudes, TOLERANCE["rigid"])
+        elif self.engine == "ode":
+            equation = HousnerUnderPulses(self.scene(), pulse, self.frequency)
+            found = self._beside(counted(equation))
+        else:
+            fate = partial(elastic_fate, self.tables, pulse, self.frequency)
+            found = self._near(counted(fate))
         return {
             "status": "completed",
             "reason": "",
