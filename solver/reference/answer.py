@@ -9,11 +9,14 @@ import numpy as np
 
 from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.history.events import NAME as EVENTS
+from solver.history.events import events_text
 from solver.history.history import History, scene_columns
 from solver.reference.expected import expected_mode, resistance
 from solver.reference.rocking_rows import rock, rock_on_platform
 from solver.reference.rows import ONLY, slide, slide_on_platform
 from solver.results.endings import Watch
+from solver.results.events import Recorder
 from solver.scene import Scene
 from solver.scene.checking import shown
 from solver.types import Array
@@ -89,6 +92,11 @@ def reference_run(
     if last % every:
         history.append(table[last])
     history.flush()
+    recorder = Recorder(scene, history.columns, rigid=True)
+    recorder.see(table[: last + 1])
+    history.events = recorder.finish()
+    if file is not None:
+        file.with_name(EVENTS).write_text(events_text(history.events), encoding="utf-8")
     return history, ending.reason if ending else ""
 
 

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.overrides import differing
 
-FORMAT = 11
+FORMAT = 12
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"

@@ -26,6 +26,7 @@ from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.doubtful_input import cautions_of_input
 from solver.results.endings import Watch
+from solver.results.events import Recorder
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
 from solver.run.checkpoint import Checkpoint, read_checkpoint
@@ -85,6 +86,8 @@ class RunContext:
     """Whether someone wants the run to stop."""
     watch: Watch
     """Looks for blocks that overturn or fall, where that ends the run."""
+    recorder: Recorder
+    """Finds the events in the steps that are taken."""
     progress: ProgressReport | None
     """A display."""
     ground: GroundMotion
@@ -92,10 +95,14 @@ class RunContext:
 
     def keep(self, engine: Engine, step: int, now: float, *, ends: bool = False) -> None:
         """Write what waits, and a checkpoint where one is due or the run is interrupted there."""
-        self.files.flush_in_time()
+        if self.files.late:
+            self.history.events = self.recorder.events
+            self.files.flush()
         schedule = self.files.schedule
         if schedule.is_due(step) or (ends and schedule.wanted):
-            self.files.keep(self.ground, now, (engine.saved(), self.watch.before))
+            self.files.keep(
+                self.ground, now, (engine.saved(), self.watch.before, self.recorder.saved())
+            )
 
     def show(self, now: float, step: float, iterations: int) -> None:
         """Tell the display of a finished step."""
@@ -256,7 +263,8 @@ def simulate(
         stack.enter_context(watching(compiling))
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
-        desk = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
+        watch, recorder = Watch(scene), Recorder(scene, history.columns)
+        desk = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
         until = None if seconds is None else began + seconds
         twin = partial(_twin, comm=comm, many=many, until=until, petsc_options=petsc_options)
@@ -311,13 +319,15 @@ def _run(
     for text in cautions:
         files.log(f"caution: {text}")
     if resumed is None:
-        first = engine.first_row()
+        first = np.array(engine.first_row())
         history.append(first)
-        desk.watch.look(np.array(first)[None])
+        desk.watch.look(first[None])
+        desk.recorder.see(first[None])
     else:
-        own, before = resumed.saved
+        own, before, recorded = resumed.saved
         engine.resume(own)
         desk.watch.resume(before)
+        desk.recorder.resume(recorded)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
     ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
@@ -325,6 +335,7 @@ def _run(
         desk.progress.begin(0.0 if resumed is None else resumed.time)
     with rarely_collected():
         status, reason = engine.loop(desk)
+        history.events = desk.recorder.finish()
         files.flush()
     compiled = compiling.seconds - compiled
     loop = time.perf_counter() - ready - (files.output_seconds - written) - compiled

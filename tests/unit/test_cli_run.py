@@ -186,7 +186,7 @@ def test_a_folder_in_use_is_kept_and_force_renews_it(tmp_path: Path) -> None:
     assert rockslip(tmp_path, *shorter, "--force", "-q").returncode == 0
     assert summary_of(folder)["end_s"] == pytest.approx(0.01)
     assert {file.name for file in folder.iterdir()} == {
-        "scene.toml", "history.csv", "summary.json", "run.log", "notes.txt"
+        "scene.toml", "history.csv", "events.csv", "summary.json", "run.log", "notes.txt"
     }  # fmt: skip
 
 

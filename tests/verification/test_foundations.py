@@ -13,7 +13,7 @@ from benchmarks.verification.newmark import sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
-from solver.results.rocking import HOPS
+from solver.results.events import HOPS
 from solver.run.describe import describe
 
 G = 9.81

@@ -12,8 +12,8 @@ import pytest
 
 from rockslip import Result, SceneError, parse_scene, simulate
 from solver.reference.platform_rocking import restitution_on_platform
+from solver.results.events import HOPS
 from solver.results.report import report
-from solver.results.rocking import HOPS
 
 GIVEN = 0.9
 
