@@ -328,9 +328,9 @@ class _Search:
         return "+".join(names[k] for k in corners)
 
     def _lifted(self, row: int) -> Indices:
-        """The corners that are off in a row, the nearer of them left out."""
+        """The corners that are higher over what carries it in a row."""
         gaps = self._motion.gaps[row]
-        return np.flatnonzero(gaps >= 0.5 * gaps.max())
+        return np.flatnonzero(gaps >= 0.5 * (gaps.max() + gaps.min()))
 
     def _struck(self, time: float) -> bool:
         """True if an impact was shortly before a time, s."""
