@@ -60,7 +60,7 @@ from solver.results.rocking import Swing, begins, end_of, swings
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices
 
-CHUNK = 512
+CHUNK = 2048
 """Steps after which events are looked for."""
 
 MOST_ROWS = 1 << 15
