@@ -445,14 +445,15 @@ class _Search:
         settled = m.time[end] + SETTLED * (m.time[over] - m.time[end])
         before = self._at_zero(sides[0], max(begin, span.first), first, last=False)
         kept = self._at_zero(sides[1], end, over, start=int(np.searchsorted(m.time, settled)))
-        near = m.slip[np.abs(m.time - span.time) <= width]
+        near = m.slip[begin : int(np.searchsorted(m.time, span.time + width)) + 1]
         slides = np.ptp(near, axis=0).max() > SLIPS * self._block.width
         return _Read((before, kept), end, SLIDES if slides else "")
 
     def _exchange_ends(self, span: _Span, sides: tuple[float, float], lands: Indices) -> int:
         """The row in which the edge that leaves is off, and the force is back to the weight."""
         m, after = self._motion, slice(span.row + 1, None)
-        leaves = np.setdiff1d(np.arange(m.gaps.shape[1]), lands) if sides[0] != sides[1] else lands
+        others = np.setdiff1d(np.arange(m.gaps.shape[1]), lands)
+        leaves = others if len(others) and sides[0] != sides[1] else lands
         weight = -self._scene.stacked_mass(self._block) * m.pull[after, 1]
         over = m.gaps[after][:, leaves].max(axis=1) > CLEAR * self._block.width
         over &= (m.normal[after] <= weight) & (m.time[after] < span.time + WHILE * self._time_scale)

@@ -30,7 +30,6 @@ from solver.results.flutter import cautions_of_flutter
 from solver.results.modes import mode
 from solver.results.motion import block_motion, lean_over_alpha
 from solver.results.overlaps import overlaps
-from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
 
 #: Version of the layout of summary.json.
@@ -156,7 +155,7 @@ def _platform(history: History) -> dict[str, float]:
 def _energy(scene: Scene, history: History) -> dict[str, Any]:
     """Entries on the energy balance and on where energy went."""
     total, work = history["energy.total_J"], history["energy.input_J"]
-    raised = float(gravity_above_upright(scene, history)[0])
+    raised = float(energy.gravity_above_upright(scene, history)[0])
     scale = energy.scale(
         work,
         above_rest=float(history["energy.kinetic_J"][0]) + raised,

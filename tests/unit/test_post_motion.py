@@ -11,9 +11,9 @@ import pytest
 from histories import OSCILLATOR, history_of, scene_of, summary_of
 
 from rockslip import History, Scene, parse_scene
+from solver.results.energy import gravity_above_upright, upright_centre
 from solver.results.motion import block_motion, rotated, total_lean
 from solver.results.report import report
-from solver.results.upright import gravity_above_upright, upright_centre
 
 
 def test_rotated_turns_by_the_right_hand() -> None:
