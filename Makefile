@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test quick oracles paraview lint site image try-image energy-grid suite docs-tables tables
+.PHONY: help demo test quick oracles paraview lint site image try-image suite docs-tables tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -12,7 +12,6 @@ help:
 	@echo "make lint    ruff and mypy"
 	@echo "make site    the documents as a site: site/index.html"
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
-	@echo "make energy-grid   the energy benchmark: 192 runs, half an hour"
 	@echo "make docs-tables   the tables of docs/output.md and docs/scene.md, from the code"
 	@echo "make tables  all tables and pictures anew, hours; ONLY=hertz for one"
 	@echo "make image   the container image 'rockslip', by docker, podman or buildah"
@@ -62,9 +61,6 @@ image:
 
 try-image:
 	.ci/image
-
-energy-grid:
-	./in-env python3 benchmarks/energy_grid.py
 
 suite:
 	./in-env python3 demos/suite/platform_suite.py

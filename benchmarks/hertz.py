@@ -36,8 +36,8 @@ from benchmarks.verification.hertz import HertzLine, centre_approach, contact_mo
 from benchmarks.verification.load_steps import Tractions, pressed
 from benchmarks.verification.pressed_disc import disc_on_ground
 from solver.contact.body_points import SurfaceState
-from solver.contact.plane_target import Plane
-from solver.contact.projection import ContactKinematics
+from solver.contact.carriers import Plane
+from solver.contact.kinematics import ContactKinematics
 from solver.scene.material import Material
 from solver.stepping.stepper import Stepper
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from rockslip import Scene, parse_scene
-from solver.excitation.motion import ground_motion
+from solver.excitation.motion import read_ground
 from solver.rigid.space.system import SpaceSystem
 from solver.rigid.start import RigidBlock, blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -85,8 +85,7 @@ def run(scene: Scene, seed: int) -> dict[str, Any]:
     """How the run of a column went."""
     step, scheme = scene.time.step, GeneralizedAlpha(scene.time.rho_inf)
     system = SpaceSystem(turned(blocks_of(scene), seed), scheme)
-    count, motion = round(scene.time.end / step), ground_motion(scene)
-    assert motion is not None
+    count, motion = round(scene.time.end / step), read_ground(scene)
     times = np.arange(count + 1) * step
     ground, mean = motion.accelerations(times), motion.means(times)
     outcome = system.advance(count, step, ground, mean=mean)

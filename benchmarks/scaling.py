@@ -99,7 +99,7 @@ def run_case(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
     from solver.stepping.compliance import Compliance
 
     spent: dict[str, float] = {}
-    timed(spent, "factorizations_s", Factorization, "_factorized")
+    timed(spent, "factorizations_s", Factorization, "_factorize")
     timed(spent, "W_s", Compliance, "_compute")
     scene = parse_scene(scene_of(cells, motion))
     assembly = build(scene)

@@ -36,7 +36,7 @@ ORDER = (
 )
 """Packages from the top down: each imports only from itself and from those before it."""
 
-SHARED = frozenset({"arguments", "compat", "errors", "info", "launcher", "parallel", "types"})
+SHARED = frozenset({"arguments", "errors", "info", "parallel", "types"})
 """Modules at the root of `solver/` that every package may use."""
 
 

@@ -24,7 +24,7 @@ from solver.history.table import TABLE, Column
 from solver.scene import Scene, foundation, motion, output
 from solver.scene.cells import SHAPES
 from solver.scene.checking import key_of, shown
-from solver.scene.ranges import Cell
+from solver.scene.quantities import Cell
 
 PAGES = tuple(Path(__file__).with_name(name) for name in ("output.md", "scene.md"))
 

@@ -1,4 +1,4 @@
-"""Differences between dolfinx 0.9, 0.10 and 0.11 in taking over a Gmsh model."""
+"""Differences between dolfinx 0.9, 0.10 and 0.11: Gmsh models and the geometry of meshes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Any
 
 from mpi4py import MPI
 
+import numpy as np
 from dolfinx.mesh import GhostMode, Mesh, MeshTags, create_cell_partitioner
+from numpy.typing import NDArray
 
 # dolfinx.io.gmshio became dolfinx.io.gmsh in 0.10.
 _newer = importlib.util.find_spec("dolfinx.io.gmsh") is not None
@@ -31,6 +33,18 @@ def model_to_mesh(
 
 def _shared_facets() -> Any:
     """The partitioner that gives each rank the cells across its facets."""
-    # 0.11 asks in addition for the largest number of cells that a facet joins.
+    # 0.11 requires in addition the largest number of cells that a facet joins.
     dispatched = hasattr(create_cell_partitioner, "dispatch")
     return create_cell_partitioner(GhostMode.shared_facet, *((2,) if dispatched else ()))
+
+
+def geometry_nodes(domain: Any) -> NDArray[np.int32]:
+    """Numbers of the geometry's nodes of each cell of a mesh, (cells, k)."""
+    found = getattr(domain.geometry, "dofmaps", None)  # since 0.11, which has several kinds of cell
+    return domain.geometry.dofmap if found is None else found[0]
+
+
+def geometry_degree(domain: Any) -> int:
+    """Degree of the map from the reference cell to the cells of a mesh."""
+    found = getattr(domain.geometry, "cmaps", None)
+    return int((domain.geometry.cmap if found is None else found[0]).degree)

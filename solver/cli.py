@@ -28,7 +28,7 @@ from solver.errors import (
     not_applicable,
     not_installed,
 )
-from solver.launcher import launched_rank
+from solver.parallel import launched_rank
 from solver.pictures.command import add_pictures
 from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
@@ -48,7 +48,7 @@ class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, with the word that was meant."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Read the words; an option that nobody knows is bad input where it stands."""
+        """Read the words; unknown options are errors."""
         found, rest = super().parse_known_args(args, namespace)
         for word in rest:
             if word.startswith("-"):
@@ -65,7 +65,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _hint(word: str, words: Iterable[str]) -> str:
-    """The word that was meant, if one looks like it."""
+    """The word that was probably meant, if there is one."""
     meant = nearest(word, words)
     return f", did you mean '{meant}'?" if meant else ""
 
@@ -144,7 +144,7 @@ def build_parser() -> Parser:
         writing.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     again = "go on from the checkpoint of a run in DIR, also to a later time.end (--set)"
     run.add_argument("--resume", metavar="DIR", type=Path, help=again)
-    run.add_argument("-v", "--verbose", action="store_true", help="tell what the solver does")
+    run.add_argument("-v", "--verbose", action="store_true", help="print the log of the solver")
     scale = command("scale", scale_scene, "a scene at another scale, such as a 1:15 model of it")
     add_scene(scale)
     add_overrides(scale)
@@ -171,7 +171,7 @@ def build_parser() -> Parser:
 
 def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -> None:
     """Say before a run what to be careful of, and on several ranks where it writes."""
-    from solver.results.doubtful_input import cautions_of_input
+    from solver.results.cautions import cautions_of_input
 
     for text in cautions_of_input(scene, ground):
         tell(f"caution: {text}\n")
@@ -186,7 +186,7 @@ def run_scene(options: argparse.Namespace) -> int:
     from solver.fields.hdf_file import refuse_without_h5py
     from solver.parallel import abort_on_exceptions, on_first_rank, world
     from solver.scene import load_scene
-    from solver.stepping.petsc_options import parse_options
+    from solver.stepping.petsc_options import command_line, parse_options
 
     try:
         comm = world()
@@ -207,13 +207,19 @@ def run_scene(options: argparse.Namespace) -> int:
         from solver.run.simulate import simulate
 
         if not scene.is_rigid:
-            _start_petsc(given.own_words())
+            if given:
+                import petsc4py
+
+                # In the end PETSc says which options it knew nothing of.
+                petsc4py.init(["rockslip", "-options_left", *command_line(given)])
             import_module("dolfinx")
-        if given.solver:  # without a mesh they are of no use, but a misspelt one is refused as well
-            import_module("solver.compat")  # PETSc takes SIGPIPE over, and this takes it back
+        if given and not scene.is_rigid:  # without a mesh they are of no use
+            import_module(
+                "solver.bodies.packed_form"
+            )  # PETSc takes SIGPIPE over, and this takes it back
             from solver.stepping.nonlinear import check_options
 
-            check_options(options.petsc_options)
+            check_options()
     except ImportError as error:
         raise not_installed(error) from error
     folder = options.resume or options.output or Path(_stem(path) + ".out")
@@ -227,7 +233,6 @@ def run_scene(options: argparse.Namespace) -> int:
     result = simulate(
         scene,
         folder=folder,
-        petsc_options=options.petsc_options,
         progress=Progress(scene.time.end, quiet=options.quiet, rank=comm.rank),
         log=_tell if options.verbose and comm.rank == 0 else None,
         comm=comm,
@@ -254,14 +259,6 @@ def _resumed_scene(options: argparse.Namespace) -> Path:
     return Path(options.resume) / "scene.toml"
 
 
-def _start_petsc(own: Sequence[str]) -> None:
-    """Start PETSc with its own options, which it reads when it starts."""
-    if own:
-        import petsc4py
-
-        petsc4py.init(["rockslip", *own])
-
-
 def check_scene(options: argparse.Namespace) -> int:
     """`rockslip check`."""
     if launched_rank() == 0:
@@ -278,7 +275,7 @@ def run_reference(options: argparse.Namespace) -> int:
         return 0
     from solver.excitation.motion import read_ground
     from solver.reference.answer import reference_name, reference_run
-    from solver.results.doubtful_input import cautions_of_input
+    from solver.results.cautions import cautions_of_input
     from solver.results.report import report
     from solver.results.summary import summarise, write_json, write_whole
     from solver.scene import load_scene, scene_to_toml
@@ -324,12 +321,12 @@ def scale_scene(options: argparse.Namespace) -> int:
 
 
 def _stem(scene: Path) -> str:
-    """What the folder of a run is named after: the scene, "scene" for the standard input."""
+    """The name for the folder of a run: that of the scene, "scene" for the standard input."""
     return "scene" if str(scene) == "-" else scene.stem
 
 
 def show_info(options: argparse.Namespace) -> int:
-    """`rockslip info`: every rank starts MPI, the first one tells."""
+    """`rockslip info`: every rank starts MPI, the first one prints."""
     from solver.bodies.memory import limits_in_words
     from solver.info import description
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar
 
@@ -35,6 +38,10 @@ def of_file(error: OSError, file: Path) -> OSError:
     return OSError(error.errno, error.strerror, str(file))
 
 
+#: The variable with the folders that ./in-env shows to the command, where it does not show all.
+VISIBLE = "ROCKSLIP_VISIBLE"
+
+
 class RockslipError(Exception):
     """Anything that ends a run with a message instead of a traceback."""
 
@@ -64,6 +71,15 @@ class SceneError(RockslipError):
         """One line."""
         hint = f", did you mean '{self.nearest}'?" if self.nearest else ""
         return in_one_line(f"{_short(self.where)}: got {self.got}, allowed {self.allowed}{hint}")
+
+
+@contextmanager
+def below(prefix: str) -> Iterator[None]:
+    """Errors of the scene within get their key below the table `prefix`."""
+    try:
+        yield
+    except SceneError as error:
+        raise error.under(prefix) from None
 
 
 class UnknownKey(SceneError):
@@ -107,6 +123,22 @@ def not_applicable(where: str, what: str) -> Statement:
     return Statement(where, f"applies to {what}; remove it")
 
 
+def hidden_by_in_env(path: Path) -> str:
+    """The reason for which ./in-env does not show a path, as the predicate of a sentence.
+
+    Empty where it does. What is written there goes into a layer that ends with the command.
+    """
+    shown = [Path(folder) for folder in os.environ.get(VISIBLE, "").split(":") if folder]
+    places = {Path(os.path.abspath(path)), path.resolve()}
+    if not shown or all(any(p.is_relative_to(folder) for folder in shown) for p in places):
+        return ""
+    place = path.resolve()
+    if any(place.is_relative_to(folder) for folder in shown):
+        place = Path(os.path.abspath(path))
+    parent = place if place.parent == Path("/") else place.parent
+    return f"is in no folder that ./in-env shows to the command; set ROCKSLIP_MOUNT={parent}"
+
+
 class NotConverged(RockslipError):
     """The equations of a step have no solution that was found; what was computed before is kept."""
 
@@ -120,7 +152,7 @@ class EnvironmentTrouble(RockslipError):
 
 
 def not_installed(error: ImportError | str) -> EnvironmentTrouble:
-    """The error of a package that cannot be imported, or what is said of it, with advice."""
+    """The error of a package that cannot be imported, or a text about it, with advice."""
     said = " ".join(str(error).split())
     return EnvironmentTrouble(
         f"{said}; the environment is described in docs/install.md, ./in-env rockslip ... has it all"
@@ -128,11 +160,11 @@ def not_installed(error: ImportError | str) -> EnvironmentTrouble:
 
 
 class OutputTrouble(EnvironmentTrouble):
-    """What was computed cannot be written; what was written before stays."""
+    """Results cannot be written; those written before stay."""
 
     @classmethod
     def of(cls, error: OSError, written: str = "") -> OutputTrouble:
-        """The system's error in one line; `written` says what is there, such as "up to t = 1 s"."""
+        """The system's error in one line; `written` is what is there, such as "up to t = 1 s"."""
         said = (error.strerror or str(error)).lower().removesuffix(" on device")
         file = Path(error.filename).name if error.filename else "output"
         return cls(f"{file}: {said}{', written ' if written else ''}{written}")

@@ -41,7 +41,7 @@ def versions() -> dict[str, str]:
 
 
 def description() -> list[tuple[str, str]]:
-    """Everything `rockslip info` says, as names and values; called on every rank."""
+    """The lines of `rockslip info`, as names and values; called on every rank."""
     missing = [package for package in NEEDED if _version(package) == "missing"]
     if missing:
         raise not_installed(f"{', '.join(missing)} cannot be imported")
@@ -88,7 +88,7 @@ def direct_solvers() -> list[str]:
 
 
 def _factors(name: str) -> bool:
-    """Whether a solver of that name factors a unit matrix."""
+    """True if a solver of that name factors a unit matrix."""
     from mpi4py import MPI
     from petsc4py import PETSc
 

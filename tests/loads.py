@@ -9,7 +9,7 @@ import ufl
 from dolfinx import fem, la, mesh
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.compat import PackedForm
+from solver.bodies.packed_form import PackedForm
 
 
 def surface_force(body: ElasticBody, facets: np.ndarray, traction: Sequence[float]) -> np.ndarray:

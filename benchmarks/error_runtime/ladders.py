@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import median
-from typing import Literal
+from typing import Any, Literal
 
 from solver.errors import SceneError
 from solver.scene import Scene
@@ -262,8 +262,12 @@ def meshes(name: str, scene: Scene, solve: Solve) -> LadderFamily:
 
 def _cells(scene: Scene) -> str:
     """The mesh of the first meshed body, in words."""
-    labels = [body.mesh_label for body in (*scene.blocks, scene.foundation)]
-    return next(label for label in labels if label)
+    bodies = [block for block in scene.blocks if block.model == "elastic"]
+    body: Any = bodies[0] if bodies else scene.foundation
+    cells = body.cells
+    return (
+        f"cells {' x '.join(map(str, cells))}" if isinstance(cells, tuple) else "cells of the frame"
+    )
 
 
 def _refined(scene: Scene, factor: float) -> Scene:
@@ -281,7 +285,10 @@ def _other_degree(scene: Scene, solve: Solve) -> list[LadderFamily]:
     other: Literal[1, 2] = 1 if scene.blocks[0].degree == 2 else 2
     blocks = tuple(replace(block, degree=other) for block in scene.blocks)
     try:
-        changed = replace(scene, blocks=blocks, foundation=scene.foundation.with_degree(other))
+        foundation: Any = scene.foundation
+        if foundation.kind == "elastic":
+            foundation = replace(foundation, degree=other)
+        changed = replace(scene, blocks=blocks, foundation=foundation)
     except SceneError:
         return []
     return [meshes(f"degree {other}", changed, solve)]

@@ -8,10 +8,9 @@ import numpy as np
 
 from benchmarks.verification.disc_mesh import disc_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.supports import Support
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.plane_target import Plane
+from solver.bodies.elastic_body import ElasticBody, Support
+from solver.contact.carriers import Plane
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha

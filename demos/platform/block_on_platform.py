@@ -69,7 +69,7 @@ from matplotlib.patches import Circle, Rectangle
 from demos.program import demo, output_of, run_scene
 from demos.verdict import kept, verdict
 from rockslip import Scene, load_scene, read_run
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.pictures.style import (
     BLUE,
     GREY,

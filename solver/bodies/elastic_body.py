@@ -1,4 +1,4 @@
-"""An elastic body: its inertia, its resistance, its factorized tangents.
+"""An elastic body: its inertia, its resistance, its supports, its factorized tangents.
 
 All vectors hold the owned unknowns of a rank, node by node, and belong to the whole thickness.
 """
@@ -6,25 +6,60 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import dataclass
 
 from petsc4py import PETSc
 
 import numpy as np
+import ufl
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
 from solver.bodies.elastic_forms import ElasticForms, Moduli, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
-from solver.bodies.kernels.momenta import move_on, resultant, turn_all
-from solver.bodies.kinematics import RigidMotion, rigid_modes
-from solver.bodies.mass_properties import MassProperties
-from solver.bodies.supports import GroundSpring, Support
-from solver.compat import PackedForm
+from solver.bodies.kinematics import RigidMotion
+from solver.bodies.mass_properties import MassProperties, move_on, resultant, turn_all
+from solver.bodies.packed_form import PackedForm
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.types import Array, Mask
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Support:
+    """Facets whose displacement is held, in some directions or in all."""
+
+    facets: NDArray[np.int32]
+    """Numbers of boundary facets."""
+    directions: tuple[int, ...]
+    """Held components of the displacement."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroundSpring:
+    """Springs and dashpots to the ground, spread evenly over some facets."""
+
+    facets: NDArray[np.int32]
+    """Numbers of boundary facets."""
+    stiffness: tuple[float, ...]
+    """k of the whole spring along each direction, N/m; 0: there is none."""
+    delay: float = 0.0
+    """Dashpots over springs, c/k, s."""
+
+    def matrix(self, space: fem.FunctionSpace) -> PETSc.Mat:
+        """Its stiffness for displacements of a space; collective."""
+        domain, order = space.mesh, np.argsort(self.facets)
+        facets = mesh.meshtags(
+            domain, domain.topology.dim - 1, self.facets[order], np.ones_like(self.facets)
+        )
+        ds = ufl.Measure("ds", domain, subdomain_data=facets)(1)
+        own = fem.assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ds))
+        area = domain.comm.allreduce(own)
+        trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
+        density = fem.Constant(domain, [value / area for value in self.stiffness])
+        pushed = sum(density[k] * trial[k] * test[k] for k in range(domain.geometry.dim))
+        return PackedForm(pushed * ds).matrix()
 
 
 class ElasticBody:
@@ -308,7 +343,7 @@ class ElasticBody:
             if self._interface is not None:
                 matrix.axpy(-weights.interface, self._interface)
             self._factorizations[weights] = Factorization(
-                self.hold(matrix), dimension=self.dimension, modes=partial(rigid_modes, self.arm)
+                self.hold(matrix), dimension=self.dimension, what=self.name
             )
             self.factorizations += 1
             self.solvers.add(self._factorizations[weights].name)

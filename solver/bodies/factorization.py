@@ -1,15 +1,11 @@
-"""Solving with the symmetric matrix of a body: factorized, or by CG where that takes too much.
+"""Solving with the symmetric matrix of a body, factorized: CHOLMOD on one rank, MUMPS on several.
 
-CHOLMOD on one rank where PETSc has it, MUMPS otherwise; of a few ranks the first factorizes for all
-of them. Single vectors of large bodies in the plane have a factor of PETSc's own. Bodies whose
-factor would leave no room for others are solved by conjugate gradients with algebraic multigrid,
-which knows the rigid motions.
+Where PETSc has no CHOLMOD, MUMPS takes its place. Small bodies are factorized whole by every rank.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterator
 from typing import Any, Protocol
 
 from mpi4py import MPI
@@ -18,16 +14,9 @@ from petsc4py import PETSc
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.bodies.memory import (
-    BYTES_AN_ENTRY,
-    has_vector_factor,
-    linear_solver,
-    memory_of,
-    solves_on_first,
-)
-from solver.bodies.whole_vectors import WholeVectors
-from solver.errors import EnvironmentTrouble, NotConverged
-from solver.parallel import global_sum, on_first_rank
+from solver.bodies.memory import BYTES_AN_ENTRY, factor_bytes, require
+from solver.errors import EnvironmentTrouble
+from solver.parallel import global_sum
 from solver.types import Array
 
 REDUNDANT_UNKNOWNS = 20_000
@@ -40,23 +29,6 @@ BLOCK = 128
 BLOCK_BYTES = 64e6
 """Memory of a block of right-hand sides, of which a solver makes a few copies; at least 16."""
 
-CG_TOLERANCE = 1e-11
-"""Residual that CG leaves of the right-hand side. Corrections need no more: what they leave of an
-error is as small a part of it."""
-
-MOST_CG_ITERATIONS = 1000
-"""Iterations after which CG is given up."""
-
-PASSES = {"CHOLMOD": 2.0, "MUMPS": 1.0}
-"""How often a solve passes over what a package counts as entries: of one factor or of both."""
-
-CG_PASSES = 30.0
-"""Work of a solve by CG, in passes over the matrix."""
-
-CG_BYTES = 24.0
-"""Memory of an entry of a matrix that CG solves with, bytes: 12 of its own, the others for what
-multigrid makes of it, of which 2 to 8 were measured."""
-
 
 class Inverse(Protocol):
     """A matrix to solve with, on vectors of the owned unknowns."""
@@ -64,13 +36,8 @@ class Inverse(Protocol):
     name: str
     """The solver."""
 
-    @property
-    def reads(self) -> float:
-        """Numbers that a solve for one vector reads, on all ranks together."""
-
-    @property
-    def nbytes(self) -> float:
-        """Memory that it takes, on all ranks together, bytes."""
+    nbytes: float
+    """Memory that it takes, on all ranks together, bytes."""
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
@@ -80,167 +47,84 @@ class Inverse(Protocol):
 
 
 class Factorization:
-    """Back substitutions with one factorization, or CG in their place."""
+    """Back substitutions with one factorization."""
 
-    def __init__(
-        self,
-        matrix: PETSc.Mat,
-        *,
-        dimension: int = 2,
-        modes: Callable[[], Sequence[Array]] | None = None,
-    ):
-        """Factorize `matrix`, which is kept.
+    def __init__(self, matrix: PETSc.Mat, *, dimension: int = 2, what: str = "a body"):
+        """Factorize `matrix`, which is kept: symmetric and positive definite; collective.
 
-        Args:
-            matrix: Symmetric and positive definite.
-            dimension: Of the mesh, by which the size of factors is judged.
-            modes: Gives the rigid motions of the owned unknowns, for the multigrid alone; without
-                it a matrix is factorized whatever its size.
+        The dimension is that of the mesh, by which the size of the factor is judged beforehand;
+        `what` is its body, for messages.
+
+        Raises:
+            MemoryExceeded: There is no room for the factor.
+            EnvironmentTrouble: No package factorized it.
         """
         self._comm: MPI.Intracomm = matrix.comm.tompi4py()
-        self._size = size = matrix.size[0]
-        self._dimension = dimension
-        self._pcs: list[PETSc.PC] = []  # which own the factors
-        self._of_vectors: PETSc.Mat | None = None
-        self._whole: WholeVectors | None = None
-        everywhere = size < REDUNDANT_UNKNOWNS
-        if self._comm.size > 1 and (everywhere or solves_on_first(size, dimension, self._comm)):
-            self._whole = WholeVectors(matrix, everywhere=everywhere)
-            matrix = self._whole.matrix(matrix)
+        self._size = matrix.size[0]
+        self._own = slice(*matrix.getOwnershipRange())
+        self._counts = self._comm.allgather(self._own.stop - self._own.start)
+        self._gathers = 1 < self._comm.size and self._size < REDUNDANT_UNKNOWNS
+        copies = self._comm.size if self._gathers else 1
+        if self._gathers:
+            matrix = matrix.getRedundantMatrix(copies, MPI.COMM_SELF)
+        require(
+            factor_bytes(self._size, dimension) * copies / self._comm.size,
+            f"{what}: the factor of {self._size} unknowns",
+            "use larger cells, or ranks on several machines",
+            self._comm,
+        )
         self.matrix = matrix
-        self._solver: PETSc.KSP | None = None
         self._b, self._x = matrix.createVecs()
         # Views that are kept: asking PETSc for an array costs as much as a back substitution.
         self._right, self._solution = self._b.array, self._x.array
-        if self._whole is not None and not everywhere:
-            self.name, self.entries = on_first_rank(self._comm, self._set_up)
-        elif self._whole is None and modes is not None and self._is_too_large():
-            self._iterate(modes())
-        else:
-            self._set_up()
+        self._factorize()
+        used = self._factor.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        self.nbytes = copies * BYTES_AN_ENTRY * max(float(used), float(self._size))
+        """Memory of the factor, on all ranks together, bytes."""
 
-    def _is_too_large(self) -> bool:
-        """Whether the factor would leave no room for others; collective."""
-        memory = memory_of(self._comm)
-        return linear_solver(self._size, self._dimension, self._comm.size, memory) == "CG + GAMG"
-
-    @property
-    def reads(self) -> float:
-        """Numbers that a solve for one vector reads, on all ranks together."""
-        return self.entries * (CG_PASSES if self._solver is not None else PASSES[self.name])
-
-    @property
-    def nbytes(self) -> float:
-        """Memory of all factors, or of multigrid, on all ranks together, bytes."""
-        if self._solver is not None:
-            return CG_BYTES * self.entries
-        return BYTES_AN_ENTRY * self.entries * (2 if self._has_vector_factor else 1)
-
-    @property
-    def _has_vector_factor(self) -> bool:
-        """Whether vectors have a factor of their own."""
-        return self.name == "CHOLMOD" and has_vector_factor(self.entries, self._dimension)
-
-    def _set_up(self) -> tuple[str, float]:
-        """Factorize with the first package that can; its name, and the entries of the factor."""
+    def _factorize(self) -> None:
+        """Factorize with the first package that can."""
         candidates = [("cholmod", "cholesky")] if self.matrix.comm.size == 1 else []
         for package, kind in [*candidates, ("mumps", "lu")]:
+            self._pc = PETSc.PC().create(self.matrix.comm)  # which owns the factor
+            self._pc.setOperators(self.matrix)
+            self._pc.setType(kind)
             try:
-                self._factor = self._factorized(package, kind)
-                self.name = package.upper()
-                break
+                self._pc.setFactorSolverType(package)
+                self._pc.setUp()
             except PETSc.Error as error:
                 if package == "mumps":
-                    size = self.matrix.size[0]
                     raise EnvironmentTrouble(
-                        f"MUMPS did not factorize a matrix of {size} unknowns: {error}"
+                        f"MUMPS did not factorize a matrix of {self._size} unknowns: {error}"
                     ) from error
-        used = self._factor.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
-        self.entries = max(float(used), float(self.matrix.size[0]))
-        return self.name, self.entries
-
-    def _factorized(self, package: str, kind: str, ordering: str | None = None) -> PETSc.Mat:
-        """Set up a factorization with one of PETSc's packages; PETSc.Error where it is missing."""
-        pc = PETSc.PC().create(self.matrix.comm)
-        pc.setOperators(self.matrix)
-        pc.setType(kind)
-        pc.setFactorSolverType(package)
-        if ordering is not None:
-            pc.setFactorOrdering(ordering)
-        pc.setUp()
-        self._pcs.append(pc)
-        return pc.getFactorMatrix()
-
-    def _vector_factor(self) -> PETSc.Mat:
-        """The factor that single vectors are solved for with, made when it is first asked for."""
-        if self._has_vector_factor:
-            with suppress(PETSc.Error):  # such as no memory: that of CHOLMOD serves, too
-                return self._factorized("petsc", "cholesky", "nd")
-        return self._factor
-
-    def _substitute(self) -> None:
-        """Solve for the one vector that is kept."""
-        if self._of_vectors is None:
-            self._of_vectors = self._vector_factor()
-        self._of_vectors.solve(self._b, self._x)
-
-    def _iterate(self, modes: Sequence[Array]) -> None:
-        """Set up CG, preconditioned by algebraic multigrid."""
-        basis: list[PETSc.Vec] = []
-        for mode in modes:
-            vector = self.matrix.createVecRight()
-            vector.array[:] = mode
-            for other in basis:
-                vector.axpy(-vector.dot(other), other)
-            vector.normalize()
-            basis.append(vector)
-        self.matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=basis, comm=self.matrix.comm))
-        solver = PETSc.KSP().create(self.matrix.comm)
-        solver.setOperators(self.matrix)
-        solver.setType("cg")
-        solver.getPC().setType("gamg")
-        solver.setTolerances(rtol=CG_TOLERANCE, max_it=MOST_CG_ITERATIONS)
-        solver.setUp()
-        self._solver, self.name = solver, "CG + GAMG"
-        self.entries = float(self.matrix.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"])
+            else:
+                break
+        self._factor, self.name = self._pc.getFactorMatrix(), package.upper()
 
     def solve(self, right: Array) -> Array:
         """K^-1 r for one vector."""
-        if self._whole is not None:
-            self._whole.gather(right, self._right)
-            if self._whole.here:
-                self._substitute()
-            return self._whole.part(self._solution)
-        self._right[:] = right
-        if self._solver is None:
-            self._substitute()
+        if self._gathers:
+            self._comm.Allgatherv(right, [self._right, self._counts])
         else:
-            self._solver.solve(self._b, self._x)
-            if self._solver.getConvergedReason() <= 0:
-                raise NotConverged(f"CG with multigrid did not end in {MOST_CG_ITERATIONS} rounds")
-        return self._solution.copy()
+            self._right[:] = right
+        self._factor.solve(self._b, self._x)
+        return self._solution[self._own].copy() if self._gathers else self._solution.copy()
 
     def solve_many(self, right: Array) -> Array:
         """K^-1 B for columns, (owned, n) in the order of Fortran, as the answer is."""
         result: Array = np.empty(right.shape, order="F")
         for columns in blocks(right.shape[1], self._size):
-            if self._whole is not None:
-                whole = self._whole.gather_columns(right[:, columns])
-                if self._whole.here:
-                    whole = self._solved_block(whole)
-                result[:, columns] = self._whole.part_columns(whole)
-            elif self._solver is None:
-                result[:, columns] = self._solved_block(right[:, columns])
-            else:
-                for k in range(columns.start, columns.stop):
-                    result[:, k] = self.solve(np.ascontiguousarray(right[:, k]))
+            part = right[:, columns]
+            if self._gathers:
+                part = np.concatenate(self._comm.allgather(part))
+            part = self._solved_block(part)
+            result[:, columns] = part[self._own] if self._gathers else part
         return result
 
     def _solved_block(self, right: Array) -> Array:
         """K^-1 B for as many columns as are solved for at a time."""
-        size = self.matrix.size[0]
         given, found = np.asfortranarray(right), np.empty(right.shape, order="F")
-        shape: Any = (right.shape[0], size), (None, right.shape[1])
+        shape: Any = (right.shape[0], self._size), (None, right.shape[1])
         b, x = (
             PETSc.Mat().createDense(shape, array=values, comm=self.matrix.comm)
             for values in (given, found)
@@ -282,16 +166,8 @@ class MassInverse:
             mass.zeroRowsColumns((held[k] + start // d).astype(np.int32), 1.0)
             self._factors.append(Factorization(mass, dimension=dimension))
         self.name = self._factors[0].name
-
-    @property
-    def reads(self) -> float:
-        """Numbers that a solve for one vector reads, on all ranks together."""
-        return sum(factor.reads for factor in self._factors)
-
-    @property
-    def nbytes(self) -> float:
+        self.nbytes = sum(factor.nbytes for factor in set(self._factors))
         """Memory of all factors, on all ranks together, bytes."""
-        return sum(factor.nbytes for factor in set(self._factors))
 
     def _everywhere(self, flag: bool) -> bool:
         """Whether something is so on every rank."""

@@ -1,4 +1,4 @@
-"""What large bodies take of the memory of this machine, and the linear solver that this allows.
+"""What large bodies take of the memory of this machine.
 
 Plain numbers: `rockslip check` says them without any mesh.
 """
@@ -15,21 +15,6 @@ from solver.errors import RockslipError
 BYTES_AN_ENTRY = 10.0
 """Memory of an entry of a factor, with its indices and the largest of its fronts, bytes."""
 
-PLANE_ENTRIES = 1.5e6
-"""Entries of CHOLMOD's factor of a body in the plane beyond which vectors have a factor of PETSc's
-own. CHOLMOD takes 6.6 ms for one of 52 000 unknowns (3.7e6 entries), PETSc 3.4 ms, and both 1.0 ms
-for 19 000 (1.2e6): there a cache holds the factor. To make it, 0.5 s, takes as long as 150 of the
-times that are saved. In blocks of many right-hand sides CHOLMOD takes 1.7 ms for each. In space
-PETSc would factorize for minutes."""
-
-DIRECT_PART = 0.25
-"""Part of the memory that one factorization may take; beyond it bodies are solved by CG."""
-
-ALONE_RANKS = 4
-"""Most ranks of which the first alone factorizes a body, if it has the memory. A back substitution
-is bound by the memory that a processor reads, and MUMPS takes 1.6 times as long for it on one rank
-as CHOLMOD: two ranks gain nothing on that, and wait for each other in hundreds of messages."""
-
 KEPT_PART = 0.5
 """Part of the memory for factorizations and compliances of several step sizes. Those used least
 recently are dropped beyond it, and made anew when they are asked for."""
@@ -40,15 +25,14 @@ LEFT_PART = 0.05
 SMALL = 1e8
 """Memory below which free memory is not asked for, bytes."""
 
-COPIES = 13
-"""Matrices of the size of the compliance at the peak of a step: those of two tangents and the mass,
-turned ones of a tangent and the mass, factors and inverses of both their local problems, and while
-impulses are found two more of W and one of equations. These are 12; 12.6 of them are in use at the
-peak while the points of a block in space begin to slip."""
+COPIES = 15
+"""Matrices of the size of the compliance at the peak of a step: those of tangents and of the mass,
+turned ones, and the factors and inverses of both local problems. 14.4 were counted where the points
+of a block in space begin to slip."""
 
 ASKED_PART = 0.5
-"""Part of it that is asked for when one of the three is computed: at that time there are either
-fewer of the matrices than half, or the other half stands already."""
+"""Part of it that has to be free when the compliance of one tangent is computed: the other half is
+either in use by then, or comes later."""
 
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 """Where Linux says how much memory a container may use."""
@@ -86,19 +70,9 @@ def free_memory() -> float:
 
 
 def factor_bytes(unknowns: int, dimension: int) -> float:
-    """Memory of one factor, bytes."""
-    return BYTES_AN_ENTRY * factor_entries(unknowns, dimension)
-
-
-def factor_entries(unknowns: int, dimension: int) -> float:
-    """Entries of the factor of a body: as measured with CHOLMOD on blocks of cubes."""
+    """Memory of the factor of a body, bytes: as measured with CHOLMOD on blocks of cubes."""
     each = 4.5 * math.log2(unknowns + 1) if dimension == 2 else 16.0 * math.cbrt(unknowns)
-    return each * unknowns
-
-
-def has_vector_factor(entries: float, dimension: int) -> bool:
-    """Whether single vectors are solved for with a factor of their own, on one rank."""
-    return dimension == 2 and entries > PLANE_ENTRIES
+    return BYTES_AN_ENTRY * each * unknowns
 
 
 def compliance_bytes(points: int, dimension: int) -> float:
@@ -116,26 +90,6 @@ def machines(comm: Any) -> int:
     first = int(shared.rank == 0)
     shared.Free()
     return int(comm.allreduce(first))
-
-
-def memory_of(comm: Any) -> float:
-    """Memory of all machines that the ranks run on, bytes, the same on every rank; collective."""
-    return machines(comm) * float(min(comm.allgather(total_memory())))
-
-
-def linear_solver(unknowns: int, dimension: int, ranks: int, memory: float) -> str:
-    """The solver of a body: by one factorization wherever that leaves room for a few of them."""
-    if factor_bytes(unknowns, dimension) > DIRECT_PART * memory:
-        return "CG + GAMG"
-    return "CHOLMOD" if ranks == 1 else "MUMPS"
-
-
-def solves_on_first(unknowns: int, dimension: int, comm: Any) -> bool:
-    """Whether the first of a few ranks is to solve for all of them; collective."""
-    if comm.size > ALONE_RANKS:
-        return False
-    memory = min(comm.allgather(total_memory()))
-    return linear_solver(unknowns, dimension, 1, memory) == "CHOLMOD"
 
 
 def kept_limit(comm: Any) -> float:
@@ -171,15 +125,10 @@ def require(needed: float, what: str, remedy: str, comm: Any) -> None:
 
 
 def solver_in_words(unknowns: int, points: int, dimension: int) -> str:
-    """The linear solver of a body on one rank, and the memory that it and contact take."""
-    solver = linear_solver(unknowns, dimension, 1, total_memory())
+    """The linear solver of a body, and the memory that it and contact take."""
+    each = in_words(factor_bytes(unknowns, dimension))
     contact = f"{in_words(compliance_bytes(points, dimension))} for {points} points on its bottom"
-    if solver == "CG + GAMG":
-        return f"{solver}; {contact}"
-    factors = 2 if has_vector_factor(factor_entries(unknowns, dimension), dimension) else 1
-    each = in_words(factors * factor_bytes(unknowns, dimension))
-    ranks = f"MUMPS on more than {ALONE_RANKS} ranks"
-    return f"{solver} ({ranks}), {each} for each step size and rho_inf; {contact}"
+    return f"CHOLMOD (MUMPS on ranks), {each} for each step size and rho_inf; {contact}"
 
 
 def limits_in_words(ranks: int) -> str:
@@ -187,8 +136,7 @@ def limits_in_words(ranks: int) -> str:
     sizes = []
     for dimension in (2, 3):
         unknowns = 1000
-        while factor_bytes(2 * unknowns, dimension) <= DIRECT_PART * total_memory():
+        while factor_bytes(2 * unknowns, dimension) <= KEPT_PART * total_memory():
             unknowns *= 2
         sizes.append(f"{unknowns / 1e6:.2g} million unknowns in {dimension}-D")
-    direct = "CHOLMOD" if ranks <= ALONE_RANKS else "MUMPS"
-    return f"{direct} to about {' and '.join(sizes)}, CG + GAMG beyond"
+    return f"{'CHOLMOD' if ranks == 1 else 'MUMPS'} to about {' and '.join(sizes)}"

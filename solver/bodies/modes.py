@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from petsc4py import PETSc
 
@@ -24,6 +25,9 @@ SWAYING_PART = 0.1
 FEWEST = 100
 """Unknowns that move, up to which all modes are computed at once: with few of them, iterations
 leave the space that they span."""
+
+DENSE_PART = 0.4
+"""Part of all modes beyond which they are computed all at once, by dense algebra."""
 
 LOOKED_AT = 8
 """Number of the lowest modes among which that of sway is looked for."""
@@ -67,20 +71,28 @@ def lowest_modes(body: ElasticBody, count: int, shift: float = 0.0) -> tuple[Arr
         mass.zeroRowsColumns(body.fixed, 0.0)  # held unknowns take no part
     stiffness, inertia = compressed_rows(factor.matrix), compressed_rows(mass)
     free = np.setdiff1d(np.arange(body.size), body.fixed)
-    if len(free) <= FEWEST:
-        pencil = (matrix[free][:, free].toarray() for matrix in (stiffness, inertia))
-        squared, shapes = la.eigh(*pencil)
-        vectors = np.zeros((body.size, len(free)))
-        vectors[free] = shapes
-        return squared[:count] - shift, vectors[:, :count]
-    inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
-    found, vectors = eigsh(
-        stiffness,
-        count,
-        inertia,
-        sigma=0.0,
-        OPinv=inverse,
-        v0=inertia @ np.ones(len(body.nodes) * body.dimension),
-    )
-    order = np.argsort(found)
-    return found[order] - shift, vectors[:, order]
+    if len(free) > FEWEST:
+        squared, shapes = lowest_pairs(stiffness, inertia, count, factor.solve)
+        return squared - shift, shapes
+    shapes = np.zeros((body.size, min(count, len(free))))
+    stiffness, inertia = stiffness[free][:, free], inertia[free][:, free]
+    squared, shapes[free] = lowest_pairs(stiffness, inertia, count, factor.solve)
+    return squared - shift, shapes
+
+
+def lowest_pairs(
+    stiffness: sp.csr_matrix, mass: sp.csr_matrix, count: int, solve: Callable[[Array], Array]
+) -> tuple[Array, Array]:
+    """Lowest values w of K x = w M x, rising, and their vectors with x.M x = 1, as columns.
+
+    `solve` gives K^-1 f. Where the values are few, or many of them are wanted, all are computed.
+    """
+    size = stiffness.shape[0]
+    if size <= FEWEST or count >= DENSE_PART * size:
+        squared, shapes = la.eigh(stiffness.toarray(), mass.toarray())
+        return squared[:count], shapes[:, :count]
+    inverse = LinearOperator(stiffness.shape, matvec=solve, dtype=np.float64)
+    start = mass @ np.ones(size)
+    squared, shapes = eigsh(stiffness, count, mass, sigma=0.0, OPinv=inverse, v0=start)
+    order = np.argsort(squared)
+    return squared[order], shapes[:, order]

@@ -15,19 +15,15 @@ from geometry.foundation import level_frame
 from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.rigid_box import RigidBox, rigid_box
-from solver.build.foundation import foundation
+from solver.bodies.rigid_body import RigidBox, rigid_box
+from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body
-from solver.build.support import FoundationBody
 from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
-from solver.contact.candidates import ContactPair, FixedContactPair, MeshedContactPair
-from solver.contact.carrier_surface import carrier_surface
-from solver.contact.crossing_interface import CrossingInterface
-from solver.contact.edge_crossings import Crossings
-from solver.contact.facet_target import Face
+from solver.contact.carriers import Carrier, Face
+from solver.contact.edge_crossings import CrossingInterface, Crossings, Outline
+from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
-from solver.contact.outline import Outline
-from solver.contact.plane_target import Carrier
+from solver.contact.pairs import ContactPair, FixedContactPair, MeshedContactPair
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import BlockSpec, Scene
 from solver.scene.places import stands
@@ -95,7 +91,7 @@ def build(
     The motion of the ground is read here where it is not given; the options are for SNES.
     """
     ground = ground or read_ground(scene, comm)
-    placed = stands(scene)
+    placed = stands(scene.order, scene.dimension)
     members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
     support = foundation(scene, len(members), comm, ground)
     bodies: list[Body] = []

@@ -1,4 +1,4 @@
-"""Meshes of blocks, and from a mesh to the elastic body of a scene."""
+"""Meshes of blocks, the elastic body on a mesh, and the linearised sliding of a block."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ from collections.abc import Sequence
 
 from mpi4py import MPI
 
+import numpy as np
+from dolfinx import fem
+
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import block_mesh
-from solver.bodies.elastic_body import ElasticBody
+from geometry.tags import FacetTag
+from solver.bodies.elastic_body import ElasticBody, GroundSpring, Support
 from solver.bodies.elastic_forms import Region
-from solver.bodies.supports import GroundSpring, Support
+from solver.bodies.flutter import SlidingModes, sliding_modes
 from solver.scene import BlockSpec, Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
@@ -66,3 +70,22 @@ def meshed_body(
         spring=spring,
         regions=regions,
     )
+
+
+def modes_of_sliding(scene: Scene, block: BlockSpec) -> SlidingModes:
+    """The modes of an elastic block of a scene that slides; on every rank for itself."""
+    d = scene.dimension
+    made = mesh_of_block(scene, block, MPI.COMM_SELF)
+    base = made.facet_tags.find(FacetTag.BOTTOM)
+    body = meshed_body(
+        scene,
+        block.name,
+        made,
+        material=block.material(scene.material_plane),
+        thickness=block.thickness,
+        degree=block.degree,
+        damping=None,
+        supports=[Support(facets=base, directions=(d - 1,))],
+    )
+    nodes = fem.locate_dofs_topological(body.space, d - 1, base)
+    return sliding_modes(body, np.sort(nodes), scene.bending_frequency(block))

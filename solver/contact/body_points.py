@@ -7,13 +7,13 @@ meshed body, material points of a rigid one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody
+from solver.bodies.surface_layer import Layer
 from solver.contact.kernels.nitsche import (
     NitscheState,
     TractionPull,
@@ -24,7 +24,6 @@ from solver.contact.kernels.nitsche import (
     point_values,
 )
 from solver.contact.nitsche_points import ContactPoints
-from solver.parallel import Layer
 from solver.types import Array, Indices
 
 
@@ -51,22 +50,6 @@ SurfaceState = PointState | NitscheState
 """What is known of surface points at one instant."""
 
 
-class PointForces(NamedTuple):
-    """Forces on surface points between the two states whose increment they do work on.
-
-    Attributes:
-        old: The surface at t_n.
-        new: At t_{n+1}.
-        force: In space, (points, d), N.
-        pull: What the derivative of the traction is multiplied by; None: nothing.
-    """
-
-    old: SurfaceState
-    new: SurfaceState
-    force: Array
-    pull: TractionPull | None = None
-
-
 class FixedPoints:
     """Points that stand still: of what is fully restrained."""
 
@@ -84,7 +67,7 @@ class FixedPoints:
         """Zero: they stand still."""
         return np.zeros_like(self.reference)
 
-    def add_forces(self, target: Array, forces: PointForces) -> None:
+    def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
         """What holds them takes the forces."""
 
 
@@ -128,9 +111,8 @@ class NodePoints:
         assert v is not None
         return self._gather(v)
 
-    def add_forces(self, target: Array, forces: PointForces) -> None:
-        """Add forces on the nodes to the owned unknowns' forces."""
-        force = forces.force
+    def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
+        """Add forces on the nodes, (n, d), N, to the owned unknowns' forces."""
         if not self._all:
             whole = np.zeros((self.layer.size, self.dimension))
             whole[self.chosen] = force
@@ -160,9 +142,11 @@ class RigidPoints:
         rows = self.body.rows(self.reference, self.body.replicate(u))
         return rows @ self.body.replicate(v)
 
-    def add_forces(self, target: Array, forces: PointForces) -> None:
-        """Add forces on the points to the owned unknowns' forces: their work is exact."""
-        old, new, force, _ = forces
+    def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
+        """Add forces on the points, (n, d), N, to the owned unknowns' forces.
+
+        Their work between the two states, at t_n and at t_{n+1}, is exact.
+        """
         assert isinstance(old, PointState) and isinstance(new, PointState)
         assert old.pose is not None and new.pose is not None
         rows = self.body.increment_rows(self.reference, old.pose, new.pose)
@@ -206,9 +190,15 @@ class NitschePoints:
         point_values(self._index, self._table, self.nodal(v), velocity)
         return velocity
 
-    def add_forces(self, target: Array, forces: PointForces) -> None:
+    def add_forces(
+        self,
+        target: Array,
+        old: SurfaceState,
+        new: SurfaceState,
+        force: Array,
+        pull: TractionPull | None = None,
+    ) -> None:
         """Add forces on the points, and `pull` times the traction's derivative, to the forces."""
-        old, new, force, pull = forces
         owned = target.reshape(-1, self.dimension)
         nodal = self.layer.room(owned)
         if pull is None:

@@ -1,12 +1,15 @@
-"""What an interface remembers from one step to the next, and what a step lost in it."""
+"""The memory of an interface from one step to the next, and what a step lost in it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from solver.contact.body_points import SurfaceState
-from solver.contact.increment import Observed
-from solver.contact.projection import ContactKinematics
+from solver.contact.kernels.memory import changed_forces
+from solver.contact.kinematics import ContactKinematics, Observed
 from solver.law.friction import slipped_before
 from solver.types import Array, Indices, Mask
 
@@ -84,3 +87,82 @@ class Dissipation(NamedTuple):
 
 NOTHING_LOST = Dissipation(friction=0.0, contact=0.0, damping=0.0)
 """What a step loses where nothing touches."""
+
+
+INTERFACE_SHARE = 1e-3
+"""Part of the forces of an interface: points that carry less than it together shake nothing."""
+
+TOTAL_SHARE = 1e-6
+"""Part of the forces of all interfaces, likewise: a grazing interface has no other forces to be
+compared with."""
+
+
+def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequence[bool]) -> bool:
+    """Whether points that carry something changed their state of contact in a step.
+
+    By the memories of all interfaces before and after it; `rigid`: neither body that touches is
+    meshed.
+    """
+    changes = [
+        changed_forces(before.force, after.force, before.past, after.past, alone)
+        for before, after, alone in zip(old, new, rigid, strict=True)
+        if not after.clear  # far from contact at both ends
+    ]
+    least = TOTAL_SHARE * sum(carried for _, carried in changes)
+    return any(shaken > max(INTERFACE_SHARE * carried, least) for shaken, carried in changes)
+
+
+SAME_PLACE = 9
+"""Decimals, of the body's size, to which places that are one agree."""
+
+
+class CornerPoints:
+    """Groups of contact points of different faces at one place.
+
+    At each corner only one of its points may touch at a time: that of the face which looks most
+    against the carrier.
+    """
+
+    def __init__(self, places: Array, normal: Array):
+        """Find the groups by the points' places over the body's size and their outward normals."""
+        _, group = np.unique(np.round(places, SAME_PLACE), axis=0, return_inverse=True)
+        members = [np.flatnonzero(group.ravel() == k) for k in range(group.max() + 1)]
+        self._groups = [each for each in members if len(each) > 1]
+        self._normal = normal
+        self._member = np.array([p for each in self._groups for p in each], dtype=np.int64)
+        self._group = np.repeat(np.arange(len(self._groups)), list(map(len, self._groups)))
+        self._first = np.searchsorted(self._group, np.arange(len(self._groups)))
+
+    def chosen(self, rotation: Array, towards: Array) -> Mask:
+        """The points that may touch: one of each corner, and all that share no place.
+
+        The body has turned by a rotation (d, d); `towards` is the normal of the carrier, (d,).
+        """
+        mask = np.ones(len(self._normal), dtype=np.bool_)
+        if len(self._member):
+            cosine = self._normal[self._member] @ (towards @ rotation)
+            order = np.lexsort((cosine, self._group))
+            mask[self._member] = False
+            mask[self._member[order[self._first]]] = True
+        return mask
+
+    def closed_to_all(self, may_touch: Mask) -> Mask | None:
+        """Points that may not touch, but for those at whose corner another one may; None: none."""
+        outside = ~may_touch
+        if len(self._member):
+            closed = np.logical_and.reduceat(outside[self._member], self._first)
+            outside[self._member] = closed[self._group]
+        return outside if outside.any() else None
+
+    def moves(self, before: Mask, after: Mask) -> Iterator[tuple[int, int]]:
+        """Pairs (old, new) of points of a corner between which contact changes."""
+        for corner in self._groups:
+            old, new = _first(corner, before), _first(corner, after)
+            if old is not None and new is not None and old != new:
+                yield old, new
+
+
+def _first(corner: Indices, mask: Mask) -> int | None:
+    """The first point of a corner that is in the mask; None where none is."""
+    chosen = corner[mask[corner]]
+    return int(chosen[0]) if len(chosen) else None

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from petsc4py import PETSc
+
 import numpy as np
 import scipy.sparse as sp
 from dolfinx import fem, mesh
 
-from solver.contact.facets import Evaluations, evaluate_facets, gather
+from solver.bodies.surface_layer import Layer
+from solver.contact.facets import Evaluations, evaluate_facets, extent, gather
 from solver.contact.kernels.nitsche import SurfaceRows
-from solver.parallel import Layer
 from solver.scene.material import Material
 from solver.types import Array, Indices
 
@@ -161,14 +163,6 @@ def _gradient_rows(table: Evaluations, layer: Layer) -> sp.csr_matrix:
     return sp.vstack(directions).tocsr()[order]
 
 
-def extent(domain: mesh.Mesh) -> float:
-    """The largest side of the box around a mesh, m; the same on every rank."""
-    places = domain.geometry.x
-    corners = places.min(axis=0, initial=np.inf), places.max(axis=0, initial=-np.inf)
-    low, high = zip(*domain.comm.allgather(corners), strict=True)
-    return float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
-
-
 def contact_points(
     V: fem.FunctionSpace,
     facet_tags: mesh.MeshTags,
@@ -202,3 +196,23 @@ def contact_points(
         size=size,
         merge=points == "nodes",
     )
+
+
+def theta_matrix(points: ContactPoints, theta: int, like: PETSc.Mat) -> PETSc.Mat:
+    """(theta/gamma_h) G_T^T w G_T, with the rows G_T of the tractions of the undeformed body.
+
+    The matrix `like`, of the body, gives sizes and distribution.
+    """
+    d = points.dimension
+    weight = np.repeat(theta * points.weight * (1.0 / points.gamma_h), d)
+    rows = points.traction_rows()
+    local = sp.csr_matrix(rows.T @ sp.diags(weight) @ rows)
+    unknowns = (points.layer.nodes[:, None] * d + np.arange(d)).ravel().astype(PETSc.IntType)
+    matrix = PETSc.Mat().createAIJ(like.getSizes(), comm=like.comm)
+    matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
+    start, end = like.getOwnershipRange()
+    for row in np.flatnonzero((unknowns >= start) & (unknowns < end)):
+        part = slice(local.indptr[row], local.indptr[row + 1])
+        matrix.setValues(unknowns[row], unknowns[local.indices[part]], local.data[part])
+    matrix.assemble()
+    return matrix

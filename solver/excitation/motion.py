@@ -1,60 +1,16 @@
-"""From what a scene says about the ground to its acceleration."""
+"""The motion of the ground in all directions, read for a scene."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Protocol, cast
+from typing import cast
 
 import numpy as np
 
+from solver.excitation.kinds import BaseMotion, base_motion
 from solver.parallel import Comm, on_first_rank
-from solver.scene import MotionSpec, Scene
-from solver.scene.limits import refuse_beyond
+from solver.scene import Scene
 from solver.types import Array
-
-
-class BaseMotion(Protocol):
-    """A motion of the ground in one direction; positive accelerations point towards +x.
-
-    The velocity is the exact integral of the acceleration: its change over a step is the impulse of
-    the step whatever its length.
-    """
-
-    @property
-    def peak(self) -> float:
-        """Largest |a_g|, m/s^2."""
-
-    @property
-    def stop(self) -> float:
-        """When the acceleration is over, s."""
-
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground a_g, m/s^2."""
-
-    def velocity(self, time: float) -> float:
-        """Velocity of the ground, m/s."""
-
-    def accelerations(self, times: Array) -> Array:
-        """Accelerations of the ground at many times, m/s^2."""
-
-    def velocities(self, times: Array) -> Array:
-        """Velocities of the ground at many times, m/s."""
-
-
-def base_motion(spec: MotionSpec | None, end: float, where: str = "motion") -> BaseMotion | None:
-    """The motion of the ground along one direction in a run up to time `end`, s; None: none.
-
-    It is made by the module of its kind in `solver.excitation.kinds`, imported when it is asked
-    for. Errors name the path of the table in the scene, `where`.
-
-    Raises:
-        SceneError: A file cannot be read; names file and line.
-    """
-    if spec is None:
-        return None
-    made = import_module(f"solver.excitation.kinds.{spec.kind}").signal(spec, end, where)
-    return cast("BaseMotion | None", made)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +22,7 @@ class GroundMotion:
 
     @property
     def moves(self) -> bool:
-        """Whether there is motion in some direction."""
+        """True if there is motion in some direction."""
         return any(self.parts)
 
     @property
@@ -110,9 +66,9 @@ class GroundMotion:
 
 
 def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:
-    """The motion of the ground, read and computed on rank 0, which tells the others.
+    """The motion of the ground, read and computed on rank 0, and sent to the others.
 
-    Peaks that only a motion that was read tells are held against the limits of the scene here.
+    Peaks that are known only when a motion has been read are checked here.
     Collective on all ranks of `comm`; without one this process reads for itself alone.
 
     Raises:
@@ -123,12 +79,6 @@ def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:
     return cast("GroundMotion", on_first_rank(comm, lambda: _read(scene)))
 
 
-def ground_motion(scene: Scene) -> GroundMotion | None:
-    """The motion of the ground in all directions together; None when it does not move."""
-    motion = read_ground(scene)
-    return motion if motion.moves else None
-
-
 def _read(scene: Scene) -> GroundMotion:
     """The motions of all directions, each read once."""
     found, shaking = dict[str, BaseMotion | None](), 0.0
@@ -136,5 +86,5 @@ def _read(scene: Scene) -> GroundMotion:
         found[where] = motion = base_motion(spec, scene.time.end, where)
         read = motion.peak if motion else 0.0
         shaking += read if spec.known_peak is None else spec.known_peak
-    refuse_beyond(scene, shaking)
+    scene.check_limits(shaking)
     return GroundMotion(tuple(found.get(direction) for direction in scene.directions))

@@ -1,4 +1,4 @@
-"""Ground motions given by a formula, with their velocity and displacement in closed form.
+"""Ground motions given by a formula, with their velocity in closed form.
 
 Each lasts from `start` to `stop`, before which the ground is at rest and after which it keeps the
 velocity that it has; a positive amplitude first pushes the ground towards +x.
@@ -17,7 +17,7 @@ from solver.types import Array
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse(ABC):
-    """What pulses have in common; the formulas take the time since the start, tau, s."""
+    """Base of the pulses; the formulas take the time since the start, tau, s."""
 
     amplitude: float
     """A, m/s^2."""
@@ -51,12 +51,6 @@ class Pulse(ABC):
         """Velocity of the ground, m/s."""
         return self._v(min(max(time - self.start, 0.0), self.duration))
 
-    def displacement(self, time: float) -> float:
-        """Displacement of the ground, m."""
-        tau = max(time - self.start, 0.0)
-        last = min(tau, self.duration)
-        return self._u(last) + self._v(last) * (tau - last)
-
     def accelerations(self, times: Array) -> Array:
         """Accelerations of the ground at many times, m/s^2."""
         return np.array([self.acceleration(float(time)) for time in times])
@@ -75,9 +69,6 @@ class Pulse(ABC):
 
     @abstractmethod
     def _v(self, tau: float) -> float: ...
-
-    @abstractmethod
-    def _u(self, tau: float) -> float: ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,10 +94,6 @@ class Sine(Pulse):
         w = 2 * math.pi / self.period
         return self.amplitude / w * (1 - math.cos(w * tau))
 
-    def _u(self, tau: float) -> float:
-        w = 2 * math.pi / self.period
-        return self.amplitude / w * (tau - math.sin(w * tau) / w)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rectangular(Pulse):
@@ -126,9 +113,6 @@ class Rectangular(Pulse):
 
     def _v(self, tau: float) -> float:
         return self.amplitude * tau
-
-    def _u(self, tau: float) -> float:
-        return self.amplitude * tau**2 / 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,8 +149,3 @@ class Ricker(Pulse):
         _, s, decay = self._decay(tau)
         _, first, small = self._decay(0.0)
         return self.amplitude * (s * decay - first * small)
-
-    def _u(self, tau: float) -> float:
-        b, _, decay = self._decay(tau)
-        _, first, small = self._decay(0.0)
-        return self.amplitude * ((small - decay) / (2 * b) - first * small * tau)

@@ -5,10 +5,17 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from solver.types import Array
+
+Baseline = Literal["none", "constant", "linear", "quadratic"]
+
+DEGREES: dict[Baseline, int] = {"constant": 0, "linear": 1, "quadratic": 2}
+"""Degrees of the polynomials of time that are taken off."""
 
 MOST_SAMPLES = 10**6
 """Largest number of samples after resampling."""
@@ -27,11 +34,11 @@ class SampledMotion:
     largest: str = ""
     """Where the largest sample stands, in words."""
     source: str = ""
-    """What was taken from where in a file, in words; empty: the samples are of no file."""
+    """The source in a file, in words; empty: the samples are of no file."""
     _speed: Array = field(init=False, repr=False)
     """Velocities at the samples, m/s, (n,): the integral of the broken line."""
     _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)
-    """The three arrays as lists: single values are asked for in every step."""
+    """The three arrays as lists: every step takes single values."""
 
     def __post_init__(self) -> None:
         """Integrate."""
@@ -130,3 +137,25 @@ def even_step(time: Array) -> float | None:
     step = float(time[-1] - time[0]) / (len(time) - 1)
     even = step > 0 and np.all(np.abs(np.diff(time) - step) <= 1e-6 * step)
     return step if even else None
+
+
+def without_baseline(acceleration: Array, baseline: Baseline) -> Array:
+    """Samples less the polynomial of time that makes the sum of their squared velocities least.
+
+    After Berg and Housner (1961), who took off a parabola. The velocities are those of ground that
+    is at rest at the first sample and whose acceleration (n >= 2 samples at equal distances) is
+    linear between samples; at the last sample they become small, not exactly zero.
+    "none" leaves the samples as they are.
+    """
+    if baseline == "none":
+        return acceleration
+    # No more coefficients than velocities that can be changed.
+    degree = min(DEGREES[baseline], len(acceleration) - 2)
+    powers = legendre.legvander(np.linspace(-1, 1, len(acceleration)), degree)
+    unwanted, *_ = np.linalg.lstsq(_velocities(powers), _velocities(acceleration), rcond=None)
+    return np.asarray(acceleration - powers @ unwanted)
+
+
+def _velocities(acceleration: Array) -> Array:
+    """Integrals from the first sample to each of the others, over the time between samples."""
+    return np.asarray(np.cumsum((acceleration[1:] + acceleration[:-1]) / 2, axis=0))

@@ -1,4 +1,6 @@
-"""Measures of a ground motion given by equally spaced samples, linear between them, zero outside.
+"""Measures of ground motions: spectra, peaks, intensity, duration, highest frequency.
+
+Most are of equally spaced samples, linear between them, zero outside:
 
 `acceleration` stands for the samples a_i, m/s^2, (m,); `step` for the time between them, s.
 """
@@ -10,7 +12,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solver.scene.units import G_UNIT
+from solver.excitation.motion import GroundMotion
+from solver.scene.motion import G_UNIT
+from solver.types import Array
 
 Samples = NDArray[np.float64]
 
@@ -19,6 +23,18 @@ PERIODS: Samples = 0.02 * 250.0 ** np.linspace(0.0, 1.0, 160)
 
 DAMPING = 0.05
 """Damping of oscillators, over critical, where none is given."""
+
+POWER = 0.999
+"""Part of the integral of the squared acceleration that counts."""
+
+FADED = 0.1
+"""Part of the run over which a motion fades out that goes on after it."""
+
+SAMPLES = 2000.0
+"""Samples in a second."""
+
+MOST_SAMPLES = 200_000
+"""Samples at most."""
 
 SAMPLES_A_PERIOD = 40
 """So many samples of the ground at least in the shortest period of a spectrum: the largest response
@@ -124,3 +140,30 @@ def _squares(acceleration: Samples, step: float) -> Samples:
     a = np.asarray(acceleration, dtype=float)
     pieces = (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2) * (step / 3)
     return np.concatenate(([0.0], np.cumsum(pieces)))
+
+
+def highest_frequency(ground: GroundMotion, end: float) -> float:
+    """Frequency below which a motion has 99.9 % of its power in each direction, rad/s; 0: none.
+
+    Of the motion up to the end of the run (s).
+    """
+    stops = [part.stop for part in ground.parts if part is not None]
+    if not stops:
+        return 0.0
+    span = min(end, max(stops))
+    count = min(MOST_SAMPLES, max(64, math.ceil(span * SAMPLES)))
+    step = span / (count - 1)
+    times: Array = step * np.arange(count, dtype=np.float64)
+    accelerations = ground.accelerations(times)
+    if max(stops) > end:  # the jump to zero at the end of the run is no part of the motion
+        fading = np.minimum(1.0, np.linspace(1.0, 0.0, count) / FADED)
+        accelerations *= 0.5 * (1 - np.cos(math.pi * fading))[:, None]
+    spectrum = np.abs(np.fft.rfft(accelerations, axis=0)) ** 2
+    within = np.cumsum(spectrum, axis=0)
+    frequencies = 2 * math.pi * np.fft.rfftfreq(count, step)
+    fastest = [
+        frequencies[min(int(np.searchsorted(power, POWER * power[-1])), len(power) - 1)]
+        for power in within.T
+        if power[-1] > 0
+    ]
+    return float(max(fastest, default=0.0))

@@ -13,10 +13,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from dolfinx import fem
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import ReducedBody, ReducedParts
-from solver.bodies.rigid_box import RigidBox
+from solver.bodies.reduced_body import ReducedBody, ReducedParts
+from solver.bodies.rigid_body import DenseBody, RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.fields.body_functions import BodyFunctions

@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.bodies.surface_layer import Layer
 from solver.contact.body_points import NodePoints
+from solver.contact.carriers import Face
 from solver.contact.edge_crossings import Crossings
-from solver.contact.facet_target import Face
 from solver.contact.interface import Interface
-from solver.contact.kernels.way import add_spread
+from solver.contact.kernels.facets import add_spread
+from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
 from solver.contact.nitsche_points import ContactPoints
-from solver.contact.projection import in_space
-from solver.parallel import Layer
 from solver.types import Array
 
 LEAST_AREA = 1e-6

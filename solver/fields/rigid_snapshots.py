@@ -12,7 +12,6 @@ from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
 from solver.fields.pvd import FieldsBefore
 from solver.scene import Scene
-from solver.scene.places import poses
 from solver.types import Array
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ class RigidSnapshots:
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
         self._heights = [block.height for block in scene.blocks]
-        upright = poses(scene, upright=True)
+        upright = scene.poses(upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
         self._files = open_destination(scene, folder, before or FieldsBefore(), writes=writes)

@@ -201,7 +201,6 @@ def correct_impulses(
     return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
 
 
-@compiled
 def slip_reversal(friction: Array, velocity: Array) -> float:
     """Speed at which points slip back at the end of a step, m/s, a mean over their friction.
 
@@ -212,11 +211,8 @@ def slip_reversal(friction: Array, velocity: Array) -> float:
         friction: Tangential forces of closed points, (m, d - 1), N.
         velocity: Their tangential velocities at the end of the step, (m, d - 1), m/s.
     """
-    power = total = 0.0
-    for p in range(len(friction)):
-        power += float(np.sum(friction[p] * velocity[p]))
-        total += math.sqrt(np.sum(friction[p] ** 2))
-    return power / total if power > 0.0 else 0.0
+    power = float(np.vdot(friction, velocity))
+    return power / float(np.linalg.norm(friction, axis=1).sum()) if power > 0.0 else 0.0
 
 
 def correct_many(

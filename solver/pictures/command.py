@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from solver.errors import not_installed
-from solver.launcher import launched_rank
+from solver.parallel import launched_rank
 from solver.run.folders import open_folder, refuse_unwritable
 from solver.run.streams import say, tell
 

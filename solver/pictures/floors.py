@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from solver.excitation.spectrum import DAMPING, PERIODS
 from solver.pictures.style import DASHES, colour, legend_above, new_figure, plain_periods
 from solver.results.floor_spectra import ALONG_Y
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 from solver.types import Array
 
 

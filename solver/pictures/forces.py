@@ -26,7 +26,7 @@ from solver.results.motion import ACCELERATIONS, is_spatial
 from solver.results.moving import moving_span
 from solver.results.runs import Run
 from solver.scene import BlockSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 
 Floats = NDArray[np.floating[Any]]
 

@@ -30,7 +30,7 @@ from solver.pictures.style import (
     zero_line,
 )
 from solver.results.runs import Run
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 from solver.types import Array
 
 #: Directions of the ground's motion: how their columns begin, what they are called, their colours.

@@ -8,7 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from solver.errors import SceneError
-from solver.excitation.motion import BaseMotion, GroundMotion
+from solver.excitation.kinds import BaseMotion
+from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
 from solver.reference.expected import resistance
 from solver.reference.friction import Resistance

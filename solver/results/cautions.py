@@ -1,14 +1,34 @@
-"""What a run, or a scene, should not be trusted for, in one line each."""
+"""Cautions: what a scene or a run should not be trusted for, in one line each."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from solver.excitation.motion import GroundMotion
-from solver.results.doubtful_input import cautions_of_input
-from solver.scene import BlockSpec, Scene
-from solver.scene.time import TOLERANCE
+from solver.excitation.sampled import SampledMotion
+from solver.results.endings import motion_end
+from solver.scene import BlockSpec, MotionSpec, Scene
+from solver.scene.motion import G_UNIT
+from solver.scene.time import STEPS_A_PERIOD, TOLERANCE
+
+STRONGEST_G = 3.0
+"""Peak acceleration of a motion above which its unit is in doubt, g: hardly any on the ground was
+as large (3.9 g along the vertical at IWTH25, Iwate-Miyagi 2008)."""
+
+DENSITIES = 10.0, 25_000.0
+"""Densities outside of which units are in doubt, kg/m3: from foam to metals."""
+
+SOFTEST = 1e6
+"""Young's modulus below which its unit is in doubt, Pa: soft rubber has that."""
+
+LARGEST_GRAVITY = 30.0
+"""Gravity above which its unit is in doubt, m/s2: that of Jupiter is less."""
+
+FEWEST_STEPS_A_PERIOD = 10.0
+"""Steps in a period of the ground's motion, or in a quarter period of a rocking block, fewest that
+follow it."""
 
 UNRESOLVED = 0.2
 """Part of what impacts lose that may go to time integration and undamped contact."""
@@ -27,6 +47,142 @@ MOST_COARSE = 0.01
 
 FASTER = 1.02
 """Ratio of angular velocities beyond which an impact gave a block energy of something else."""
+
+
+def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Cautions about input that looks like a mistake, which runs repeat."""
+    return [
+        *_densities(scene),
+        *_soft_materials(scene),
+        *_gravity(scene),
+        *_friction_jumps(scene),
+        *_strong_motions(scene, ground),
+        *_motions_beyond_the_end(scene, ground),
+        *_undersampled_motion(scene),
+    ]
+
+
+def _densities(scene: Scene) -> list[str]:
+    """Bodies lighter than foam or heavier than metals."""
+    low, high = DENSITIES
+    found = [
+        f"{block.name} weighs {block.shape.density:.3g} kg/m3: look at its lengths, in m, and at "
+        "its mass, in kg"
+        for block in scene.blocks
+        if not low <= block.shape.density <= high
+    ]
+    below = scene.foundation.pressed_material(scene.material_plane, scene.carried_mass)
+    if below is not None and not low <= below.density <= high:
+        found.append(f"the foundation weighs {below.density:.3g} kg/m3: look at the unit of that")
+    return found
+
+
+def _soft_materials(scene: Scene) -> list[str]:
+    """Bodies softer than rubber."""
+    plane = scene.material_plane
+    bodies = {each.name: each.material(plane) for each in _elastic(scene)}
+    below = scene.foundation.pressed_material(plane, scene.carried_mass)
+    if below is not None:
+        bodies["the foundation"] = below
+    return [
+        f"{name} has a Young's modulus of {material.young:.3g} Pa, that of rubber or less: look at "
+        "its unit"
+        for name, material in bodies.items()
+        if material.young < SOFTEST
+    ]
+
+
+def _gravity(scene: Scene) -> list[str]:
+    """Gravity that is rather in another unit."""
+    if scene.gravity <= LARGEST_GRAVITY:
+        return []
+    return [f"gravity is {scene.gravity:g} m/s2, {scene.gravity / G_UNIT:.3g} g: look at its unit"]
+
+
+def _friction_jumps(scene: Scene) -> list[str]:
+    """Elastic blocks whose friction falls from its static to its dynamic value at once."""
+    found = []
+    for block in _elastic(scene):
+        law = scene.friction_of(block)
+        if law.static != law.dynamic and not law.decays:
+            found.append(
+                f"friction of {block.name} falls from {law.static:g} to {law.dynamic:g} at once: "
+                "an elastic block breaks loose point by point then, and how far it slips depends "
+                "on mesh, step and damping; the paper avoids it, too: give decay"
+            )
+    return found
+
+
+def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Motions with accelerations that no ground has had."""
+    found = []
+    for where, part in zip(scene.directions, ground.parts, strict=True):
+        if part is None or part.peak <= STRONGEST_G * G_UNIT:
+            continue
+        at, suspects = "", "amplitude_g, which is in g"
+        if isinstance(part, SampledMotion):
+            at = f", in {part.largest}" if part.largest else ""
+            suspects = "its units, its scale and its decimal points"
+        found.append(
+            f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
+            f"hardly been recorded; look at {suspects}"
+        )
+    return found
+
+
+def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
+    """Motions of which a run sees nothing, or not all."""
+    end = scene.time.end * (1 + 1e-9)
+    late = [(where, getattr(spec, "start", 0.0)) for where, spec in scene.motions]
+    found = [
+        f"{where} begins at {start:g} s, after the run ends at {scene.time.end:g} s"
+        for where, start in late
+        if start > end
+    ]
+    stop = motion_end(ground)
+    if not found and math.isfinite(stop) and stop > end:
+        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
+    return found
+
+
+def _undersampled_motion(scene: Scene) -> list[str]:
+    """Steps too long to follow the motion of the ground or of a block, and what others cost."""
+    span = scene.time
+    longest = span.largest if span.adaptive else span.step
+    if longest is None:
+        return []
+    seen = [(spec.shortest_period, _shown_motion(where, spec)) for where, spec in scene.motions]
+    seen += [(_quarter_period(scene, block), f"a swing of {block.name}") for block in scene.blocks]
+    shortest, what = min(seen)
+    # The longest of adaptive steps is taken only where the error allows it.
+    fewest = FEWEST_STEPS_A_PERIOD / (2 if span.adaptive else 1)
+    if longest <= shortest / fewest * (1 + 1e-9):
+        return []
+    better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
+    key = "time.largest" if span.adaptive else "time.step"
+    return [
+        f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
+        f"not see it: {key} = {better:g} does, in {span.end / better:.0f} steps instead of "
+        f"{span.end / longest:.0f}"
+    ]
+
+
+def _shown_motion(where: str, spec: MotionSpec) -> str:
+    """The part of a motion that has its shortest period, in words."""
+    if spec.kind in ("record", "table", "synthetic"):
+        return f"the fastest part of [{where}] that moves blocks"
+    return f"[{where}], kind = {spec.kind}"
+
+
+def _quarter_period(scene: Scene, block: BlockSpec) -> float:
+    """From a peak to the next impact, s; infinite where nothing rights the block.
+
+    Of a released block Housner's acosh(1/(1 - theta/alpha))/p, of one that stands 1/p.
+    """
+    p, share = block.shape.frequency(scene.gravity), abs(block.tilt) / block.shape.slenderness
+    if p <= 0:
+        return math.inf
+    return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p
 
 
 def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
@@ -55,7 +211,7 @@ def _crossing_time(block: BlockSpec) -> float:
 def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
     """Cautions about a run of meshed bodies, by its losses and the scale of its balance, J.
 
-    Where nothing deforms, contact takes what the law of impact says, whatever the steps.
+    Where nothing deforms, contact takes what the law of impact gives, whatever the steps.
     """
     share = unresolved_share(loss)
     lost = sum(impact_losses(loss).values())
@@ -71,14 +227,14 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
 
 
 def _lands_by_law(scene: Scene, block: BlockSpec) -> bool:
-    """Whether neither a block nor what carries it deforms."""
+    """True if neither a block nor its carrier deforms."""
     carrier = scene.carrier_of(block)
     firm = not scene.foundation.is_meshed if carrier is None else carrier.model == "rigid"
     return block.model == "rigid" and firm
 
 
 def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
-    """Cautions about steps that are longer than the tolerance asks for, by their counts."""
+    """Cautions about steps that are longer than the tolerance requires, by their counts."""
     coarse, steps = cost.get("coarse_steps", 0), cost.get("steps", 0)
     if coarse <= MOST_COARSE * steps:
         return []
@@ -96,8 +252,7 @@ def cautions_of_end(scene: Scene, status: str, reason: str) -> list[str]:
         caught = " fell " not in reason
         return [] if caught else [f"{reason}: nothing catches it, and the run ends there"]
     return [
-        f"the run ends before {scene.time.end:g} s ({reason}): what it tells of other blocks is up "
-        "to then"
+        f"the run ends before {scene.time.end:g} s ({reason}): other blocks are known up to then"
     ]
 
 
@@ -162,7 +317,7 @@ def _elastic(scene: Scene) -> list[BlockSpec]:
 
 
 def _overruled(scene: Scene) -> bool:
-    """Whether nothing has the damping of `[damping]`, as in the copy of a scene without one."""
+    """True if no body has the damping of `[damping]`, as in the copy of a scene without one."""
     own = all(block.damping is not None for block in _elastic(scene))
     return scene.damping is not None and own and not scene.foundation.is_meshed
 
@@ -186,7 +341,7 @@ def _undamped(scene: Scene) -> list[BlockSpec]:
 
 
 def _remedy(scene: Scene) -> str:
-    """What to change."""
+    """The change that would help, in words."""
     changes = []
     if not scene.time.adaptive:
         changes.append("leave out time.step, so that steps are adaptive")

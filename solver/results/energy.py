@@ -10,7 +10,6 @@ from solver.history.columns import DISSIPATED_ENERGIES
 from solver.history.history import History
 from solver.results.motion import centres
 from solver.scene import BlockSpec, Scene
-from solver.scene.places import poses
 from solver.types import Array
 
 
@@ -52,7 +51,7 @@ def upright_centre(scene: Scene, block: BlockSpec) -> Array:
     """
     middle = np.zeros(scene.dimension)
     middle[-1] = block.height / 2
-    return poses(scene, upright=True)[block.name](middle[None])[0]
+    return scene.poses(upright=True)[block.name](middle[None])[0]
 
 
 def gravity_above_upright(scene: Scene, history: History) -> Array:

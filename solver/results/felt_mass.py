@@ -15,7 +15,7 @@ import numpy as np
 from solver.excitation.sampled import running_integral
 from solver.history.history import History
 from solver.scene import BlockSpec, Scene
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 from solver.types import Array
 
 WINDOW = 0.05

@@ -22,7 +22,7 @@ SMALLEST_OVERLAP = 1e-3
 
 def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
     """Blocks that came to overlap: two names, the time (s) of the first, the largest depth (m)."""
-    pairs = list(scene.strangers())
+    pairs = list(scene.non_adjacent())
     if not pairs:
         return []
     time, found = history["time_s"], []

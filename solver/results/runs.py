@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from solver.errors import SceneError, Statement
+from solver.errors import SceneError, Statement, hidden_by_in_env
 from solver.history.history import History, scene_columns
-from solver.launcher import hidden_by_in_env
 from solver.results.summary import summarise
 from solver.scene import Scene, parse_scene, read_text
 

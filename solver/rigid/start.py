@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrangement import Pose
 from geometry.block import Block
 from solver.scene import FrictionSpec, Scene
-from solver.scene.places import Drift, poses
+from solver.scene.places import Drift
 from solver.types import Array, Indices
 
 GROUND = "foundation"
@@ -72,7 +72,7 @@ def platform_of(scene: Scene) -> RigidPlatform | None:
 
 def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
     """The blocks in the order of the scene, each where it starts; `drift` of the platform, m."""
-    placed = poses(scene, drift=drift)
+    placed = scene.poses(drift=drift)
     return [
         RigidBlock(
             name=spec.name,

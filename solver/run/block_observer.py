@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from solver.bodies.kernels.rotation import vector_of
-from solver.bodies.kinematics import RigidMotion
-from solver.bodies.rigid_box import RigidBox
+from solver.bodies.kinematics import RigidMotion, vector_of
+from solver.bodies.rigid_body import RigidBox
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import Key, NitschePoints
-from solver.contact.facet_target import Face
+from solver.contact.carriers import Face
+from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
-from solver.contact.projection import in_space
 from solver.history.block_columns import (
     has_lost_carrier,
     lean_in_space,

@@ -25,9 +25,9 @@ from solver.excitation.motion import GroundMotion
 from solver.parallel import Comm, Single, any_rank
 from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
-from solver.scene.overrides import differing
+from solver.scene.reader import differing
 
-FORMAT = 12
+FORMAT = 13
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -38,22 +38,19 @@ TYPES = {
     "numpy._core.numeric": ("_frombuffer",),
     "solver.bodies.kinematics": ("RigidMotion",),
     "solver.contact.body_points": ("PointState",),
-    "solver.contact.kernels.chain": ("Feet",),
+    "solver.contact.kernels.facets": ("Feet",),
     "solver.contact.kernels.nitsche": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
-    "solver.contact.projection": ("ContactKinematics", "EdgeInterpolation", "Projection"),
+    "solver.contact.kinematics": ("ContactKinematics", "EdgeInterpolation", "Projection"),
     "solver.rigid.plane.model": ("PlaneMemory", "PlaneState", "PlaneWork"),
     "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
-    "solver.stepping.compliance": ("SavedCompliance",),
-    "solver.stepping.delassus": ("Delassus", "DelassusKey"),
-    "solver.stepping.elastic_response": ("ElasticCoupling",),
+    "solver.stepping.delassus": ("Delassus",),
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
-    "solver.stepping.response": ("CandidateSet", "DenseConfiguration"),
-    "solver.stepping.state": ("State",),
-    "solver.stepping.turning": ("Turning",),
+    "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
+    "solver.stepping.state": ("State", "Turning"),
 }
 """The types that runs save, by the modules that have them: a checkpoint may name no others."""
 

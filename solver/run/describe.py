@@ -5,11 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from geometry.block import Block
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
-from solver.excitation.description import describe_motion
+from solver.excitation.kinds import BaseMotion
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.excitation.pulses import Pulse
+from solver.excitation.sampled import SampledMotion
+from solver.excitation.spectrum import (
+    arias_intensity,
+    longest_spacing,
+    peak_ground,
+    response_spectrum,
+    significant_duration,
+)
 from solver.reference.expected import expected_mode, has_expected_mode
 from solver.reference.housner import housner_restitution
 from solver.reference.platform_rocking import restitution_on_platform
@@ -17,6 +28,7 @@ from solver.results.cautions import cautions_of_scene
 from solver.scene import BlockSpec, Scene
 from solver.scene.cells import box_nodes
 from solver.scene.damping import DampingSpec
+from solver.scene.motion import G_UNIT
 from solver.scene.time import TimeSpec
 
 Lines = list[tuple[str, str]]
@@ -26,6 +38,10 @@ MOST_FRICTION = 1.0
 
 MOST_LINEARISED = 50_000
 """Unknowns of a block up to which its modes are computed, which takes ten seconds then."""
+
+
+SPECTRUM_PERIODS = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
+"""Periods of the spectrum of a motion, s."""
 
 
 def describe(scene: Scene) -> str:
@@ -148,7 +164,7 @@ def _sliding(block: BlockSpec, scene: Scene) -> Lines:
         text = f"not linearised: more than {MOST_LINEARISED} unknowns"
         return [("  steady sliding", text)]
     try:
-        from solver.build.sliding import modes_of_sliding
+        from solver.build.meshed_body import modes_of_sliding
     except ImportError as error:
         return [("  steady sliding", f"not linearised: {error}")]
     modes, damping = modes_of_sliding(scene, block), scene.damping_of(block) or DampingSpec()
@@ -249,17 +265,83 @@ def _beds(scene: Scene) -> Lines:
 
 
 def _motions(scene: Scene, ground: GroundMotion) -> Lines:
-    """What the ground does in each direction."""
+    """The motion of the ground in each direction."""
     directions = dict(zip(scene.directions, ground.parts, strict=True))
     step = None if scene.time.adaptive else scene.time.step
     lines = []
     for where, _ in scene.motions or (("motion", None),):
-        first, *others = describe_motion(directions[where], step)
+        heading, others = describe_motion(directions[where], step)
         name = f"  {where.partition('.')[2]}" if "." in where else "base motion"
         indent = " " * (len(name) - len(name.lstrip()) + 2)
-        lines.append((name, first[1]))
+        lines.append((name, heading))
         lines += [(f"{indent}{part}", text) for part, text in others]
     return lines
+
+
+def describe_motion(motion: BaseMotion | None, step: float | None) -> tuple[str, Lines]:
+    """The peak of a motion in words, and lines: measures of samples, else span and velocity.
+
+    `step` is that of the run, s; None: it is not always the same.
+    """
+    if motion is None:
+        return "none", []
+    peak = f"{motion.peak / G_UNIT:.4g} g = {motion.peak:.4g} m/s2"
+    if isinstance(motion, SampledMotion):
+        measures = _measures(motion)
+        read = [("read as", motion.source)] if motion.source else []
+        samples = [*read, ("samples", _samples(motion))]
+        return f"PGA {peak}", [*samples, *measures, _samples_and_steps(motion, step)]
+    lines = []
+    if isinstance(motion, Pulse):
+        lines = [
+            ("span", f"{motion.start:.4g} to {motion.start + motion.duration:.4g} s"),
+            (
+                "velocity",
+                f"up to {motion.peak_velocity:.4g} m/s, {motion.end_velocity:.4g} m/s in the end",
+            ),
+        ]
+    return f"peak {peak}", lines
+
+
+def _samples(motion: SampledMotion) -> str:
+    """Number and spacing of samples."""
+    distances = np.diff(motion.time)
+    apart = f"{distances.min():.4g} to {distances.max():.4g} s"
+    if motion.step is not None:
+        apart = f"{motion.step:.6g} s"
+    span = f"{motion.duration:.6g} s long, from {motion.time[0]:.4g} s"
+    return f"{len(motion.value)}, {apart} apart, {span}"
+
+
+def _measures(motion: SampledMotion) -> Lines:
+    """Peaks, duration, intensity and spectrum; g is 9.81 m/s^2."""
+    values, step = motion.evenly_spaced(longest_spacing(SPECTRUM_PERIODS))
+    _, _, moved = peak_ground(values, step)
+    spectrum = response_spectrum(values, step, SPECTRUM_PERIODS) / G_UNIT
+    pairs = [
+        f"{period:g} s {value:.4f}"
+        for period, value in zip(SPECTRUM_PERIODS, spectrum, strict=True)
+    ]
+    return [
+        ("PGV", f"{motion.peak_velocity:.4f} m/s"),
+        ("PGD", f"{moved:.4f} m"),
+        ("duration D5-95", f"{significant_duration(values, step):.2f} s"),
+        ("Arias intensity", f"{arias_intensity(values, step):.4f} m/s"),
+        ("PSA in g, 5 %", ", ".join(pairs)),
+    ]
+
+
+def _samples_and_steps(motion: SampledMotion, step: float | None) -> tuple[str, str]:
+    """The steps of the run beside the samples."""
+    text = "they take the mean acceleration, no sample is skipped"
+    if motion.step is None or step is None:
+        return "steps", f"not those of the samples: {text}"
+    parts, begin = motion.step / step, float(motion.time[0]) / step
+    if abs(parts - round(parts)) > 1e-6 * parts or parts < 0.5:
+        return "steps", f"{step:g} s does not divide {motion.step:.6g} s: {text}"
+    if abs(begin - round(begin)) > 1e-6:
+        return "steps", f"the first sample, at {motion.time[0]:.6g} s, is inside one: {text}"
+    return "steps", f"{step:g} s divides {motion.step:.6g} s: {round(parts)} between two samples"
 
 
 def table(lines: Lines) -> str:

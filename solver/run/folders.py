@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from solver.errors import SceneError, Statement
-from solver.launcher import hidden_by_in_env
+from solver.errors import SceneError, Statement, hidden_by_in_env
 
 #: Pictures that are drawn of runs.
 PICTURES = (

@@ -16,10 +16,10 @@ from solver.excitation.motion import GroundMotion
 from solver.fields.pvd import FieldsBefore
 from solver.history.history import scene_columns
 from solver.parallel import any_rank
+from solver.run.context import RunContext
 from solver.run.describe import damping_of_block
 from solver.run.files import Fields
 from solver.run.observer import Observer
-from solver.run.simulate import RunContext
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.interfaces import Standing
@@ -131,20 +131,20 @@ class MeshedRun:
         self._steps, self._iterations, self._damped, self._coarse = saved["counts"]
         self._row = saved["row"]
 
-    def loop(self, desk: RunContext) -> tuple[str, str]:
+    def loop(self, context: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
-        status, reason = self._advance_to_end(desk)
-        self._last_row(desk)
-        desk.files.snapshot(self.state.time)
+        status, reason = self._advance_to_end(context)
+        self._last_row(context)
+        context.files.snapshot(self.state.time)
         return status, reason
 
-    def _advance_to_end(self, desk: RunContext) -> tuple[str, str]:
+    def _advance_to_end(self, context: RunContext) -> tuple[str, str]:
         """Take steps until the run ends; returns status and reason."""
         ladder, judge = self._ladder, self._judge
-        due = desk.files.next_snapshot(self.state.time)
+        due = context.files.next_snapshot(self.state.time)
         status, reason = "completed", ""
         while not ladder.done:
-            stopped = desk.stopped(self.state.time)
+            stopped = context.stopped(self.state.time)
             if stopped:
                 status, reason = "interrupted", stopped
                 break
@@ -161,15 +161,15 @@ class MeshedRun:
             if judge is not None and coarse and ladder.shorten(judge.halvings):
                 continue
             ladder.accept(climb=judge is None or judge.climbs())
-            ended = self._take(desk, new, exchange, step, is_coarse=coarse)
+            ended = self._take(context, new, exchange, step, is_coarse=coarse)
             if ended:
                 return "completed", ended
-            desk.show(new.time, step, exchange.iterations)
+            context.show(new.time, step, exchange.iterations)
             if ladder.time >= due * (1 - 1e-12):
-                desk.files.snapshot(self.state.time)
-                due = desk.files.next_snapshot(self.state.time)
-            desk.keep(self, self._steps, self.state.time)
-        desk.keep(self, self._steps, self.state.time, ends=True)
+                context.files.snapshot(self.state.time)
+                due = context.files.next_snapshot(self.state.time)
+            context.keep(self, self._steps, self.state.time)
+        context.keep(self, self._steps, self.state.time, ends=True)
         return status, reason
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
@@ -196,7 +196,7 @@ class MeshedRun:
         return new
 
     def _take(
-        self, desk: RunContext, new: State, exchange: Exchange, dt: float, *, is_coarse: bool
+        self, context: RunContext, new: State, exchange: Exchange, dt: float, *, is_coarse: bool
     ) -> str:
         """Go on from where a step of length dt (s) led; returns why the run ends there, or ""."""
         self._damped += self.state.is_damped(dt)
@@ -205,16 +205,16 @@ class MeshedRun:
         self._iterations += exchange.iterations
         self._coarse += is_coarse
         self._row = self._observer.row(new, exchange, dt)
-        desk.recorder.see(self._row[None])
-        found = desk.watch.look(self._row[None])
+        context.recorder.see(self._row[None])
+        found = context.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
-            self._last_row(desk)
+            self._last_row(context)
         return "" if found is None else found.reason
 
-    def _last_row(self, desk: RunContext) -> None:
+    def _last_row(self, context: RunContext) -> None:
         """Append the row of the last step, once."""
         if self._row is not None:
-            desk.history.append(self._row)
+            context.history.append(self._row)
             self._row = None
 
     def cost(self) -> dict[str, Any]:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.oscillator import Oscillator
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import Oscillator
 from solver.build.assembly import Assembly
 from solver.history.columns import (
     DISSIPATED_ENERGIES,

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.excitation.stepped import SteppedGround
 from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.history.columns import positions
@@ -23,12 +22,12 @@ from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, runs_machine_code
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.system import Advance
+from solver.run.context import RunContext
 from solver.scene import Scene
 from solver.types import Array
 
 if TYPE_CHECKING:
     from solver.rigid.space.system import SpaceSystem
-    from solver.run.simulate import RunContext
 
 
 #: Most steps after which someone may interrupt the run, as machine code or interpreted.
@@ -36,9 +35,6 @@ STEPS_AT_ONCE = {True: 500, False: 20}
 
 #: Wall time of steps at once above which there are fewer the next time, s; else there are more.
 LONG = 0.5
-
-#: Steps for which the motion of the ground is found at once.
-STEPS_AHEAD = 5000
 
 
 class RigidRun:
@@ -60,11 +56,9 @@ class RigidRun:
         All ranks compute the same; `writes` is False on all but one.
         """
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
-        self._motion, self._ground = ground or read_ground(scene), None
+        self._motion = ground or read_ground(scene)
         machine_code = runs_machine_code()
         self._most, self._at_once = STEPS_AT_ONCE[machine_code], 1
-        if self._motion.moves:
-            self._ground = SteppedGround(self._motion, scene.time.step, STEPS_AHEAD)
         self._system = self._start()
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
@@ -111,96 +105,98 @@ class RigidRun:
         self._steps, self._rejected, self._iterations = saved["counts"]
         self._now, self._row = self._steps * self._scene.time.step, saved["row"]
 
-    def loop(self, desk: RunContext) -> tuple[str, str]:
+    def loop(self, context: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
         span = self._scene.time
         total = math.floor(span.end / span.step + 1e-9)
         status, reason = "completed", ""
         while self._steps < total and not reason:
-            reason = desk.stopped(self._steps * span.step)
+            reason = context.stopped(self._steps * span.step)
             if reason:
                 status = "interrupted"
-                desk.keep(self, self._steps, self._steps * span.step, ends=True)
+                context.keep(self, self._steps, self._steps * span.step, ends=True)
                 break
             began = time.perf_counter()
-            status, reason = self._piece(desk, self._next_stop(desk, total))
-            slow = desk.interruption.anywhere(time.perf_counter() - began > LONG)
+            status, reason = self._piece(context, self._next_stop(context, total))
+            slow = context.interruption.anywhere(time.perf_counter() - began > LONG)
             more = max(1, self._at_once // 4) if slow else 2 * self._at_once
             self._at_once = min(more, self._most)
             if not reason:
-                desk.keep(self, self._steps, self._steps * span.step)
+                context.keep(self, self._steps, self._steps * span.step)
         if not reason:
-            desk.keep(self, self._steps, self._steps * span.step, ends=True)
-            status, reason = self._rest(desk)
+            context.keep(self, self._steps, self._steps * span.step, ends=True)
+            status, reason = self._rest(context)
         if self._row is not None:
-            desk.history.append(self._row)
+            context.history.append(self._row)
             self._row = None
-        desk.files.snapshot(self._now)
+        context.files.snapshot(self._now)
         return status, reason
 
-    def _next_stop(self, desk: RunContext, total: int) -> int:
+    def _next_stop(self, context: RunContext, total: int) -> int:
         """Number of steps at which the next snapshot is due, or someone may interrupt."""
         step, first = self._scene.time.step, self._steps
-        due = desk.files.next_snapshot(first * step) / step * (1 - 1e-12)
-        kept = desk.files.schedule.next_step(first)
+        due = context.files.next_snapshot(first * step) / step * (1 - 1e-12)
+        kept = context.files.schedule.next_step(first)
         return math.ceil(min(max(due, first + 1), first + self._at_once, total, kept))
 
-    def _piece(self, desk: RunContext, stop: int) -> tuple[str, str]:
+    def _piece(self, context: RunContext, stop: int) -> tuple[str, str]:
         """Run up to step number `stop`; returns status and, where the run ends, the reason."""
         step, first = self._scene.time.step, self._steps
-        saved = self._system.saved() if desk.watch.ends_runs else None
+        saved = self._system.saved() if context.watch.ends_runs else None
         outcome = self._steps_to(stop)
         status, reason = "completed", ""
-        found = desk.watch.look(outcome.rows[:, self._columns]) if len(outcome.rows) else None
+        found = context.watch.look(outcome.rows[:, self._columns]) if len(outcome.rows) else None
         if found is not None and saved is not None:
             # Once more, up to the step with which the run ends: the bodies have to stand there.
             self._system.restore(saved)
             outcome, reason = self._steps_to(first + 1 + found.row), found.reason
         elif outcome.failure:
             status, reason = "not converged", outcome.failure
-        self._keep(desk, outcome)
-        self._report(desk, outcome)
-        due = desk.files.next_snapshot(first * step)
+        self._keep(context, outcome)
+        self._report(context, outcome)
+        due = context.files.next_snapshot(first * step)
         if self._steps * step >= due * (1 - 1e-12):
-            desk.files.snapshot(self._steps * step)
+            context.files.snapshot(self._steps * step)
         return status, reason
 
     def _steps_to(self, stop: int) -> Advance:
         """The steps up to number `stop`."""
         step, first = self._scene.time.step, self._steps
-        ground = None if self._ground is None else self._ground.between(first, stop)
+        ground = self._shaking(np.arange(first, stop + 1, dtype=np.float64) * step)
         outcome = self._advance(stop - first, step, ground)
         count = len(outcome.rows)
         outcome.rows[:, self._run_columns.time_s] = np.arange(first + 1, first + 1 + count) * step
         return outcome
 
-    def _rest(self, desk: RunContext) -> tuple[str, str]:
+    def _shaking(self, times: Array) -> tuple[Array, Array] | None:
+        """Accelerations of the ground at times, s, and mean ones between them; None: at rest."""
+        if not self._motion.moves:
+            return None
+        return self._motion.accelerations(times), self._motion.means(times)
+
+    def _rest(self, context: RunContext) -> tuple[str, str]:
         """A last, shorter step where the end is no multiple of the step."""
         span = self._scene.time
         reached = self._steps * span.step
         rest = span.end - reached
         if rest <= span.smallest * (1 - 1e-9):
             return "completed", ""
-        ends = np.array([reached, span.end])
-        ground = None
-        if self._motion.moves:
-            ground = self._motion.accelerations(ends), self._motion.means(ends)
-        outcome = self._advance(1, rest, ground)
+        outcome = self._advance(1, rest, self._shaking(np.array([reached, span.end])))
         outcome.rows[:, self._run_columns.time_s] = span.end
-        self._keep(desk, outcome)
-        self._report(desk, outcome)
+        self._keep(context, outcome)
+        self._report(context, outcome)
         if outcome.failure:
             return "not converged", outcome.failure
-        found = desk.watch.look(outcome.rows[:, self._columns])
+        found = context.watch.look(outcome.rows[:, self._columns])
         return "completed", "" if found is None else found.reason
 
-    def _keep(self, desk: RunContext, outcome: Advance) -> None:
+    def _keep(self, context: RunContext, outcome: Advance) -> None:
         """Append the rows that the history holds; another one waits, since it may be the last."""
         rows = outcome.rows[:, self._columns]
-        desk.recorder.see(rows)
+        context.recorder.see(rows)
         number = np.arange(self._steps + 1, self._steps + 1 + len(rows))
         kept = number % self._scene.output.history_every == 0
-        desk.history.extend(rows[kept])
+        context.history.extend(rows[kept])
         self._steps += len(rows)
         if len(rows):
             self._now = float(outcome.rows[-1, self._run_columns.time_s])
@@ -212,7 +208,7 @@ class RigidRun:
         smallest = min(self._scene.time.smallest, step)
         return self._system.advance(count, step, accelerations, smallest, mean)
 
-    def _report(self, desk: RunContext, outcome: Advance) -> None:
+    def _report(self, context: RunContext, outcome: Advance) -> None:
         """Count, and tell of what went wrong."""
         run = self._run_columns
         self._rejected += outcome.rejected
@@ -222,7 +218,7 @@ class RigidRun:
         if len(outcome.rows):
             last = outcome.rows[-1]
             iterations = int(last[run.newton_iterations])
-            desk.show(float(last[run.time_s]), float(last[run.step_s]), iterations)
+            context.show(float(last[run.time_s]), float(last[run.step_s]), iterations)
 
     def cost(self) -> dict[str, Any]:
         """What the run took."""

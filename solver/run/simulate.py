@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -9,55 +10,34 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.fields.hdf_file import refuse_without_h5py
-from solver.fields.pvd import FieldsBefore
 from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.late_linking import watching
 from solver.law.switch import chosen_for
 from solver.parallel import Comm, Single, on_first_rank, world
-from solver.results.doubtful_input import cautions_of_input
+from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
 from solver.results.events import Recorder
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
 from solver.run.checkpoint import Checkpoint, read_checkpoint
-from solver.run.files import Fields, RunFiles
+from solver.run.context import Engine, ProgressReport, RunContext
+from solver.run.files import RunFiles
 from solver.run.folders import renew_folder
-from solver.run.garbage import rarely_collected
 from solver.run.interruption import Interruption
 from solver.run.twin import finer_twin_of, horizon_beside, refuse_without_twin
 from solver.scene import Scene
 from solver.scene.checking import shown
 
 Log = Callable[[str], None]
-
-
-class ProgressReport(Protocol):
-    """What a progress display understands."""
-
-    def begin(self, time: float) -> None:
-        """Set-up is over; steps begin at `time`."""
-
-    def pause(self, why: str) -> None:
-        """Something else takes its time."""
-
-    def go_on(self) -> None:
-        """What took its time is over; steps go on."""
-
-    def update(self, time: float, step: float, iterations: int) -> None:
-        """A step of length `step` ended at `time`."""
-
-    def close(self) -> None:
-        """The run ended."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,50 +50,6 @@ class Result:
     """One row a step; `history["block.angle_rad"]` is a numpy array."""
     summary: dict[str, Any]
     """The content of summary.json."""
-
-
-@dataclass(slots=True)
-class RunContext:
-    """What an engine is given: where its rows go, and who watches."""
-
-    scene: Scene
-    """What is run."""
-    history: History
-    """Takes the rows."""
-    files: RunFiles
-    """The folder of the run, if there is one."""
-    interruption: Interruption
-    """Whether someone wants the run to stop."""
-    watch: Watch
-    """Looks for blocks that overturn or fall, where that ends the run."""
-    recorder: Recorder
-    """Finds the events in the steps that are taken."""
-    progress: ProgressReport | None
-    """A display."""
-    ground: GroundMotion
-    """Motion of the ground, which checkpoints belong to."""
-
-    def keep(self, engine: Engine, step: int, now: float, *, ends: bool = False) -> None:
-        """Write what waits, and a checkpoint where one is due or the run is interrupted there."""
-        if self.files.late:
-            self.history.events = self.recorder.events
-            self.files.flush()
-        schedule = self.files.schedule
-        if schedule.is_due(step) or (ends and schedule.wanted):
-            self.files.keep(
-                self.ground, now, (engine.saved(), self.watch.before, self.recorder.saved())
-            )
-
-    def show(self, now: float, step: float, iterations: int) -> None:
-        """Tell the display of a finished step."""
-        if self.progress is not None:
-            self.progress.update(now, step, iterations)
-
-    def stopped(self, now: float) -> str:
-        """Why the run has to stop at a time (s); empty where it has not."""
-        if not self.interruption.requested():
-            return ""
-        return f"stopped by {self.interruption.cause} at t = {now:.6g} s"
 
 
 class _Compilations:
@@ -148,33 +84,6 @@ class _Compilations:
         self.seconds += time.perf_counter() - self._began
         if self._progress is not None:
             self._progress.go_on()
-
-
-class Engine(Protocol):
-    """What runs a scene: with meshed bodies, or with rigid ones alone."""
-
-    description: str
-    """Size of the problem, for the log."""
-    remarks: Sequence[str]
-    """What could not begin as asked, in words."""
-
-    def first_row(self) -> Sequence[float] | NDArray[np.float64]:
-        """The row of the history at t = 0."""
-
-    def open_fields(self, folder: Path, before: FieldsBefore) -> Fields:
-        """What writes the fields, after those that an earlier part of the run has left."""
-
-    def saved(self) -> dict[str, Any]:
-        """How the run stands, for `resume`."""
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from where another engine of the same scene was saved; collective."""
-
-    def loop(self, desk: RunContext) -> tuple[str, str]:
-        """Step to the end; returns status and reason."""
-
-    def cost(self) -> dict[str, Any]:
-        """What the run took, seconds apart."""
 
 
 def engine_for(
@@ -264,11 +173,11 @@ def simulate(
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
         watch, recorder = Watch(scene), Recorder(scene, history.columns)
-        desk = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
+        context = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
         until = None if seconds is None else began + seconds
         twin = partial(_twin, comm=comm, many=many, until=until, petsc_options=petsc_options)
-        status, summary = _run(engine, desk, began, cautions, resumed, compiling, twin)
+        status, summary = _run(engine, context, began, cautions, resumed, compiling, twin)
     return Result(status, history, summary)
 
 
@@ -299,7 +208,7 @@ def _twin(
 
 def _run(
     engine: Engine,
-    desk: RunContext,
+    context: RunContext,
     began: float,
     cautions: Sequence[str],
     resumed: Checkpoint | None,
@@ -312,8 +221,8 @@ def _run(
     counter, s, with these cautions; it may go on from a checkpoint. What is compiled or read back
     in the loop counts as set-up. `twin` runs the twin of the scene, where the scene wants it.
     """
-    scene, history, files = desk.scene, desk.history, desk.files
-    for where, part in zip(scene.directions, desk.ground.parts, strict=True):
+    scene, history, files = context.scene, context.history, context.files
+    for where, part in zip(scene.directions, context.ground.parts, strict=True):
         if isinstance(part, SampledMotion) and part.source:
             files.log(f"{where}: {part.source}")
     for text in cautions:
@@ -321,22 +230,25 @@ def _run(
     if resumed is None:
         first = np.array(engine.first_row())
         history.append(first)
-        desk.watch.look(first[None])
-        desk.recorder.see(first[None])
+        context.watch.look(first[None])
+        context.recorder.see(first[None])
     else:
         own, before, recorded = resumed.saved
         engine.resume(own)
-        desk.watch.resume(before)
-        desk.recorder.resume(recorded)
+        context.watch.resume(before)
+        context.recorder.resume(recorded)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
     ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
-    if desk.progress is not None:
-        desk.progress.begin(0.0 if resumed is None else resumed.time)
-    with rarely_collected():
-        status, reason = engine.loop(desk)
-        history.events = desk.recorder.finish()
+    if context.progress is not None:
+        context.progress.begin(0.0 if resumed is None else resumed.time)
+    gc.freeze()  # what dolfinx, UFL and numba have loaded is no garbage: 5 % of a small step
+    try:
+        status, reason = engine.loop(context)
+        history.events = context.recorder.finish()
         files.flush()
+    finally:
+        gc.unfreeze()
     compiled = compiling.seconds - compiled
     loop = time.perf_counter() - ready - (files.output_seconds - written) - compiled
     cost = {
@@ -353,7 +265,7 @@ def _run(
         versions=versions(),
         reason=reason,
         cautions=cautions,
-        ground=desk.ground,
+        ground=context.ground,
     )
     if scene.output.twin and status == "completed":
         summary["horizon"] = horizon_beside(scene, history, lambda: twin(scene))

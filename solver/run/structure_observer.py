@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
 from solver.build.assembly import Assembly
 from solver.history.columns import Structure, positions
 from solver.parallel import global_sum

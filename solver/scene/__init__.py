@@ -1,4 +1,4 @@
-"""A scene: what is asked, checked; the one place where keys are named and their ranges stand.
+"""A scene: all input of a simulation, checked; the one place with names and ranges of keys.
 
 Units are SI; angles stand in degrees in keys that end in `_deg`, and nowhere else. The kinds of
 foundations and motions stand in `solver.scene.foundation` and `solver.scene.motion`.
@@ -10,7 +10,7 @@ from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, Platform
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
-from solver.scene.ranges import Dimension
+from solver.scene.quantities import Dimension
 from solver.scene.reader import load_scene, parse_scene, read_text, scene_to_toml, set_values
 from solver.scene.scene import Scene
 from solver.scene.time import TimeSpec

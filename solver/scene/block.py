@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 
 from geometry.block import Block
 from solver.errors import SceneError, missing_key, not_applicable
-from solver.scene.cells import box_mesh_size, cell_of, cells_in_words, cells_of
-from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
+from solver.scene.cells import box_mesh_size, cell_of, cells_of
+from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
 from solver.scene.damping import (
     DEFAULT_RATIO,
@@ -21,13 +21,17 @@ from solver.scene.damping import (
     stiffness_damping,
 )
 from solver.scene.material import Material, Plane
-from solver.scene.ranges import (
+from solver.scene.quantities import (
     Cell,
     Cells,
+    Density,
     Dimension,
-    Finite,
+    Length,
+    Mass,
+    Modulus,
     NotNegative,
-    Positive,
+    Number,
+    Place,
     Ratio,
     Rotation,
     Tilt,
@@ -44,13 +48,13 @@ RESERVED = (
 #: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
 
-#: Numbers of cells where a scene says nothing.
+#: Numbers of cells by default.
 DEFAULT_CELLS: dict[Dimension, Cells] = {2: (6, 16), 3: (6, 6, 16)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockSpec(Checked):
-    """A block: `[[block]]`; what is None here is filled in by the scene, which knows its dimension.
+    """A block: `[[block]]`; open fields are resolved by the scene, for its dimension.
 
     A rigid block takes the keys of elasticity and mesh, too, and makes no use of them: the same
     scene with one word changed.
@@ -61,30 +65,30 @@ class BlockSpec(Checked):
     100 at most. Names of tables and columns are taken: foundation, contact, damping, motion, time,
     output, base, platform, plate, frame, energy."""
     on: str = "foundation"
-    """What carries it: `"foundation"` or the name of another block."""
-    width: Positive
+    """Its carrier: `"foundation"` or the name of another block."""
+    width: Length
     """B, along x, m."""
-    height: Positive
+    height: Length
     """H, m."""
-    thickness: Positive = 1.0
+    thickness: Length = 1.0
     """t, across the plane of motion, along y in 3-D, m."""
-    mass: Positive | None = None
+    mass: Mass | None = None
     """Mass m of the whole block, kg. Default: this or `density`."""
-    density: Positive | None = None
+    density: Density | None = None
     """rho, kg/m³. Default: this or `mass`."""
     model: Literal["elastic", "rigid"] = "elastic"
     """With a mesh; or without one, with 3 unknowns (6 in 3-D)."""
-    young: Positive | None = None
+    young: Modulus | None = None
     """Young's modulus E, Pa. Default: elastic: required."""
     poisson: Ratio | None = None
     """Poisson's ratio nu. Default: elastic: required."""
-    offset: Finite = 0.0
-    """Distance of its centre from the centre of what carries it, along x, before the tilt, m."""
-    offset_second: Finite = 0.0
+    offset: Place = 0.0
+    """Distance of its centre from that of its carrier, along x, before the tilt, m."""
+    offset_second: Place = 0.0
     """Distance between these centres along y, m; 3-D only."""
     tilt_deg: Tilt = 0.0
     """Rigid rotation at the start about the bottom corner on that side, positive towards +x,
-    degrees; against what carries it, which a block on a tilted one is tilted with."""
+    degrees; against its carrier, with which it is tilted if that is."""
     tilt_direction_deg: Turn = 0.0
     """Where a positive tilt leans to: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
@@ -114,9 +118,8 @@ class BlockSpec(Checked):
     """e of impacts on what carries it; see [restitution](#restitution). Rigid blocks only, where
     nothing is meshed, also on a plate that is held. Default: impacts without rebound."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Checked.__post_init__(self)
+    def check(self) -> None:
+        """Refuse values that do not go together."""
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,99}", self.name) or self.name in RESERVED:
             allowed = f"a letter, then letters, digits, _, -, 100 in all; not {', '.join(RESERVED)}"
             raise SceneError("name", shown(self.name), allowed)
@@ -137,20 +140,34 @@ class BlockSpec(Checked):
 
     def in_dimension(self, dimension: Dimension) -> BlockSpec:
         """The block in a scene of this dimension, nothing left open; SceneError if it cannot be."""
-        return replace(
-            self,
-            velocity=_velocity(self, dimension),
-            angular_velocity=_angular_velocity(self, dimension),
-            cells=cells_of(self, dimension, DEFAULT_CELLS[dimension]),
-            cell=cell_of(self, dimension),
-        )._without_depth(dimension)
-
-    def _without_depth(self, dimension: Dimension) -> BlockSpec:
-        """The block, unless it uses keys in the plane that exist in 3-D only."""
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key) != 0:
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
-        return self
+        return replace(
+            self,
+            velocity=self._velocity_in(dimension),
+            angular_velocity=self._spin_in(dimension),
+            cells=cells_of(self, dimension, DEFAULT_CELLS[dimension]),
+            cell=cell_of(self, dimension),
+        )
+
+    def _velocity_in(self, dimension: Dimension) -> Vector:
+        if is_open(self.velocity):
+            return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
+        if len(self.velocity) != dimension:
+            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
+            raise SceneError("velocity", shown(self.velocity), allowed)
+        return self.velocity
+
+    def _spin_in(self, dimension: Dimension) -> Rotation:
+        given = self.angular_velocity
+        if is_open(given):
+            return 0.0 if dimension == 2 else (0.0, 0.0, 0.0)
+        if isinstance(given, tuple) != (dimension == 3):
+            allowed = "a finite number" if dimension == 2 else "3 values, each a finite number,"
+            where = f"{allowed} where dimension = {dimension}"
+            raise SceneError("angular_velocity", shown(given), where)
+        return given
 
     @property
     def shape(self) -> Block:
@@ -187,7 +204,7 @@ class BlockSpec(Checked):
         )
 
     def default_damping(self, plane: Plane, friction: float) -> DampingSpec:
-        """Damping of an elastic block where nothing is said; ValueError for a rigid one.
+        """Damping of an elastic block by default; ValueError for a rigid one.
 
         2 % of critical at the first bending mode, or more where a block is squat and slides before
         it rocks: what keeps its steady sliding from flutter.
@@ -204,11 +221,6 @@ class BlockSpec(Checked):
                 found.append(stiffness_damping(ratio, frequency))
         return max(found, key=lambda damping: damping.stiffness)
 
-    @property
-    def mesh_label(self) -> str:
-        """The size of its mesh in a few words; empty for a rigid block."""
-        return cells_in_words(self.cells) if self.model == "elastic" else ""
-
     def mesh_size(self, dimension: Dimension) -> str:
         """The size of its mesh, or that there is none."""
         if self.model == "rigid":
@@ -222,7 +234,7 @@ class BlockSpec(Checked):
 
     @property
     def begins_at_rest(self) -> bool:
-        """Whether it begins upright and at rest."""
+        """True if it begins upright and at rest."""
         return not (self.tilt_deg or any(self.velocity) or any(self.spins))
 
     @property
@@ -235,24 +247,3 @@ class BlockSpec(Checked):
     def tilt_direction(self) -> float:
         """`tilt_direction_deg` in rad."""
         return math.radians(self.tilt_direction_deg)
-
-
-def _velocity(spec: BlockSpec, dimension: Dimension) -> Vector:
-    if is_open(spec.velocity):
-        return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
-    if len(spec.velocity) != dimension:
-        allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-        raise SceneError("velocity", shown(spec.velocity), allowed)
-    return spec.velocity
-
-
-def _angular_velocity(spec: BlockSpec, dimension: Dimension) -> Rotation:
-    given = spec.angular_velocity
-    if is_open(given):
-        return 0.0 if dimension == 2 else (0.0, 0.0, 0.0)
-    if isinstance(given, tuple) != (dimension == 3):
-        allowed = "a finite number" if dimension == 2 else "3 values, each a finite number,"
-        raise SceneError(
-            "angular_velocity", shown(given), f"{allowed} where dimension = {dimension}"
-        )
-    return given

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Protocol
 
 from solver.errors import SceneError
 from solver.scene.checking import is_open, shown
-from solver.scene.ranges import Cell, Cells, Dimension
+from solver.scene.quantities import Cell, Cells, Dimension
 
 SHAPES: dict[Dimension, tuple[Cell, ...]] = {
     2: ("quadrilateral", "triangle"),
@@ -22,7 +22,7 @@ CELLS_OF_A_BOX = {"quadrilateral": 1, "triangle": 2, "hexahedron": 1, "tetrahedr
 
 
 class HasCells(Protocol):
-    """What has cells; None stands for the default of the dimension."""
+    """A body with cells; None stands for the default of the dimension."""
 
     @property
     def cells(self) -> Cells:
@@ -69,16 +69,6 @@ def refined(cells: Cells, times: Callable[[int], int]) -> Cells:
     if len(cells) == 2:
         return times(cells[0]), times(cells[1])
     return times(cells[0]), times(cells[1]), times(cells[2])
-
-
-def equal_parts(sides: Sequence[float], cells: Sequence[int]) -> list[float]:
-    """Edges of cells that are all alike, m."""
-    return [side / count for side, count in zip(sides, cells, strict=True)]
-
-
-def cells_in_words(cells: Cells) -> str:
-    """Numbers of cells, such as `cells 6 x 16`."""
-    return f"cells {' x '.join(map(str, cells))}"
 
 
 def box_nodes(body: HasMesh) -> int:

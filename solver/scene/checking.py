@@ -9,58 +9,23 @@ tuple or a dataclass.
 from __future__ import annotations
 
 import dataclasses
-import sys
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from solver.errors import SceneError, UnknownKey, missing_key
-from solver.scene.extremes import refuse_extreme
+from solver.errors import SceneError, UnknownKey, below, missing_key
 
-#: Default of a field that is filled in later, by who knows more; its type need not admit None.
+#: Default of a field that is resolved once the rest is known; its type need not admit None.
 OPEN: Any = None
 
 
 def is_open(value: object) -> bool:
-    """Whether a value is still to be filled in."""
+    """True if a value is still to be resolved."""
     return value is OPEN
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Number:
-    """The range of a number; never infinite, never NaN."""
-
-    above: float | None = None
-    at_least: float | None = None
-    below: float | None = None
-    at_most: float | None = None
-
-    def holds(self, value: Any) -> bool:
-        """Whether a number lies in the range."""
-        return bool(
-            abs(value) <= sys.float_info.max  # false for NaN and for integers beyond any float
-            and (self.above is None or value > self.above)
-            and (self.at_least is None or value >= self.at_least)
-            and (self.below is None or value < self.below)
-            and (self.at_most is None or value <= self.at_most)
-        )
-
-    def words(self, name: str) -> str:
-        """The range in symbols, such as `0 <= poisson < 0.5`."""
-        low, high = self.above, self.below
-        left = f"{low:g} < " if low is not None else ""
-        right = f" < {high:g}" if high is not None else ""
-        if self.at_least is not None:
-            left = f"{self.at_least:g} <= "
-        if self.at_most is not None:
-            right = f" <= {self.at_most:g}"
-        if left and not right:
-            return f"{name} {'>=' if '=' in left else '>'} {left.split()[0]}"
-        return f"{left}{name}{right}" if left or right else "a finite number"
 
 
 def shown(value: Any) -> str:
@@ -87,21 +52,31 @@ def nearest(word: str, words: Iterable[str]) -> str | None:
 
 
 class Checked:
-    """Base of the frozen dataclasses whose fields are checked when an instance is made."""
+    """Base of the frozen dataclasses that are checked and resolved when an instance is made."""
 
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        """Check every field and bring it to its type."""
-        cls: Any = type(self)
-        hints = _hints(cls)
-        for field in _fields(cls):
+        """Bring every field to its type, resolve what is open, and check the whole.
+
+        Raises:
+            SceneError: Names the key, the value, and what is allowed.
+        """
+        cls: Any = type(self)  # mypy takes a class for unhashable
+        for field, hint in fields_of(cls):
             value = getattr(self, field.name)
-            if value is None and field.default is None:
-                continue
-            checked = _checked(hints[field.name], value, key_of(field))
-            refuse_extreme(field.name, checked)
-            object.__setattr__(self, field.name, checked)
+            if value is not None or field.default is not None:
+                object.__setattr__(self, field.name, _checked(hint, value, key_of(field)))
+        for name, value in self.resolved():
+            object.__setattr__(self, name, value)
+        self.check()
+
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """The fields that are open and their values, which may depend on those before them."""
+        return iter(())
+
+    def check(self) -> None:
+        """Refuse values that do not go together: SceneError."""
 
 
 def exactly_one(spec: Any, *names: str) -> None:
@@ -118,31 +93,24 @@ def from_table(cls: Any, table: Any, where: str = "") -> Any:
     """An instance of a dataclass from a table that stands at key path `where`."""
     if not isinstance(table, Mapping):
         raise SceneError(where, shown(table), "a table")
-    keys = {key_of(field): field for field in _fields(cls)}
+    known = {key_of(field): (field, hint) for field, hint in fields_of(cls)}
     for key in table:
-        if key not in keys:
-            raise UnknownKey(_join(where, key), key, ", ".join(keys), nearest(key, keys))
+        if key not in known:
+            raise UnknownKey(_join(where, key), key, ", ".join(known), nearest(key, known))
     values = {}
-    for key, field in keys.items():
-        hint = _hints(cls)[field.name]
+    for key, (field, hint) in known.items():
         if key in table:
             values[field.name] = _nested(hint, table[key], _join(where, key))
         elif field.default is field.default_factory is dataclasses.MISSING:
             raise missing_key(_join(where, key), f"({_words(hint, key)})")
-    try:
+    with below(where):
         return cls(**values)
-    except SceneError as error:
-        raise error.under(where) from None
 
 
 def to_table(instance: Any) -> dict[str, Any]:
-    """The inverse of `from_table`; what is None is left out, as TOML knows no such value."""
-    table = {}
-    for field in dataclasses.fields(instance):
-        value = getattr(instance, field.name)
-        if value is not None:
-            table[key_of(field)] = _plain(value)
-    return table
+    """The inverse of `from_table`; None is left out, as TOML has no such value."""
+    pairs = ((key_of(f), getattr(instance, f.name)) for f in dataclasses.fields(instance))
+    return {key: _plain(value) for key, value in pairs if value is not None}
 
 
 def _plain(value: Any) -> Any:
@@ -158,27 +126,26 @@ def _join(where: str, key: str) -> str:
 
 
 @cache
-def _hints(cls: type[Any]) -> dict[str, Any]:
-    return get_type_hints(cls, include_extras=True)
-
-
-def _fields(cls: Any) -> tuple[dataclasses.Field[Any], ...]:
-    return dataclasses.fields(cls)
+def fields_of(cls: Any) -> tuple[tuple[dataclasses.Field[Any], Any], ...]:
+    """The fields of a dataclass with their types."""
+    hints = get_type_hints(cls, include_extras=True)
+    return tuple((field, hints[field.name]) for field in dataclasses.fields(cls))
 
 
 def key_of(field: dataclasses.Field[Any]) -> str:
-    """The TOML key of a field: its name, or what its metadata says."""
+    """The TOML key of a field: that of its metadata, or its name."""
     return str(field.metadata.get("key", field.name))
 
 
-def _choices(hint: Any) -> tuple[Any, ...]:
-    """The members of a union, else the type alone."""
-    return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+def _choices(hint: Any) -> list[Any]:
+    """The members of a union without None, else the type alone."""
+    union = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    return [choice for choice in union if choice is not NoneType]
 
 
 def _nested(hint: Any, value: Any, where: str) -> Any:
     """Tables inside a table; other values are left for `_checked`."""
-    choices = [choice for choice in _choices(hint) if choice is not NoneType]
+    choices = _choices(hint)
     tables = [choice for choice in choices if dataclasses.is_dataclass(choice)]
     if tables and (isinstance(value, Mapping) or len(tables) == len(choices)):
         return _table(tables, value, where)
@@ -189,113 +156,99 @@ def _nested(hint: Any, value: Any, where: str) -> Any:
     if not isinstance(value, list):
         raise SceneError(where, shown(value), f"an array of tables, [[{where}]]")
     # A member of an array of tables is addressed by its name, here as in overrides.
-    return tuple(_member(item, entry, where) for entry in value)
-
-
-def _member(cls: Any, entry: Any, where: str) -> Any:
-    """A member of the array of tables `where`; a name that cannot be names nobody."""
-    name = _name(entry, where)
-    try:
-        return from_table(cls, entry, name)
-    except SceneError as error:
-        if type(error) is SceneError and error.where == f"{name}.name":
-            raise SceneError(f"{where}.name", error.got, error.allowed, error.nearest) from None
-        raise
+    return tuple(from_table(item, entry, _name(entry, where)) for entry in value)
 
 
 def _name(entry: Any, where: str) -> str:
-    name = entry.get("name", where) if isinstance(entry, Mapping) else where
-    return name if isinstance(name, str) and name else where
+    """The name of a member of the array of tables `where`; without a valid one, that of all."""
+    name = entry.get("name") if isinstance(entry, Mapping) else None
+    return name if isinstance(name, str) and re.fullmatch(r"[\w-]{1,100}", name) else where
 
 
 def _table(classes: list[Any], value: Any, where: str) -> Any:
     """A table that may be of several kinds; without `kind` the first, if it has all its keys."""
-    if not isinstance(value, Mapping):
-        raise SceneError(where, shown(value), "a table")
     first, *others = classes
-    if not others or set(value) <= {key_of(field) for field in _fields(first)} - {"kind"}:
+    keys = {key_of(field) for field, _ in fields_of(first)} - {"kind"}
+    if not others or not isinstance(value, Mapping) or set(value) <= keys:
         return from_table(first, value, where)
-    kinds = {get_args(_hints(table)["kind"])[0]: table for table in classes}
+    kinds = {dict(_defaults(table))["kind"]: table for table in classes}
     choice, place = Literal[tuple(kinds)], _join(where, "kind")
     if "kind" not in value:
         raise missing_key(place, f"({_words(choice, 'kind')})")
-    kind = _checked(choice, value["kind"], place)
-    return from_table(kinds[kind], value, where)
+    return from_table(kinds[_checked(choice, value["kind"], place)], value, where)
+
+
+def _defaults(cls: Any) -> Iterator[tuple[str, Any]]:
+    return ((field.name, field.default) for field, _ in fields_of(cls))
 
 
 def _words(hint: Any, name: str) -> str:
-    """What a field may hold, in words."""
-    choices = [choice for choice in _choices(hint) if choice is not NoneType]
+    """The values that a field may have, in words."""
+    choices = _choices(hint)
     if all(get_origin(choice) is tuple for choice in choices):
-        return _words_of_tuples([get_args(choice) for choice in choices], name)
+        items = [get_args(choice) for choice in choices]
+        if dataclasses.is_dataclass(items[0][0]):
+            return f"an array of tables, [[{name}]]"
+        lengths = " or ".join(str(len(item)) for item in items)
+        return f"{lengths} values, each {_words(items[0][0], name)}"
     return " or ".join(dict.fromkeys(_words_of_one(choice, name) for choice in choices))
 
 
-def _words_of_tuples(items: list[tuple[Any, ...]], name: str) -> str:
-    if dataclasses.is_dataclass(items[0][0]):
-        return f"an array of tables, [[{name}]]"
-    lengths = " or ".join(str(len(item)) for item in items)
-    return f"{lengths} values, each {_words(items[0][0], name)}"
-
-
 def _words_of_one(hint: Any, name: str) -> str:
-    origin = get_origin(hint)
     if dataclasses.is_dataclass(hint):
         return "a table"
-    if origin is Annotated:
+    if get_origin(hint) is Annotated:
         kind, rule = get_args(hint)
-        return f"a whole number, {rule.words(name)}" if kind is int else str(rule.words(name))
-    if origin is Literal:
-        return " or ".join(shown(value) for value in get_args(hint))
-    if origin is tuple:
-        return _words_of_tuples([get_args(hint)], name)
+        return f"{'a whole number, ' * (kind is int)}{rule.words(name)}"
+    if get_origin(hint) is Literal:
+        return " or ".join(map(shown, get_args(hint)))
+    if get_origin(hint) is tuple:
+        return _words(hint, name)
     return {bool: "true or false", str: "a text", Path: "the name of a file"}[hint]
 
 
 def _checked(hint: Any, value: Any, name: str) -> Any:
     """A value brought to the type of its field, or a SceneError."""
     choices = _choices(hint)
-    if value is None and NoneType in choices:
-        return None
-    choices = tuple(choice for choice in choices if choice is not NoneType)
-    tables: tuple[Any, ...] = tuple(c for c in choices if dataclasses.is_dataclass(c))
-    if isinstance(value, tables):
-        return value
     if isinstance(value, list | tuple):
         return _checked_tuple(choices, value, _words(hint, name), name)
     for choice in choices:
-        fits, converted = _brought(choice, value)
-        if fits:
-            return converted
+        if _fits(choice, value):
+            return _converted(choice, value, name)
     words = [word for choice in choices for word in get_args(choice) if isinstance(word, str)]
     meant = nearest(value, words) if isinstance(value, str) else None
     allowed = _words(hint, name)
-    if _is_no_number(choices, value) and "number" not in allowed:
+    numeric = all(get_origin(choice) is Annotated for choice in choices)
+    if numeric and not _is_number(value) and "number" not in allowed:
         allowed = f"a number, {allowed}"
     raise SceneError(name, shown(value), allowed, meant)
 
 
-def _is_no_number(choices: Iterable[Any], value: Any) -> bool:
-    """Whether a number is asked for, and something else stands there."""
-    numeric = all(get_origin(choice) is Annotated for choice in choices)
-    return numeric and (not isinstance(value, Real) or isinstance(value, bool))
+def _is_number(value: Any, kind: type[Any] = float) -> bool:
+    """True if a value is a number of a kind; true and false are none."""
+    return isinstance(value, Integral if kind is int else Real) and not isinstance(value, bool)
 
 
-def _brought(hint: Any, value: Any) -> tuple[bool, Any]:
-    """Whether a value that is no array has this type, and the value brought to it."""
-    origin = get_origin(hint)
-    if origin is Annotated:
+def _fits(hint: Any, value: Any) -> bool:
+    """True if a value that is no array has a type."""
+    if get_origin(hint) is Annotated:
         kind, rule = get_args(hint)
-        number = isinstance(value, Integral if kind is int else Real)
-        fits = number and not isinstance(value, bool) and rule.holds(value)
-        return fits, kind(value) if fits else value
-    if origin is Literal:
+        return _is_number(value, kind) and bool(rule.holds(value))
+    if get_origin(hint) is Literal:
         # 1 == True == 1.0 in Python, not in TOML
-        return any(type(value) is type(word) and value == word for word in get_args(hint)), value
-    if origin is tuple or dataclasses.is_dataclass(hint):
-        return False, value
-    fits = isinstance(value, (str, Path) if hint is Path else hint)
-    return fits, Path(value) if fits and hint is Path else value
+        return any(type(value) is type(word) and value == word for word in get_args(hint))
+    return get_origin(hint) is not tuple and isinstance(
+        value, (str, Path) if hint is Path else hint
+    )
+
+
+def _converted(hint: Any, value: Any, name: str) -> Any:
+    """A value that fits, as its type; a number beyond all use is refused."""
+    if get_origin(hint) is Annotated:
+        kind, rule = get_args(hint)
+        rule.refuse_extreme(name, value)
+        return kind(value)
+    return Path(value) if hint is Path else value
 
 
 def _checked_tuple(choices: Iterable[Any], value: Any, words: str, name: str) -> tuple[Any, ...]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from solver.errors import SceneError
-from solver.scene.checking import OPEN, Checked, Number, is_open, shown
-from solver.scene.ranges import NotNegative, Positive
+from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.scene.quantities import Bedding, Cohesion, NotNegative, Number, Rate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,26 +17,28 @@ class FrictionSpec(Checked):
     """The paper's law of friction, tau = c + mu p: a table of the scene and the law of the engines.
 
     mu = mu_d [1 + (mu_s/mu_d - 1) exp(-DC v_rel)]; with DC = 0 a jump from mu_s to mu_d.
-    `solver.law.friction` says what a point holds by it, and what the point remembers.
+    `solver.law.friction` has the bound at a point, and the memory of a point.
     """
 
     static: NotNegative
     """mu_s."""
     dynamic: NotNegative = OPEN
     """mu_d, no larger than `static`. Default: that of `static`."""
-    decay: NotNegative = 0.0
+    decay: Rate = 0.0
     """DC, s/m; 0 is a jump, which the paper says should be avoided: elastic blocks then break loose
     point by point and slip far less than rigid ones. Only where mu_d < mu_s."""
-    cohesion: NotNegative = 0.0
+    cohesion: Cohesion = 0.0
     """c, Pa, over the area of the closed points."""
     cohesion_lost: bool = False
-    """Whether a point that has slipped has lost its cohesion. Only with cohesion."""
+    """True: a point that has slipped has lost its cohesion. Only with cohesion."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Checked.__post_init__(self)
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """mu_d, where it is that of `static`."""
         if is_open(self.dynamic):
-            object.__setattr__(self, "dynamic", self.static)
+            yield "dynamic", self.static
+
+    def check(self) -> None:
+        """Refuse values that do not go together."""
         if self.dynamic > self.static:
             raise SceneError("dynamic", shown(self.dynamic), f"dynamic <= static = {self.static:g}")
         if self.decay > 0 and self.dynamic == self.static:
@@ -50,17 +53,17 @@ class FrictionSpec(Checked):
 
     @property
     def constant(self) -> bool:
-        """Whether the bound depends on the pressure alone: neither on speed nor on the past."""
+        """True if the bound depends on the pressure alone: neither on speed nor on the past."""
         return self.static == self.dynamic and self.cohesion == 0.0
 
     @property
     def decays(self) -> bool:
-        """Whether the coefficient depends on the speed of sliding."""
+        """True if the coefficient depends on the speed of sliding."""
         return self.decay > 0
 
     @property
     def jumps(self) -> bool:
-        """Whether a point that breaks loose falls to less friction at once."""
+        """True if a point that breaks loose falls to less friction at once."""
         return (self.static != self.dynamic and not self.decays) or self.cohesion_lost
 
     def words(self) -> str:
@@ -81,7 +84,7 @@ class Bed:
     Attributes:
         stiffness: k over the area, Pa/m.
         retardation: Dashpot over spring, s.
-        landing: How long a block that lands flat stays on it, half a period without damping, s.
+        landing: Time of contact of a block that lands flat, half a period without damping, s.
     """
 
     stiffness: float
@@ -115,17 +118,16 @@ class ContactSpec(Checked):
     """Nitsche variant: symmetric, which has an energy; fewest terms; skew."""
     friction: NotNegative | FrictionSpec = 0.6
     """For blocks that do not have their own; see [friction](#friction)."""
-    stiffness: Positive | None = None
+    stiffness: Bedding | None = None
     """k of a [bed of springs](#bed) between each block and what carries it, Pa/m. Meshed scenes
     only. Default: no bed; with `damping` a tenth of the block's own, 0.1 (lambda + 2 mu)/H."""
     damping: Annotated[float, Number(at_least=0, at_most=1)] = 0.0
     """Dashpots of that bed, which never pull, over the critical value of a block on it. Meshed
     scenes only."""
     velocity_solve: bool = True
-    """Whether contact is solved once more for the velocities after each step; `false` for
-    comparison."""
+    """Solve contact once more for the velocities after each step; `false` for comparison."""
 
     @property
     def has_bed(self) -> bool:
-        """Whether blocks stand on a bed."""
+        """True if blocks stand on a bed."""
         return self.stiffness is not None or self.damping > 0

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from solver.errors import SceneError
 from solver.scene.checking import OPEN, Checked, is_open
 from solver.scene.material import Material, Plane
-from solver.scene.ranges import NotNegative
+from solver.scene.quantities import Delay, Rate
 
 DEFAULT_RATIO = 0.02
 """Ratio of critical damping at the first bending mode of a standing elastic block, by default."""
@@ -83,17 +85,16 @@ def cantilever_frequency(width: float, height: float, material: Material, held: 
 class DampingSpec(Checked):
     """Rayleigh damping: `[damping]`, or `damping` of a body."""
 
-    mass: NotNegative = 0.0
+    mass: Rate = 0.0
     """lambda_R, 1/s."""
-    stiffness: NotNegative = OPEN
+    stiffness: Delay = OPEN
     """beta_R, s. Default: `0.0`; where `mass` is above 0, [that of elastic
     blocks](#default-damping)."""
 
-    def __post_init__(self) -> None:
-        """Check the values; beta_R stays open where lambda_R alone is given."""
-        Checked.__post_init__(self)
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """beta_R, which stays open where lambda_R alone is given."""
         if is_open(self.stiffness) and not self.mass:
-            object.__setattr__(self, "stiffness", 0.0)
+            yield "stiffness", 0.0
 
     def closed(self, stiffness: float) -> DampingSpec:
         """The damping with this beta_R, s, where that is open."""

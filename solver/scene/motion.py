@@ -1,7 +1,6 @@
 """Motions of the ground, as a scene describes them.
 
-A new kind is a class here, its name in `MotionSpec`, and a module of that name in
-`solver.excitation.kinds`.
+A new kind is a class here, its name in `MotionSpec`, and a function in `solver.excitation.kinds`.
 """
 
 from __future__ import annotations
@@ -13,9 +12,33 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
 from solver.errors import SceneError, not_applicable
-from solver.scene.checking import OPEN, Checked, Number, exactly_one, is_open, shown
-from solver.scene.ranges import Count, Finite, NotNegative, Positive
-from solver.scene.units import G_UNIT
+from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
+from solver.scene.quantities import (
+    Amplitude,
+    Count,
+    Duration,
+    Factor,
+    Frequency,
+    Instant,
+    NotNegative,
+    Number,
+    Positive,
+)
+
+G_UNIT = 9.81
+"""The unit "g" in amplitudes, records and tables, m/s^2, whatever the gravity of the scene is."""
+
+UNITS = {
+    "g": G_UNIT,
+    "m/s2": 1.0,
+    "cm/s2": 0.01,
+    "mm/s2": 0.001,
+    "mg": 0.001 * G_UNIT,
+    "g/10": 0.1 * G_UNIT,
+    "ft/s2": 0.3048,
+    "in/s2": 0.0254,
+}
+"""Units of accelerations, m/s^2."""
 
 SHORTEST_PERIOD_OF_RECORDS = 0.1
 """Period below which the ground's motion in earthquakes hardly moves a block, s."""
@@ -36,7 +59,7 @@ Shaped = TypeVar("Shaped", bound="Motion")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion(Checked):
-    """Base of the kinds: what a motion along x may have beside it.
+    """Base of the kinds: the motions that one along x may have beside it.
 
     The motions beside it have nothing more.
     """
@@ -46,19 +69,21 @@ class Motion(Checked):
     second: MotionSpec | None = None
     """`[motion.second]`: the motion along y; 3-D only. Default: -."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Checked.__post_init__(self)
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """Synthetic motions beside that along x, with components of their own."""
+        for direction, motion in self.beside():
+            if isinstance(motion, SyntheticSpec) and is_open(motion.component):
+                yield direction, replace(motion, component=COMPONENTS[direction])
+
+    def check(self) -> None:
+        """Refuse motions beside those beside that along x."""
         for direction, motion in self.beside():
             for below, _ in motion.beside():
                 raise not_applicable(f"{direction}.{below}", "[motion] itself only")
-            if isinstance(motion, SyntheticSpec) and is_open(motion.component):
-                other = replace(motion, component=COMPONENTS[direction])
-                object.__setattr__(self, direction, other)
 
     @property
     def known_peak(self) -> float | None:
-        """Largest |a_g| along this direction, m/s^2, as far as the keys alone tell it.
+        """Largest |a_g| along this direction, m/s^2, as far as the keys alone have it.
 
         None where it takes reading a file or computing the motion.
         """
@@ -120,13 +145,13 @@ class SineSpec(_Peaked):
     """A sine of the ground's acceleration: `[motion]` with kind = "sine"."""
 
     kind: Literal["sine"] = "sine"
-    amplitude_g: Finite
+    amplitude_g: Amplitude
     """A, g."""
-    period: Positive
+    period: Duration
     """T, s."""
     cycles: Positive | None = None
     """Number of periods. Default: to the end of the run."""
-    start: NotNegative = 0.0
+    start: Instant = 0.0
     """Time at which the motion begins, s."""
 
     @property
@@ -139,11 +164,11 @@ class SineSpec(_Peaked):
 class _Pulse(_Peaked):
     """A motion that is over after a while."""
 
-    amplitude_g: Finite
+    amplitude_g: Amplitude
     """A, g."""
-    duration: Positive
+    duration: Duration
     """Duration, s."""
-    start: NotNegative = 0.0
+    start: Instant = 0.0
     """Time at which the motion begins, s."""
 
     @property
@@ -178,19 +203,19 @@ class RickerSpec(_Peaked):
     """A Ricker wavelet, its largest acceleration in the middle: kind = "ricker"."""
 
     kind: Literal["ricker"] = "ricker"
-    amplitude_g: Finite
+    amplitude_g: Amplitude
     """A, the acceleration in the middle, g; before and after it the ground is pushed the other way,
     by 0.446 A."""
-    duration: Positive | None = None
+    duration: Duration | None = None
     """3/f, s. Default: this or `frequency`."""
-    frequency: Positive | None = None
+    frequency: Frequency | None = None
     """f, where the spectrum is highest, 1/s. Default: this or `duration`."""
-    start: NotNegative = 0.0
+    start: Instant = 0.0
     """Time at which the motion begins, s."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Motion.__post_init__(self)
+    def check(self) -> None:
+        """Refuse values that do not go together."""
+        Motion.check(self)
         exactly_one(self, "duration", "frequency")
 
     @property
@@ -216,7 +241,7 @@ class _FromFile(Motion):
     units: Units | None = None
     """Unit of the accelerations; no other than that of the header. Default: from the header, if it
     states one; `kind = "table"`: `"g"` if there is none at all."""
-    scale: Finite = 1.0
+    scale: Factor = 1.0
     """Factor on the accelerations."""
 
 
@@ -232,7 +257,7 @@ class RecordSpec(_FromFile):
     """A recorded accelerogram, samples at equal distances: `[motion]` with kind = "record"."""
 
     kind: Literal["record"] = "record"
-    dt: Positive | None = None
+    dt: Duration | None = None
     """Time between samples, s; no other than that of the file. Default: from the file."""
     window: tuple[NotNegative, Positive] | None = None
     """First and last time of the part that is used, s from the first sample; the samples between
@@ -240,15 +265,15 @@ class RecordSpec(_FromFile):
     baseline: Literal["none", "constant", "linear", "quadratic"] = "none"
     """Polynomial of time taken off the accelerations that are used, so that the mean square of the
     velocity becomes least: after Berg and Housner (1961), who took off a parabola."""
-    start: NotNegative = 0.0
+    start: Instant = 0.0
     """Time at which the first sample that is used comes, s."""
     trust: bool = False
-    """Whether to take a sample more than 20 times as large as both beside it, and at least half as
+    """Accept a sample more than 20 times as large as both beside it, and at least half as
     large as the largest: most often it has lost its decimal point."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Motion.__post_init__(self)
+    def check(self) -> None:
+        """Refuse values that do not go together."""
+        Motion.check(self)
         if self.window is not None and self.window[0] >= self.window[1]:
             raise SceneError("window", shown(self.window), "a first time before the last one")
 
@@ -276,11 +301,11 @@ class SyntheticSpec(Motion):
     site_sigma: NotNegative = 0.0
     """Standard deviation of that logarithm between sites; 0 is the average site, 0.5 is
     realistic."""
-    scale: Finite = 1.0
+    scale: Factor = 1.0
     """Factor on the accelerations; along the vertical 0.5 to 0.7 is common."""
     dt: Annotated[float, Number(at_least=0.001, at_most=0.02)] = 0.005
     """Time between samples, s; another one is another motion."""
-    start: NotNegative = 0.0
+    start: Instant = 0.0
     """Time at which the motion begins, s."""
 
 

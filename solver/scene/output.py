@@ -1,4 +1,4 @@
-"""What is written, and how often: the table `[output]`."""
+"""Files of a run, and how often they are written: the table `[output]`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from solver.scene.checking import Checked, exactly_one
-from solver.scene.ranges import Count, Positive
+from solver.scene.quantities import Count, Duration, Positive
 
 #: Snapshots of a run that does not say how many, and the least time between two of them, s.
 SNAPSHOTS, LEAST_TIME = 300, 0.01
@@ -14,36 +14,35 @@ SNAPSHOTS, LEAST_TIME = 300, 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckpointSpec(Checked):
-    """How often a run writes down how it stands: `output.checkpoint`."""
+    """Interval at which a run writes its state: `output.checkpoint`."""
 
     steps: Count | None = None
     """Steps between two checkpoints. Default: this or `minutes`."""
     minutes: Positive | None = None
     """Wall time between two checkpoints, min. Default: this or `steps`."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Checked.__post_init__(self)
+    def check(self) -> None:
+        """Refuse values that do not go together."""
         exactly_one(self, "steps", "minutes")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputSpec(Checked):
-    """What is written, and how often: `[output]`."""
+    """Files of a run, and how often they are written: `[output]`."""
 
-    every: Positive | None = None
+    every: Duration | None = None
     """Time between two snapshots of the fields, s. Default: 0.01, or a 300th of the run where that
     is longer."""
     fields: Literal["vtk", "vtkhdf", "none"] = "vtk"
     """For ParaView: a file for each body and time, which other programs read as well; all in the
     one file `fields.vtkhdf` (ParaView 5.13 or newer); or none."""
     history_every: Count = 1
-    """Steps between two rows of the history."""
+    """Steps between two rows of the history, which peaks, impacts and spectra are read from."""
     checkpoint: CheckpointSpec | None = None
-    """How often `checkpoint.npz` is written, from which `rockslip run --resume DIR` goes on, a
-    table as `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: never."""
+    """Interval of `checkpoint.npz`, from which `rockslip run --resume DIR` goes on, a table as
+    `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: none is written."""
     twin: bool = False
-    """Whether the scene is run once more with a motion that is stronger by a millionth, or without
+    """Run the scene once more with a motion that is stronger by a millionth, or without
     motion from such a start, and adaptive steps of a fourth of the tolerance: `summary.json` then
     says up to which time both are the same. It takes as long as the run, adaptive 1.6 times."""
 

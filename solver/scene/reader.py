@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import fields
-from functools import cache
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
-from solver.errors import SceneError, Statement
-from solver.launcher import hidden_by_in_env
-from solver.scene.checking import from_table, key_of, shown
-from solver.scene.motion import MotionSpec
-from solver.scene.overrides import override, read_toml
+from solver.errors import SceneError, Statement, UnknownKey, hidden_by_in_env
+from solver.scene.checking import from_table, key_of, nearest, shown
 from solver.scene.scene import Scene
 
+BARE = r"[-+]?(?:\.\d+|\d+\.)(?:[eE][-+]?\d+)?"
+"""Numbers that have no digit before or after their point, which TOML does not allow."""
+
 STANDARD_INPUT = Path("-")
-"""What stands for the standard input among the names of scenes."""
+"""The name of a scene that stands for the standard input."""
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -38,7 +38,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
 
 
 def read_text(path: Path) -> str:
-    """The text of a scene file; the only part of reading a scene that looks at the file."""
+    """The text of a scene file; the only part of reading a scene that opens it."""
     try:
         if path == STANDARD_INPUT:
             return sys.stdin.buffer.read().decode("utf-8-sig") if sys.stdin else ""
@@ -65,8 +65,8 @@ def parse_scene(
         content: Text, or plain tables as `tomllib` makes them.
         folder: Where relative names of files start from.
         overrides: As for `load_scene`.
-        source: What errors call the text as a whole.
-        needs_files: Whether a motion from a file that is not there is refused.
+        source: Name of the text as a whole in errors.
+        needs_files: Refuse a motion from a file that is not there.
 
     Raises:
         SceneError: It is no scene; names the key.
@@ -89,30 +89,21 @@ def set_values(tables: dict[str, Any], overrides: Sequence[str]) -> None:
     """Set values, as for `load_scene`, in the tables of a scene, which are changed in place."""
     known = [key_of(item) for item in fields(Scene)]
     for text in overrides:
-        override(tables, text, known=known)
-
-
-@cache
-def _kinds_with_files() -> tuple[Any, ...]:
-    """The kinds of motion that have a key `file`."""
-    tables = (
-        {field.name: field.default for field in fields(kind)} for kind in get_args(MotionSpec)
-    )
-    return tuple(keys["kind"] for keys in tables if "file" in keys)
+        _override(tables, text, known)
 
 
 def find_files(motion: Any, where: str, folder: str | Path, *, needed: bool = True) -> None:
     """Make the names of the files of a motion absolute, and refuse those that are not there.
 
     Args:
-        motion: Its table, changed in place; what is no table is left for others to refuse.
+        motion: Its table, changed in place; anything else is refused later.
         where: The path of its key.
         folder: Where relative names start from.
-        needed: Whether they have to be there.
+        needed: Refuse those that are not there.
     """
     if not isinstance(motion, dict):
         return
-    if motion.get("kind") in _kinds_with_files() and isinstance(motion.get("file"), str):
+    if isinstance(motion.get("file"), str):
         motion["file"] = os.path.abspath(os.path.join(folder, motion["file"]))
         # os.path, unlike pathlib, says False to names that no file can have.
         if needed and not os.path.isfile(motion["file"]):
@@ -131,3 +122,81 @@ def scene_to_toml(scene: Scene) -> str:
 
     text: str = tomli_w.dumps(scene.to_dict())
     return text
+
+
+def read_toml(text: str, source: str) -> dict[str, Any]:
+    """The tables of a TOML text; SceneError, in which it is called `source`, if it is none."""
+    import tomllib
+
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also numbers and nesting beyond all bounds
+        bare = _bare_number(text, str(error))
+        if bare:
+            raise SceneError(source, bare, "digits on both sides of the point, as in 0.1") from None
+        raise SceneError(source, f"unreadable TOML, {error}", "TOML") from None
+
+
+def _bare_number(text: str, said: str) -> str:
+    """The number without a digit before or after its point at which reading ended, if it did so."""
+    found = re.search(r"at line (\d+)", said)
+    lines = text.splitlines()
+    if found is None or int(found[1]) > len(lines):
+        return ""
+    line = lines[int(found[1]) - 1].partition("#")[0]
+    number = re.search(rf"(?<![\w.\"'])({BARE})(?![\w.\"'])", line)
+    return f"{number[1]} in line {found[1]}" if number else ""
+
+
+def _toml_value(text: str) -> Any:
+    """A value of the command line: TOML where it is TOML, else the text itself."""
+    import tomllib
+
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return float(text) if re.fullmatch(BARE, text) else text
+    return table["value"] if len(table) == 1 else text
+
+
+def _override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
+    """Set one value, `path=value`, in the tables of a scene; a block is addressed by its name."""
+    path, equals, value = text.partition("=")
+    *parents, key = [part.strip() for part in path.split(".")]
+    if not equals or not key or not all(parents):
+        raise SceneError("--set", shown(text), "path=value, such as block.height=1.2")
+    blocks = _blocks(tables)
+    allowed = [*blocks, *(key for key in known if key != "block")]
+    table: Any = tables
+    if parents and parents[0] in blocks:
+        table = blocks[parents.pop(0)]
+    elif parents and parents[0] not in allowed:
+        first = parents[0]
+        raise UnknownKey(first, first, ", ".join(allowed), nearest(first, allowed))
+    for parent in parents:
+        table = table.setdefault(parent, {})
+        if not isinstance(table, dict):
+            raise SceneError(f"--set {path}", f"{parent}, which is no table", "the path of a key")
+    table[key] = _toml_value(value.strip())
+
+
+def _blocks(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The tables of the blocks by name."""
+    entries = tables.get("block")
+    entries = entries if isinstance(entries, list) else []
+    return {str(entry.get("name", "block")): entry for entry in entries if isinstance(entry, dict)}
+
+
+def differing(one: Any, other: Any, path: str = "") -> set[str]:
+    """Paths of the values that two tables do not share."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        found = set()
+        for key in one.keys() | other.keys():
+            below = f"{path}.{key}" if path else key
+            found |= differing(one.get(key), other.get(key), below)
+        return found
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        both = zip(one, other, strict=True)
+        pairs = [differing(a, b, f"{path}.{k + 1}") for k, (a, b) in enumerate(both)]
+        return set().union(*pairs)
+    return set() if one == other else {path}

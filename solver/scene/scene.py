@@ -1,33 +1,31 @@
-"""A scene: what is to be simulated, in code and in TOML."""
+"""A scene: all input of a simulation, resolved and checked; in code and in TOML."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from solver.errors import SceneError, Statement, missing_key, not_applicable
+from solver.errors import SceneError, Statement, below, missing_key, not_applicable
+from solver.scene import limits
 from solver.scene.block import BlockSpec
-from solver.scene.checking import (
-    OPEN,
-    Checked,
-    is_open,
-    nearest,
-    shown,
-    to_table,
-)
+from solver.scene.checking import OPEN, Checked, is_open, nearest, shown, to_table
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec
 from solver.scene.damping import DampingSpec
-from solver.scene.footing import refuse_beside
 from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
-from solver.scene.limits import longest_step, refuse_beyond
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
-from solver.scene.ranges import Dimension, NotNegative, Tilt
+from solver.scene.quantities import Dimension, Gravity, Tilt
 from solver.scene.time import TimeSpec
+
+if TYPE_CHECKING:
+    from geometry.arrangement import Pose
+
+ROUND_OFF = 1e-9
+"""Edges that miss one another by less than this part of a length touch."""
 
 BED_OVER_BLOCK = 0.1
 """Stiffness of a bed over that of the block on it, (lambda + 2 mu)/H, unless it is given: the block
@@ -36,7 +34,7 @@ moves as a whole while it lands, and its losses are those of a mass on a spring 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene(Checked):
-    """All of a simulation's input, checked; nothing is left open in its parts."""
+    """All input of a simulation, checked; nothing is left open in its parts."""
 
     title: str = ""
     """Appears in `summary.json` and in `rockslip check`."""
@@ -44,7 +42,7 @@ class Scene(Checked):
     """Dimension of space."""
     plane: Literal["strain", "stress"] = OPEN
     """Plane strain or plane stress of all meshed bodies; 2-D only. Default: `"strain"`; 3-D: -."""
-    gravity: NotNegative = 9.81
+    gravity: Gravity = 9.81
     """g, m/s²."""
     gravity_tilt_deg: Tilt = 0.0
     """Turns gravity towards +x, degrees: an incline that falls towards +x. Axes and motions stay
@@ -65,46 +63,55 @@ class Scene(Checked):
     output: OutputSpec = field(default_factory=OutputSpec)
     """`[output]`, below. Default: its defaults."""
 
-    def __post_init__(self) -> None:
-        """Check the values, and fill in what depends on the dimension."""
-        Checked.__post_init__(self)
-        if not self.blocks:
-            raise SceneError("block", "0 blocks", "one block or more, [[block]]")
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """The fields that depend on the dimension, on other tables, and on the sizes of blocks."""
         self._check_names()
-        order = self.order  # refuses circles
         if self.dimension == 2 and is_open(self.plane):
-            object.__setattr__(self, "plane", "strain")
+            yield "plane", "strain"
+        yield "blocks", self._each_block(lambda block: block.in_dimension(self.dimension))
+        thickness = self._thickness()
+        with below("foundation"):
+            foundation = self.foundation.in_dimension(self.dimension, thickness)
+        yield "foundation", foundation
+        with below("time"):
+            time = self._resolved_time()
+        yield "time", time
+        given, before = self.damping, self.blocks
+        yield "blocks", self._each_block(self._damped)
+        if given is not None and is_open(given.stiffness):
+            # Elastic blocks have what was open for themselves; it is left to a meshed foundation.
+            moved = self.blocks != before and not self.foundation.is_meshed
+            yield "damping", None if moved else given.closed(0.0)
+
+    def check(self) -> None:
+        """Refuse tables that do not go together, and scenes beyond the limits of the method."""
         if self.dimension == 3 and not is_open(self.plane):
             raise not_applicable("plane", "2-D scenes only")
-        object.__setattr__(self, "blocks", tuple(self._filled(block) for block in self.blocks))
-        self._check_thickness(order[0])
-        try:
-            foundation = self.foundation.in_dimension(self.dimension, self.blocks[0].thickness)
-        except SceneError as error:
-            raise error.under("foundation") from None
-        object.__setattr__(self, "foundation", foundation)
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
+        self._check_engine()
         for block in self.blocks:
-            if block.restitution is not None and not self.is_rigid:
-                allowed = "scenes in which nothing is meshed only"
-                raise not_applicable(f"{block.name}.restitution", allowed)
-        self._check_bed()
-        object.__setattr__(self, "time", self._filled_time())
-        refuse_beside(self)
-        if next(self.strangers(), None) is not None:
-            from solver.scene.overlaps import refuse_overlaps  # needs numpy, other scenes do not
+            self._check_degree(block)
+            self._check_place(block)
+        if pairs := list(self.non_adjacent()):
+            from solver.scene.places import refuse_overlaps  # needs numpy, other scenes do not
 
-            refuse_overlaps(self)
-        refuse_beyond(self, self.known_shaking)
-        self._fill_damping()
-        if self.time.adaptive and self.is_rigid:
-            # Their steps are cut where bodies touch and where slips end, whatever `step` is.
-            raise not_applicable("time.adaptive", "scenes with meshed bodies only")
+            refuse_overlaps(self.order, self.dimension, pairs)
+        self.check_limits(self.known_shaking)
+
+    def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:
+        """The blocks, each changed; errors are those of the block."""
+        changed = []
+        for block in self.blocks:
+            with below(block.name):
+                changed.append(change(block))
+        return tuple(changed)
 
     def _check_names(self) -> None:
         """Every block has a name of its own and stands on something that is there."""
         names = [block.name for block in self.blocks]
+        if not names:
+            raise SceneError("block", "0 blocks", "one block or more, [[block]]")
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise Statement("two blocks", f'are named "{twice}"; give each block a name of its own')
@@ -115,78 +122,130 @@ class Scene(Checked):
                 meant = nearest(block.on, carriers)
                 raise SceneError(f"{block.name}.on", shown(block.on), allowed, meant)
 
-    def _check_bed(self) -> None:
-        """A bed belongs to scenes with a mesh, and its stiffness is known."""
-        for key in ("stiffness", "damping"):
-            if self.is_rigid and getattr(self.contact, key):
-                what = "scenes with a meshed body only, block.restitution to rigid blocks"
-                raise not_applicable(f"contact.{key}", what)
-        rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
-        if self.contact.damping and self.contact.stiffness is None and rigid is not None:
-            what = f"beside contact.damping, since {rigid} is rigid (stiffness > 0, Pa/m)"
-            raise missing_key("contact.stiffness", what)
-
-    def _filled(self, block: BlockSpec) -> BlockSpec:
-        """A block with nothing left open."""
-        try:
-            filled = block.in_dimension(self.dimension)
-            tetrahedra = filled.model == "elastic" and filled.cell == "tetrahedron"
-            if tetrahedra and filled.degree == 2 and self.contact.points == "nodes":
-                # Their faces have no rule with positive weights at the vertices.
-                allowed = '1 for tetrahedra, or contact.points = "gauss"'
-                raise SceneError("degree", "2", allowed)
-        except SceneError as error:
-            raise error.under(block.name) from None
-        return filled
-
-    def _fill_damping(self) -> None:
-        """Give elastic blocks the default damping, or its beta_R where only lambda_R is given.
-
-        What `[damping]` leaves open they then have for themselves, and nobody else but a meshed
-        foundation.
-        """
-        filled = tuple(self._damped(block) for block in self.blocks)
-        given, before = self.damping, self.blocks
-        object.__setattr__(self, "blocks", filled)
-        if given is not None and is_open(given.stiffness):
-            moved = filled != before and not self.foundation.is_meshed
-            object.__setattr__(self, "damping", None if moved else given.closed(0.0))
-
-    def _damped(self, block: BlockSpec) -> BlockSpec:
-        """A block with nothing left open about its damping, if it is elastic."""
-        given = block.damping or self.damping
-        known = given is not None and not is_open(given.stiffness)
-        if block.model != "elastic" or known:
-            return block
-        try:
-            default = self.default_damping(block)
-        except SceneError as error:  # beyond the range of numbers
-            raise error.under(f"{block.name}.damping") from None
-        return replace(block, damping=given.closed(default.stiffness) if given else default)
-
-    def _filled_time(self) -> TimeSpec:
-        """Time stepping with nothing left open."""
-        fastest = max(block.shape.frequency(self.gravity) for block in self.blocks)
-        spin = max(math.hypot(*block.spins) for block in self.blocks)
-        try:
-            return self.time.in_scene(
-                is_rigid=self.is_rigid,
-                frequency=fastest,
-                spin=spin if self.dimension == 3 else 0.0,  # turns are exact in the plane
-                period=min(
-                    (motion.shortest_period for _, motion in self.motions), default=math.inf
-                ),
-                stiffest=longest_step(self),
-            )
-        except SceneError as error:
-            raise error.under("time") from None
-
-    def _check_thickness(self, first: BlockSpec) -> None:
-        """In the plane all bodies are equally thick."""
+    def _thickness(self) -> float:
+        """Thickness of the lowest block, m; in the plane all bodies are equally thick."""
+        first = self.order[0]
         for block in self.blocks:
             if self.dimension == 2 and block.thickness != first.thickness:
                 allowed = f"that of {first.name}, {first.thickness:g}, where dimension = 2"
                 raise SceneError(f"{block.name}.thickness", shown(block.thickness), allowed)
+        return first.thickness
+
+    def _resolved_time(self) -> TimeSpec:
+        """Time stepping with nothing left open."""
+        fastest = max(block.shape.frequency(self.gravity) for block in self.blocks)
+        spin = max(math.hypot(*block.spins) for block in self.blocks)
+        periods = (motion.shortest_period for _, motion in self.motions)
+        return self.time.in_scene(
+            is_rigid=self.is_rigid,
+            frequency=fastest,
+            spin=spin if self.dimension == 3 else 0.0,  # turns are exact in the plane
+            period=min(periods, default=math.inf),
+            stiffest=min((body.longest_step for body in self._turning_bodies()), default=math.inf),
+        )
+
+    def _damped(self, block: BlockSpec) -> BlockSpec:
+        """A block with the default damping if it is elastic, or with its beta_R where open."""
+        given = block.damping or self.damping
+        if block.model != "elastic" or (given is not None and not is_open(given.stiffness)):
+            return block
+        with below("damping"):  # beyond the range of numbers
+            default = self.default_damping(block)
+        return replace(block, damping=given.closed(default.stiffness) if given else default)
+
+    def _check_engine(self) -> None:
+        """Refuse keys of meshed scenes where nothing is meshed, and the other way round."""
+        rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
+        for block in self.blocks:
+            if block.restitution is not None and not self.is_rigid:
+                allowed = "scenes in which nothing is meshed only"
+                raise not_applicable(f"{block.name}.restitution", allowed)
+        for key in ("stiffness", "damping"):
+            if self.is_rigid and getattr(self.contact, key):
+                what = "scenes with a meshed body only, block.restitution to rigid blocks"
+                raise not_applicable(f"contact.{key}", what)
+        if self.contact.damping and self.contact.stiffness is None and rigid is not None:
+            what = f"beside contact.damping, since {rigid} is rigid (stiffness > 0, Pa/m)"
+            raise missing_key("contact.stiffness", what)
+        if self.time.adaptive and self.is_rigid:
+            # Their steps are cut where bodies touch and where slips end, whatever `step` is.
+            raise not_applicable("time.adaptive", "scenes with meshed bodies only")
+
+    def _check_degree(self, block: BlockSpec) -> None:
+        """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
+        tetrahedra = block.model == "elastic" and block.cell == "tetrahedron"
+        if tetrahedra and block.degree == 2 and self.contact.points == "nodes":
+            allowed = '1 for tetrahedra, or contact.points = "gauss"'
+            raise SceneError(f"{block.name}.degree", "2", allowed)
+
+    def _check_place(self, block: BlockSpec) -> None:
+        """Refuse a block of which nothing is above what carries it at the start."""
+        carrier = self.carrier_of(block)
+        top = self.foundation.top if carrier is None else (carrier.width, carrier.thickness)
+        if top is None:
+            return
+        found = [("offset", block.offset, block.width + top[0])]
+        if self.dimension == 3:
+            found.append(("offset_second", block.offset_second, block.thickness + top[1]))
+        for key, offset, widths in found:
+            reach = widths / 2
+            if abs(offset) > reach * (1 + ROUND_OFF):
+                allowed = (
+                    f"between {-reach:g} and {reach:g}, so that {block.on} is below its bottom"
+                )
+                raise SceneError(f"{block.name}.{key}", shown(offset), allowed)
+
+    def check_limits(self, shaking: float) -> None:
+        """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
+
+        Checked when a scene is made, with the peaks that the keys of its motions tell, and again
+        when the other motions have been read.
+
+        Args:
+            shaking: Peaks of the ground's acceleration in all directions, added up, m/s2.
+
+        Raises:
+            SceneError: Names the key, its value, and what is allowed.
+        """
+        limits.refuse_strong(shaking)
+        contact, plane, dimension = self.contact, self.material_plane, self.dimension
+        if not self.is_rigid and contact.theta != 1 and contact.points == "gauss":
+            # At Gauss points theta = 0 and -1 give cohesion no energy: it gains without end.
+            if any(self.friction_of(block).cohesion > 0 for block in self.blocks):
+                got = f'{contact.theta} with points = "gauss" and cohesion'
+                raise SceneError("contact.theta", got, '1, or points = "nodes"')
+        for block in self.blocks:
+            if block.model == "elastic":
+                limits.refuse_long(block, dimension)
+        for turning in self._turning_bodies():
+            turning.refuse_stiff(self.time.largest or self.time.step)
+        below_all = self.foundation.pressed_material(plane, self.carried_mass)
+        for block in self.blocks:
+            weight = self.stacked_mass(block) * (self.gravity + shaking)
+            pressure, bed = weight / limits.bottom(block), self.bed_of(block)
+            if bed is not None:
+                limits.refuse_soft_bed(block, contact, bed, pressure)
+            carrier = self.carrier_of(block)
+            for body in (block, carrier):
+                if body is not None and body.model == "elastic":
+                    limits.refuse_soft(f"{body.name}.young", body.material(plane), pressure)
+            if block.model == "elastic":
+                material = block.material(plane)
+                limits.refuse_soft_corner(block, material, dimension, pressure)
+                limits.refuse_without_energy(block, material, contact, dimension, pressure)
+            if carrier is None and below_all is not None:
+                limits.refuse_soft("foundation.young", below_all, pressure)
+
+    def _turning_bodies(self) -> Iterator[limits.TurningBody]:
+        """The meshed bodies that may turn."""
+        plane = self.material_plane
+        for block in self.blocks:
+            if block.model == "elastic":
+                yield limits.TurningBody.of(block, block.material(plane), self.dimension)
+        turning = self.foundation.turning_cells(plane, self.carried_mass)
+        if turning is not None:
+            material, edge = turning
+            yield limits.TurningBody(where="foundation.young", material=material, edge=edge)
 
     @property
     def gravity_vector(self) -> tuple[float, ...]:
@@ -212,7 +271,7 @@ class Scene(Checked):
 
     @property
     def motions(self) -> tuple[tuple[str, MotionSpec], ...]:
-        """The motions of the ground that the scene asks for, each with the path of its table."""
+        """The motions of the ground, each with the path of its table."""
         if self.motion is None:
             return ()
         beside = ((f"motion.{key}", motion) for key, motion in self.motion.beside())
@@ -228,7 +287,7 @@ class Scene(Checked):
     def known_shaking(self) -> float:
         """Peaks of the ground's acceleration in all directions, added up, m/s2.
 
-        Of those motions whose keys tell it.
+        Of those motions whose keys have it.
         """
         return sum(motion.known_peak or 0.0 for _, motion in self.motions)
 
@@ -239,9 +298,9 @@ class Scene(Checked):
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the engine of rigid blocks runs it: nothing is meshed.
+        """True if the engine of rigid blocks runs it: nothing is meshed.
 
-        It does not know the ends of a plate that is held, but the law of impact with a restitution.
+        That engine has no ends of a plate that is held, but the law of impact with a restitution.
         """
         firm = self.foundation.is_firm and any(block.restitution for block in self.blocks)
         rigid = all(block.model == "rigid" for block in self.blocks)
@@ -249,12 +308,12 @@ class Scene(Checked):
 
     @property
     def has_platform(self) -> bool:
-        """Whether the blocks stand on a spring: an oscillator, or a plate on rollers."""
+        """True if the blocks stand on a spring: an oscillator, or a plate on rollers."""
         return self.foundation.on_spring
 
     @property
     def carrier_moves(self) -> bool:
-        """Whether what carries the blocks moves as a whole: on a spring, or on columns."""
+        """True if what carries the blocks moves as a whole: on a spring, or on columns."""
         return self.foundation.moves_as_a_whole
 
     @property
@@ -278,8 +337,8 @@ class Scene(Checked):
         """The block that carries a block; None: the foundation does."""
         return next((carrier for carrier in self.blocks if carrier.name == block.on), None)
 
-    def strangers(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
-        """All pairs of blocks of which neither carries the other: they do not feel each other."""
+    def non_adjacent(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
+        """All pairs of blocks of which neither carries the other: contact between them is none."""
         for first, second in combinations(self.blocks, 2):
             if first.on != second.name and second.on != first.name:
                 yield first, second
@@ -294,12 +353,12 @@ class Scene(Checked):
         return min(block.bending_frequencies(self.material_plane))
 
     def default_damping(self, block: BlockSpec) -> DampingSpec:
-        """Damping of an elastic block where nothing is said; ValueError for a rigid one."""
+        """Damping of an elastic block by default; ValueError for a rigid one."""
         return block.default_damping(self.material_plane, self.friction_of(block).static)
 
     @property
     def foundation_vibrates(self) -> bool:
-        """Whether a meshed foundation has no damping of its strain, so that its vibration lasts."""
+        """True if a meshed foundation has no damping of its strain, so that its vibration lasts."""
         foundation = self.foundation
         if not isinstance(foundation, PlateSpec | FrameSpec) or not foundation.is_meshed:
             return False
@@ -334,6 +393,17 @@ class Scene(Checked):
             own = block.material(self.material_plane).longitudinal / block.height
             stiffness = BED_OVER_BLOCK * own
         return Bed.damped(stiffness, contact.damping, mass)
+
+    def poses(
+        self, *, upright: bool = False, drift: tuple[float, float] = (0.0, 0.0)
+    ) -> dict[str, Pose]:
+        """For each block, by its name, the rigid motion from its own frame to its place.
+
+        As in `solver.scene.places.poses`, which needs numpy.
+        """
+        from solver.scene.places import poses
+
+        return poses(self.order, self.dimension, upright=upright, drift=drift)
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain tables, every default written out."""

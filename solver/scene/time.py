@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from solver.errors import SceneError, not_applicable
-from solver.scene.checking import OPEN, Checked, Number, is_open, shown
-from solver.scene.ranges import NotNegative, Positive
+from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.scene.quantities import Delay, Duration, Number, Positive
 
 LONGEST_STEP = 0.04
 """Longest adaptive step over the time scale of rocking, 1/p."""
@@ -33,15 +34,15 @@ DAMPED_STEPS = 8
 class TimeSpec(Checked):
     """Time stepping: `[time]`."""
 
-    end: Positive
+    end: Duration
     """Time at which the run ends, s."""
-    step: Positive = OPEN
-    """dt of fixed steps, s; no longer than `end`. What it decides:
+    step: Duration = OPEN
+    """dt of fixed steps, s; no longer than `end`. Its effect:
     [small steps](method.md#small-steps). Default: none: steps are adaptive and resolve each impact,
     and `step` becomes a quarter of `largest`; where nothing is meshed, a thousandth of 1/p, in 3-D
     no longer than what a block turns by 0.01 rad in as it starts."""
     stop: Literal["end", "overturned"] = "end"
-    """Whether the run goes on to `end`, or ends once a block
+    """The end of the run: at `end`, or once a block
     [has overturned](output.md#when-a-run-ends-early)."""
     rho_inf: Annotated[float, Number(at_least=0, at_most=1)] = 0.8
     """Spectral radius that the weights of generalized-alpha come from; smaller ones damp more of
@@ -53,32 +54,40 @@ class TimeSpec(Checked):
     8; adaptive: 0, as these steps resolve what vibrates."""
     initial: Literal["static", "unstressed"] = "static"
     """Begin in equilibrium with gravity, where no block is tilted; or without stress."""
-    smallest: NotNegative = 0.0
+    smallest: Delay = 0.0
     """Smallest step to which steps that do not converge, or are not accurate enough, are halved, s;
     0 becomes step/1024, with adaptive steps step/16384."""
     adaptive: bool = False
-    """Whether steps are chosen by their error: `step`, with which the run begins, times powers of
+    """True: steps are chosen by their error: `step`, with which the run begins, times powers of
     two; always so in meshed scenes without `step`. Not where nothing is meshed: there steps are cut
     at events anyway."""
     tolerance: Positive | None = None
     """About the error of the restitution of an impact. Adaptive only. Default: adaptive: `1e-3`."""
-    largest: Positive | None = None
+    largest: Duration | None = None
     """Longest step, s. Adaptive only. Default: adaptive: 4 `step`; without `step` 0.04/p of the
     block that rocks fastest, p = sqrt(3 g/(4 R)), at most a hundredth of `end` and a twentieth of
     the shortest period of the ground's motion. It is shortened where a body is too stiff for it."""
 
-    def __post_init__(self) -> None:
-        """Check the values."""
-        Checked.__post_init__(self)
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """The values that follow from `step`; without it the scene has them (`in_scene`)."""
         if is_open(self.step):
-            return  # the scene has what is missing
+            return
+        if self.adaptive and self.tolerance is None:
+            yield "tolerance", TOLERANCE
+        if self.adaptive and self.largest is None:
+            yield "largest", 4 * self.step
+        if self.smallest == 0:
+            yield "smallest", self.step / (16384 if self.adaptive else 1024)
+        if is_open(self.damped_steps):
+            yield "damped_steps", 0 if self.adaptive else DAMPED_STEPS
+
+    def check(self) -> None:
+        """Refuse values that do not go together."""
+        if is_open(self.step):
+            return
         for key in ("tolerance", "largest"):
             if getattr(self, key) is not None and not self.adaptive:
                 raise not_applicable(key, "adaptive steps only (adaptive = true)")
-        if self.adaptive and self.tolerance is None:
-            object.__setattr__(self, "tolerance", TOLERANCE)
-        if self.adaptive and self.largest is None:
-            object.__setattr__(self, "largest", 4 * self.step)
         if self.largest is not None and self.largest < self.step:
             raise SceneError("largest", shown(self.largest), f"largest >= step = {self.step:g}")
         if self.step > self.end:
@@ -88,11 +97,6 @@ class TimeSpec(Checked):
             raise SceneError("step", shown(self.step), f"{least}: they fill 30 GB of memory")
         if self.smallest > self.step:
             raise SceneError("smallest", shown(self.smallest), f"smallest <= step = {self.step:g}")
-        if self.smallest == 0:
-            parts = 16384 if self.adaptive else 1024
-            object.__setattr__(self, "smallest", self.step / parts)
-        if is_open(self.damped_steps):
-            object.__setattr__(self, "damped_steps", 0 if self.adaptive else DAMPED_STEPS)
 
     def in_scene(
         self, *, is_rigid: bool, frequency: float, spin: float, period: float, stiffest: float

@@ -1,14 +1,17 @@
-"""Contact compliance (Delassus operator) of an elastic body.
+"""Contact compliance (Delassus operator) of a meshed body: what unit forces at its ports move.
 
-It is computed many columns at a time, as points come near contact.
+Ports are points where forces act and motions are read, as rows on the nodes of the body. Columns
+K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so that a
+standing block never pays for its sides and top. In the frame that turns with the body all of it is
+constant. The compliance among the ports is kept; whole columns are kept with it for as long as they
+take no more memory than the factor, beyond which what forces do is a back substitution.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,67 +19,47 @@ import scipy.sparse as sp
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse, blocks
 from solver.bodies.memory import ASKED_PART, compliance_bytes, require
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.surface_layer import Layer
 from solver.contact.nitsche_points import same
-from solver.stepping.columns import COPIED, FEW, Columns, rows_of
-from solver.stepping.ports import InterfaceDofs, PointRows
+from solver.law.compiled import compiled
 from solver.types import Array, Indices
-
-TOGETHER = 1.0 / 6.0
-"""Back substitutions that each column costs, beside one for all, where several are solved for at a
-time: 2.2 for six and 5 for 24 in all, from 6 to 53 thousand unknowns in the plane and in space."""
-
-KEPT_AT_ONCE = 0.25
-"""Time to read all columns, over that of a back substitution, up to which they are kept as they are
-computed. To get the memory for more takes a fifth of the time of W, which rocking never wins back.
-"""
-
-WORTH_READING = 0.75
-"""Time to read the columns of the ports that forces act at, over that of a back substitution, up to
-which they are worth having."""
-
-MOST_KEPT = 1.0
-"""Time to read all columns kept of such ports, over that of a back substitution, at most."""
-
-MOST_MEMORY = 2.0
-"""Memory of these columns, over that of the factor, at most: CG reads much more than it takes."""
-
-NONE: Indices = np.empty(0, dtype=np.int64)
-"""No ports."""
 
 
 @dataclass(frozen=True, slots=True)
-class PortCompliance:
-    """What unit forces at some ports of a body move."""
+class InterfaceDofs:
+    """Points of a body where forces act and motions are read."""
 
-    ports: Indices
-    """Numbers of the ports."""
-    matrix: Array
-    """Compliance among them, (m d, m d), m/N."""
+    layer: Layer
+    """The nodes that the rows refer to."""
+    force_rows: Any
+    """(points d, layer unknowns): its transpose turns point forces into nodal ones."""
+    read_rows: Any
+    """Rows of the same shape that read the response."""
+    count: int
+    """Number of points."""
+    symmetric: bool
+    """Whether both are the same numbers."""
 
 
-class SavedCompliance(NamedTuple):
-    """What the digits of further answers of a compliance depend on.
+class PointRows(NamedTuple):
+    """Points of one group in a set of points.
 
     Attributes:
-        batches: Ports whose compliance was computed together, and ports whose columns were to be
-            kept with that because forces act there; either may be none. In order.
-        gathered: Ports that were asked for last.
-        without: Back substitutions' time that columns of such ports would have saved since then.
+        layer: The nodes that their rows refer to.
+        force: Their force rows, (rows, layer unknowns).
+        read: Their read rows, likewise.
+        place: Where their rows are among those of the set.
     """
 
-    batches: list[tuple[Indices, Indices]]
-    gathered: Indices
-    without: float
+    layer: Layer
+    force: sp.csr_matrix
+    read: sp.csr_matrix
+    place: Indices
 
 
 class Compliance:
-    """What unit forces at the ports of a body move: K^-1 (force rows)^T, read through other rows.
-
-    In the frame that rotates with the body all of it is constant. A column is computed when its
-    point first comes near contact, so that a standing block never pays for its sides and top; and
-    only the rows of such points are kept.
-    """
+    """What unit forces at the ports of a body move, K^-1 (force rows)^T, by other rows."""
 
     def __init__(
         self, body: ElasticBody | ReducedBody, factor: Inverse, ports: Sequence[InterfaceDofs]
@@ -90,146 +73,55 @@ class Compliance:
         self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])
         self._place = np.full(int(self._first[-1]), -1)
         self._known: Indices = np.empty(0, dtype=np.int64)
-        self._batches: list[tuple[Indices, Indices]] = []
         self._matrix = np.empty((0, 0))
-        self.columns: Columns | None = self._no_columns()
-        """Columns of all ports that have been near; None where these are too many."""
-        self._acting, self._without = self._no_columns(), 0.0
-        """Where not all columns are kept, those of ports that are pressed, or were."""
-        self._gathered = PortCompliance(self._known, self._matrix)
+        self.columns: Array | None = np.empty((0, body.size))
+        """Displacements of the owned unknowns under unit forces at all known ports, one after
+        another in (ports d, owned unknowns), m/N; None where they take too much."""
+        self.batches: list[Indices] = []
+        """Ports whose columns were solved for together: solved for so again they have the same
+        digits."""
 
     @property
     def nbytes(self) -> float:
         """Memory of the factor and of what is kept of its columns, on all ranks together, bytes."""
-        columns = len(self._acting.values.T)
-        if self.columns is not None:
-            columns += len(self.columns.values.T)
-        compliance = self.body.comm.size * self._matrix.nbytes
-        return self.factor.nbytes + 8.0 * columns * self.body.unknowns + compliance
+        columns = 0.0 if self.columns is None else self._column_bytes(len(self._known))
+        return self.factor.nbytes + columns + self.body.comm.size * self._matrix.nbytes
 
-    def among(
-        self, chosen: Indices, pressed: Callable[[], Indices] = lambda: NONE
-    ) -> PortCompliance:
-        """The compliance of some ports; kept for as long as the same ports are asked for.
-
-        Where some of it has to be computed, it is asked which ports are pressed.
-        """
-        if not same(chosen, self._gathered.ports):
-            self._compute_missing(chosen, pressed)
-            self._gathered = self._gather(chosen)
-        return self._gathered
-
-    def _compute_missing(
-        self, ports: Indices, pressed: Callable[[], Indices] = lambda: NONE
-    ) -> None:
-        """Compute the columns that some of these ports still lack; collective."""
-        if same(ports, self._gathered.ports):
-            return
-        missing = ports[self._place[ports] < 0]
-        if len(missing):
-            self._compute(missing, pressed())
-
-    def saved(self) -> SavedCompliance:
-        """What `repeat` needs to find the same digits."""
-        return SavedCompliance(list(self._batches), self._gathered.ports, self._without)
-
-    def repeat(self, saved: SavedCompliance) -> None:
-        """Compute what another compliance of the same body and factor has; collective."""
-        for ports, acting in saved.batches:
-            if len(ports):
-                self._compute(ports, acting)
-            elif self.columns is None and len(missing := self._acting.lacks(acting)):
-                self._make_acting(missing)  # more ranks may have some of them already
-        self._without = saved.without
-        if len(saved.gathered):
-            self.among(saved.gathered)
-
-    def _gather(self, chosen: Indices) -> PortCompliance:
-        """The compliance of known ports: what is kept itself where these are all of them."""
+    def among(self, chosen: Indices) -> Array:
+        """The compliance of some ports, (m d, m d), m/N; collective."""
+        self._compute_missing(chosen)
         if same(chosen, self._known):
-            return PortCompliance(chosen, self._matrix)
+            return self._matrix
         rows = self._expand(self._place[chosen])
-        return PortCompliance(chosen, self._matrix[np.ix_(rows, rows)])
+        return self._matrix[np.ix_(rows, rows)]
 
-    def few_columns(self, ports: Indices) -> Array | None:
-        """Columns of some ports as rows, (m d, owned unknowns); None where they are not few."""
-        self._compute_missing(ports)
-        return None if self.columns is None else self.columns.of_few(ports)
-
-    def displacement(self, ports: Indices, vectors: Array) -> Array:
-        """What forces (m, d) at some ports do to the owned unknowns, m."""
+    def displacement(self, ports: Indices, forces: Array) -> Array:
+        """What forces (m, d) at some ports do to the owned unknowns, m; collective."""
         self._compute_missing(ports)
         if self.columns is not None:
-            return self.columns.under(ports, vectors)
-        acting = vectors.any(axis=1)
-        ports, vectors = ports[acting], vectors[acting]
-        if self._has_acting(ports):
-            return self._acting.under(ports, vectors)
+            moved: Array = np.zeros(self.body.size)
+            add_columns(self.columns, self._place[ports], forces, moved)
+            return moved
         right = np.zeros((self.body.owned, self.body.dimension))
         for port, own, mine in self._groups(ports):
-            rows = port.force_rows[self._expand(own)]
-            nodal = rows.T @ vectors[mine].ravel()
+            nodal = port.force_rows[self._expand(own)].T @ forces[mine].ravel()
             port.layer.add(right, np.asarray(nodal).reshape(port.layer.size, -1))
         flat = right.ravel()
         flat[self.body.fixed] = 0.0
         return self.factor.solve(flat)
 
-    def _no_columns(self) -> Columns:
-        """Columns of none of the ports."""
-        return Columns(self.body.size, self.body.dimension, int(self._first[-1]))
+    def repeat(self, batches: Sequence[Indices]) -> None:
+        """Solve for the same columns as another compliance of the same body; collective."""
+        for ports in batches:
+            self._compute(ports)
 
-    def _reading(self, ports: int) -> float:
-        """Time to read the columns of so many ports, over that of a back substitution."""
-        return ports * self.body.dimension * self.body.unknowns / self.factor.reads
-
-    def _reading_of(self, ports: int, kept: int) -> float:
-        """Time to read the columns of so many ports among those that are kept of acting ones.
-
-        Over that of a back substitution; infinite where too many are kept, by the time to read them
-        all or by their memory.
-        """
-        numbers = kept * self.body.dimension * self.body.unknowns
-        if self._reading(kept) > MOST_KEPT or 8.0 * numbers > MOST_MEMORY * self.factor.nbytes:
-            return math.inf
-        return self._reading(min(COPIED * ports, kept))
-
-    def _has_acting(self, ports: Indices) -> bool:
-        """Whether there are columns of the ports that forces act at.
-
-        Columns that are missing are made once they would have saved as much time as they cost:
-        forces that go on to act there, as under a block that stands or the corner on which one
-        rocks, save it from then on, and others lose no more than that. Those that are kept make way
-        where to read beside them takes too long.
-        """
-        missing = self._acting.lacks(ports)
-        read = self._reading_of(len(ports), len(self._acting.ports) + len(missing))
-        anew = read > WORTH_READING
-        if anew:
-            missing, read = ports, self._reading_of(len(ports), len(ports))
-            if read > WORTH_READING:
-                return False
-        if len(missing):
-            self._without += 1.0 - read
-            if self._without < 1.0 + TOGETHER * self.body.dimension * len(missing):
-                return False
-            self._without = 0.0
-            if anew:
-                self._acting = self._no_columns()
-                self._batches = [(known, NONE) for known, _ in self._batches if len(known)]
-            self._make_acting(missing)
-        return True
-
-    def _make_acting(self, ports: Indices) -> None:
-        """Solve for the columns of ports that forces act at, and keep them."""
-        self._batches.append((NONE, ports.copy()))
-        acting, count = self._parts(ports), len(ports) * self.body.dimension
-        self._acting.extend(ports)
-        unit = self._unit_forces(acting, slice(0, count), forces=True)
-        self._acting.values[:, -count:] = self.factor.solve_many(unit)
+    def _column_bytes(self, ports: int) -> float:
+        """Memory of the columns of so many ports, on all ranks together, bytes."""
+        return 8.0 * ports * self.body.dimension * self.body.unknowns
 
     def _expand(self, points: Indices) -> Indices:
         """Row numbers of the d directions of points."""
-        return rows_of(points, self.body.dimension)
+        return (points[:, None] * self.body.dimension + np.arange(self.body.dimension)).ravel()
 
     def _groups(self, points: Indices) -> Iterator[tuple[InterfaceDofs, Indices, Indices]]:
         """For each group that has any of the points: itself, their numbers in it, places here."""
@@ -238,15 +130,19 @@ class Compliance:
             if len(mine):
                 yield port, points[mine] - first, mine
 
-    def _compute(self, missing: Indices, pressed: Indices) -> None:
-        """Solve for the columns of further points, and keep their rows beside those known before.
+    def _compute_missing(self, ports: Indices) -> None:
+        """Solve for the columns that some of these ports still lack; collective."""
+        missing = ports[self._place[ports] < 0]
+        if len(missing):
+            self._compute(missing)
 
-        Where columns are not kept, those of ports that are pressed are, if they pay.
+    def _compute(self, missing: Indices) -> None:
+        """Solve for the columns of further points, and keep their rows beside those known before.
 
         Raises:
             MemoryExceeded: There is no room for as many.
         """
-        self._batches.append((missing.copy(), pressed.copy()))
+        self.batches.append(missing)
         d, before = self.body.dimension, len(self._matrix)
         known = np.concatenate([self._known, missing])
         require(
@@ -255,59 +151,29 @@ class Compliance:
             "use larger cells on the faces that touch",
             self.body.comm,
         )
+        if self._column_bytes(len(known)) > self.factor.nbytes:
+            self.columns = None
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix
-        self._make_room(missing, pressed, len(known))
-        wanted = self._expand(self._keep(missing, pressed))
-        kept = self._acting.values.T[len(self._acting.values.T) - len(wanted) :]
         acting, near = self._parts(missing), self._parts(known)
+        columns = []
         for block in blocks(len(matrix) - before, self.body.unknowns):
             place = slice(before + block.start, before + block.stop)
             response = self.factor.solve_many(self._unit_forces(acting, block, forces=True))
             matrix[:, place] = self._read(near, response, forces=False)
             if self.columns is not None:
-                self.columns.values[:, place] = response
-            first, last = wanted.searchsorted((block.start, block.stop))
-            kept[first:last] = response.T[wanted[first:last] - block.start]
+                columns.append(response.T)
             if before and not self._symmetric:
                 response = self.factor.solve_many(self._unit_forces(acting, block, forces=False))
                 matrix[place, :before] = self._read(near, response, forces=True)[:before].T
+        if self.columns is not None:
+            self.columns = np.vstack([self.columns, *columns])
         if self._symmetric:
             matrix[before:, :before] = matrix[:before, before:].T
             own = matrix[before:, before:]
             own[:] = 0.5 * (own + own.T)
         self._place[missing] = len(self._known) + np.arange(len(missing))
         self._known, self._matrix = known, matrix
-
-    def _make_room(self, missing: Indices, pressed: Indices, count: int) -> None:
-        """Room for the columns of further ports, `count` of them in all.
-
-        If these are too many, for none of them; of ports that are pressed those that are there stay
-        if they pay. A back substitution with the mass of a small body reads next to nothing, but
-        what comes before it takes longer than to read a few columns.
-        """
-        before, numbers = self.columns, count * self.body.dimension * self.body.unknowns
-        if before is None:
-            return
-        if numbers <= FEW or self._reading(count) <= KEPT_AT_ONCE:
-            before.extend(missing)
-            return
-        self.columns = None
-        known = np.setdiff1d(pressed, before.lacks(pressed))
-        if self._reading_of(len(known), len(known)) <= WORTH_READING:
-            self._acting.take(known, before)
-
-    def _keep(self, missing: Indices, pressed: Indices) -> Indices:
-        """Make room for the columns of ports that are pressed; their places among the missing.
-
-        They are solved for anyway, and to read them takes less than a back substitution.
-        """
-        kept = np.flatnonzero(np.isin(missing, pressed))
-        read = self._reading_of(len(kept), len(self._acting.ports) + len(kept))
-        if self.columns is not None or read > WORTH_READING:
-            kept = np.empty(0, dtype=np.int64)
-        self._acting.extend(missing[kept])
-        return kept
 
     def _parts(self, points: Indices) -> list[PointRows]:
         """Rows of points, and of their layers the nodes that these touch; collective."""
@@ -348,3 +214,22 @@ class Compliance:
             near = part.layer.gather(nodes).reshape(part.layer.size * d, count)
             result[part.place] = (part.force if forces else part.read) @ near
         return result
+
+
+@compiled
+def add_columns(columns: Array, place: Indices, forces: Array, moved: Array) -> None:
+    """Add to displacements what forces do, by columns; those without force are not read.
+
+    Args:
+        columns: As kept, (ports d, unknowns), m/N.
+        place: Places of the ports among them, (m,).
+        forces: At the ports, (m, d), N.
+        moved: (unknowns,), m.
+    """
+    d = forces.shape[1]
+    for i in range(len(place)):
+        for k in range(d):
+            force, column = forces[i, k], columns[place[i] * d + k]
+            if force != 0.0:
+                for n in range(len(moved)):
+                    moved[n] += force * column[n]

@@ -1,37 +1,287 @@
-"""SNES with the contact problem condensed inside its correction, for one step after another."""
+"""The nonlinear problem of a step, and its solution by SNES, one step after another.
+
+The residual is the exact nonlinear one. The tangent of a meshed body is that of the undeformed one,
+turned with the rotation R of the body (K(u) = R K_0 R^T up to terms of the size of the strain), so
+that a correction costs one back substitution and one small contact problem, which couples all
+bodies:
+
+    du_f = -K^-1 r,    f = solution of the local problem with W = w_c sum over bodies G K^-1 G^T,
+    du = du_f + w_c K^-1 G^T df.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse
 from solver.bodies.memory import kept_limit
+from solver.bodies.rigid_body import DenseBody
+from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
 from solver.law.local_problem import LocalProblem, NoContactSolution
-from solver.parallel import any_rank
+from solver.parallel import any_rank, global_sums
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.balance import Balance, StepSolution
-from solver.stepping.carrier_edges import points_beyond
-from solver.stepping.delassus import LastDelassus, Softening
-from solver.stepping.model import ContactModel, Tangents
+from solver.stepping.active_set import CarrierEdges, EdgeWatch, Reach, Sleepers, points_beyond
+from solver.stepping.balance import Balance, Contact, StepSolution
+from solver.stepping.delassus import (
+    Delassus,
+    Softening,
+    Tangents,
+    assembled,
+    of_no_points,
+)
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
-from solver.stepping.reach import Reach
-from solver.stepping.resuming import repeat_compliances, saved_compliances
-from solver.stepping.step_contact import compile_law
-from solver.stepping.step_problem import StepProblem
+from solver.stepping.response import CandidateSet, Kinematics, repeat_compliances, saved_compliances
+from solver.stepping.step_contact import ContactModel, OthersNear, StepContact, compile_law
 from solver.stepping.system import Body, Link, System, response_of
-from solver.types import Array
+from solver.types import Array, Indices, Mask
+
+PLACED_CORRECTIONS = 2
+"""Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
+
+
+class Iterate(NamedTuple):
+    """Where everything is at one displacement: u, and what each interface looks like there."""
+
+    u: Array
+    seen: Sequence[Observed]
+
+
+class Pressing(NamedTuple):
+    """An interface that residuals look at: what stays the same from one to the next.
+
+    Attributes:
+        number: Its number.
+        link: The interface, and its bodies.
+        before: Where it was at t_n, in the frame of the step; None in equilibrium.
+        force: Its part of the point forces, which corrections write to, (points, d), N.
+        weights: How they count in a residual.
+    """
+
+    number: int
+    link: Link
+    before: Observed | None
+    force: Array
+    weights: ForceWeights
+
+
+class StepProblem:
+    """A balance as SNES sees it, with the point forces of the iterate.
+
+    Attributes:
+        contact: Forces of all contact points, and the law that they obey.
+        held: Residual of the iterate at the unknowns that do not move, N.
+        inertia: M (u - u_n - dt v_n) at the iterate, kg m; zero in equilibrium.
+    """
+
+    def __init__(self, model: ContactModel, tangents: Tangents, balance: Balance, guess: Array):
+        """Start from what contact remembers and a guess of the displacement of all owned unknowns.
+
+        `tangents` is what the bodies offer, with the Delassus operator of earlier corrections.
+        """
+        self._model, self._tangents, self._balance = model, tangents, balance
+        self._points, self._system = model.points, model.system
+        self._static, self._weight = balance.static, balance.contact_weight
+        self.contact = StepContact(model, balance)
+        self._edges = CarrierEdges(model.points, balance.contact)
+        self._watch = EdgeWatch()
+        self._beyond: Mask | None = None
+        self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
+        self._remembered = [memory.seen for memory in balance.contact]
+        self._awake = self._pressing()
+        # Of each body its response, where its unknowns are, and its rotation at t_n.
+        starts = model.system.slices, balance.rotations
+        self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
+        self._frames = model.points.frames
+        if model.points.turns:
+            tangents.operator = None
+        self._iterate = Iterate(guess, ())
+        self._kinematics: Kinematics = []  # at the iterate
+        self._configurations: Sequence[Any] = ()
+        self._corrections = 0
+        self.held: Array = np.empty(0)
+        self.inertia: Array = self.held
+        self._residual: Array = self.held
+
+    @property
+    def forces(self) -> float:
+        """Largest norm of the contact forces so far, N."""
+        return self.contact.largest
+
+    def residual(self, u: Array) -> Array:
+        """Out-of-balance force at u with the current point forces, N."""
+        residual, self.inertia = self._balance.smooth_residual(self._system, u)
+        seen, parts = self._remembered.copy(), self._system.parts
+        kinematics: list[ContactKinematics | None] = [None] * len(seen)
+        for number, link, before, force, weights in self._awake:
+            at, on = parts(u, link), parts(residual, link)
+            seen[number] = found = link.interface.press(before, at, force, on, weights)
+            kinematics[number] = found[1]
+        fixed = self._system.fixed
+        if len(fixed):
+            self.held = residual.take(fixed)
+            residual.put(fixed, 0.0)
+        self._iterate, self._kinematics = Iterate(u, seen), kinematics
+        self._residual = residual
+        return residual
+
+    def _pressing(self) -> list[Pressing]:
+        """The interfaces that residuals look at."""
+        balance, points, found = self._balance, self._points, []
+        for number, asleep in enumerate(self.sleepers.asleep):
+            if not asleep:
+                link, force = points.links[number], self.contact.force[points.own[number]]
+                before = None if self._static else self._remembered[number]
+                tangent = balance.weights[link.body or 0]
+                weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
+                found.append(Pressing(number, link, before, force, weights))
+        return found
+
+    def acceleration(self) -> float:
+        """Largest acceleration that the resultant of that force gives a body, m/s2.
+
+        On rigid bodies all of it is resultant, moments by the metre.
+        """
+        system, d = self._system, self._system.dimension
+        sums: list[float] = []
+        for body, own in system.members:
+            force = self._residual[own]
+            if isinstance(body, DenseBody):  # one rank has all of it, the others nothing
+                sums += math.sqrt(force @ force), *[0.0] * (d - 1)
+            else:
+                sums += map(float, body.resultant(force))
+        sums = global_sums(system.comm, sums)
+        return max(
+            math.hypot(*sums[d * k : d * (k + 1)]) / body.mass
+            for k, body in enumerate(system.bodies)
+        )
+
+    def correction(self, residual: Array) -> Array:
+        """Free step, local contact problem, and the response to the change of the point forces."""
+        self._corrections += 1
+        if self._corrections <= PLACED_CORRECTIONS:
+            self._configurations = self._placed()
+        y, self._beyond = self._positions(), self._points_beyond()
+        free = self._free(residual, y)
+        delassus, change = self._settled(y)
+        found = []
+        for k, (response, _, _) in enumerate(self._bodies):
+            at = self._configurations[k]
+            if change is None:
+                found.append(response.owned(at, free[k]))
+            else:
+                how = delassus.couplings[k], delassus.near, change, self._weight
+                found.append(response.respond(at, *how, free[k]))
+        return joined(found)
+
+    def _placed(self) -> Sequence[Any]:
+        """The configurations of all bodies at the iterate."""
+        u = self._iterate.u
+        return [response.at(u[own], start) for response, own, start in self._bodies]
+
+    def _free(self, residual: Array, y: Array) -> list[Any]:
+        """The free motions of all bodies; what they do to augmented positions is added to y."""
+        found = []
+        for k, (response, own, _) in enumerate(self._bodies):
+            at = self._configurations[k]
+            free = response.free(at, residual[own])
+            response.read(at, free, y, self._frames, self._kinematics)
+            found.append(free)
+        return found
+
+    def _positions(self) -> Array:
+        """Augmented positions of all points at the iterate, from their rest gaps.
+
+        With what is left of beds' compression. A copy: it is written to.
+        """
+        y: Array = copied([seen.augmented for _, seen in self._iterate.seen])
+        if self.contact.beds is not None:
+            y[:, 0] += self.contact.beds.offset
+        if self.contact.rest is not None:
+            y[:, 0] -= self.contact.rest
+        return y
+
+    def _points_beyond(self) -> Mask | None:
+        """Points beyond an edge at the iterate, with all of interfaces that sleep; None: none."""
+        points, beyond = self._points, self.sleepers.points
+        for number in self._edges.numbers:
+            kinematics, off = self._kinematics[number], None
+            if kinematics is not None:
+                off = self._edges.beyond(number, kinematics)
+            if off is not None and np.count_nonzero(off):
+                none = np.zeros(points.count, dtype=np.bool_)
+                beyond = none if beyond is None else beyond.copy()
+                beyond[points.own[number]] = off
+        return self._watch.settled(beyond)
+
+    def _settled(self, y: Array) -> tuple[Delassus, Array | None]:
+        """Let the point forces obey the contact law after the free step to y.
+
+        Points beyond an edge are put far from their carrier in y, whatever their gap: a foot far
+        beyond an edge goes to and fro with the face. Returns the operator of the points that are
+        near, and the change of their forces, (m, d), N; None where no point is near.
+        """
+        self._put_away(y)
+        self.contact.tell_slips(y)
+        operator = self._tangents.operator
+        if operator is None or not operator.fits(self._tangents.responses, self._configurations):
+            operator = of_no_points(self._system.dimension)
+        while isinstance(change := self.contact.settle(y, operator), OthersNear):
+            self._model.reach.meet(change.number)
+            operator = self._tangents.operator = self._delassus(change.number)
+        return operator, change
+
+    def _delassus(self, near: Indices) -> Delassus:
+        """The operator at some points, with all bodies as they are at the iterate."""
+        points = self._points
+        return assembled(
+            self._tangents.responses,
+            self._configurations,
+            CandidateSet(near, points.frames_at(near), self._kinematics),
+            contact_weight=self._weight,
+            softness=points.softness,
+            beds=self.contact.beds,
+            softening=self.contact.softening,
+        )
+
+    def continues(self, u: Array) -> bool:
+        """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
+        if self.sleepers.wake(u):
+            self._awake = self._pressing()
+            return True
+        return self._sinks_in() or self.contact.friction.break_loose(self.contact.force)
+
+    def _sinks_in(self) -> bool:
+        """Whether points sink in at the iterate that no correction has looked at."""
+        y = self._positions()
+        self._put_away(y)
+        return self.contact.sinks_in(y)
+
+    def _put_away(self, y: Array) -> None:
+        """Put points beyond an edge as far from their carrier as their body is large, in y."""
+        if self._beyond is not None:
+            y[self._beyond, 0] = self._points.size[self._beyond]
+
+    def contacts(self) -> list[Contact]:
+        """Every interface at the end of the step, after `continues` was asked."""
+        found, sleepers = [], self.sleepers
+        for number, own in enumerate(self._points.own):
+            asleep = sleepers.asleep[number]
+            surface, kinematics = sleepers.seen(number) if asleep else self._iterate.seen[number]
+            force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
+            found.append(Contact(surface, kinematics, force, bounds, sleepers.clear(number)))
+        return found
 
 
 class ContactSolve:
     """Solves balances of the same bodies and interfaces.
 
-    One factorization for each body, step size and rho_inf is kept, and the Delassus operator of the
-    last correction. Where they take more than their part of the memory, those are dropped whose
+    One factorization for each body, step size and rho_inf is kept, with the Delassus operator of
+    its last correction. Where they take more than their part of the memory, those are dropped whose
     last use is longest ago.
     """
 
@@ -50,8 +300,6 @@ class ContactSolve:
         )
         self._solver = NonlinearSolver(system.comm, system.size, NoContactSolution, options)
         self._tangents: dict[tuple[TangentWeights, ...], Tangents] = {}
-        self._kept = LastDelassus(system.dimension)
-        self._solves = self._stiffness = 0
         self._strained_at: Array | None = None
         """Displacement that the stiffness of bodies was made anew at, last."""
 
@@ -63,42 +311,35 @@ class ContactSolve:
         """What the digits of further solves depend on, for `resume`."""
         return {
             "tangents": [
-                (weights, saved_compliances(tangents.responses))
+                (weights, saved_compliances(tangents.responses), tangents.operator)
                 for weights, tangents in self._tangents.items()
             ],
-            "kept": self._kept.operator,
             "met": self._model.reach.met,
-            "counts": (self._solves, self._stiffness),
             "strained_at": self._strained_at,
         }
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on as another solve of the same bodies would from where it was saved; collective."""
-        self._solves, self._stiffness = saved["counts"]
         self._strained_at = saved["strained_at"]
         self._tangents.clear()
-        for weights, compliances in saved["tangents"]:
-            repeat_compliances(self._tangents_for(weights).responses, compliances)
-        self._kept.operator = saved["kept"]
+        for weights, compliances, operator in saved["tangents"]:
+            tangents = self._tangents_for(weights)
+            repeat_compliances(tangents.responses, compliances)
+            tangents.operator = operator
         self._model.reach.meet_again(saved["met"])
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""
-        self._solves += 1
         reach = self._model.reach
-        if reach.holding and not balance.static:
+        if balance.static:
+            self._hold_touching(balance)
+        elif reach.holding:
             reach.meet_again(reach.met)
-        problem = StepProblem(
-            self._model,
-            self._tangents_for(tuple(balance.weights)),
-            self._kept,
-            balance,
-            guess,
-            number=self._solves,
-        )
+        tangents = self._tangents_for(tuple(balance.weights))
+        problem = StepProblem(self._model, tangents, balance, guess)
         tolerance = balance.tolerance(self._model.system, guess)
         u, outcome = self._solver.solve(problem, guess, tolerance)
-        if not outcome.converged and (self._restiffens(balance) or self._holds_on(balance)):
+        if not outcome.converged and self._restiffens(balance):
             return self.solve(balance, guess)
         while outcome.converged and problem.continues(u):
             before = outcome.iterations
@@ -119,27 +360,22 @@ class ContactSolve:
         changed = [body.restiffen(start[own]) for body, own in system.meshed]
         if any(changed):
             self._tangents.clear()
-            self._stiffness += 1
         return any(changed)
 
-    def _holds_on(self, balance: Balance) -> bool:
-        """Look for an equilibrium that was not found with all points that touch, once.
+    def _hold_touching(self, balance: Balance) -> None:
+        """Let all points that touch count in an equilibrium, wherever corrections lead them.
 
-        Nothing but contact holds the bodies of a stack. As long as only the lowest points are known
-        to be near, those above fall far beyond anything that makes sense.
+        Nothing but contact holds the bodies of a stack. If only the lowest points were known to be
+        near, those above would fall far beyond anything that makes sense.
         """
-        reach = self._model.reach
-        if not balance.static or reach.holding:
-            return False
-        memories = balance.contact
+        memories, points = balance.contact, self._model.points
         may_touch = copied([memory.may_touch for memory in memories])
-        points = self._model.points
         for own, memory, carrier in zip(points.own, memories, points.carriers, strict=True):
             beyond = points_beyond(carrier, memory)
             if beyond is not None:
                 may_touch[own] &= ~beyond
-        reach.hold(joined([memory.kinematics.place[:, 0] for memory in memories]), may_touch)
-        return True
+        gaps = joined([memory.kinematics.place[:, 0] for memory in memories])
+        self._model.reach.hold(gaps, may_touch)
 
     def _was_strained_at(self, start: Array) -> bool:
         """Whether the stiffness was made anew at this very displacement; collective."""
@@ -156,7 +392,7 @@ class ContactSolve:
                 response_of(system, number, links, _factor(body, own), own)
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
-            self._tangents[weights] = Tangents(weights, responses, self._stiffness)
+            self._tangents[weights] = Tangents(responses)
         found = self._tangents.pop(weights)
         self._tangents[weights] = found  # the one used last stands last
         return found
@@ -169,7 +405,6 @@ class ContactSolve:
             if sum(kept) + max(kept) <= kept_limit(comm):
                 return
             del self._tangents[weights]
-            self._kept.forget()
             for body, own in zip(self._model.system.bodies, weights, strict=True):
                 if not isinstance(body, DenseBody):
                     body.forget(own)

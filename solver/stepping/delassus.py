@@ -4,22 +4,22 @@
 
 with the softness of Nitsche's method, and in the normal direction of beds below the points.
 
-It is made anew only where what it depends on has changed: its points, the configurations of the
-bodies, and what its key says.
+One is kept for each set of tangents, and made anew where its points or the configurations of the
+bodies have changed; where carriers turn, and feet move from step to step, in each solve.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.bed import Yielding
 from solver.contact.kernels.candidates import add_softness
-from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
 from solver.stepping.system import Link, System
@@ -38,28 +38,10 @@ WEIGHT_OVER_ROUND_OFF = 1e4
 points on another rigid one makes, at least."""
 
 
-class DelassusKey(NamedTuple):
-    """What a Delassus operator depends on, besides its points and the configurations of the bodies.
-
-    Attributes:
-        weights: Weights of the tangent of each body: they go with the step size and rho_inf.
-        stiffness: How often the stiffness of bodies was made anew.
-        step: dt, s, which beds go with; 0 where there are none.
-        solve: Number of the solve, where carriers turn and feet move from step to step; else 0:
-            points on planes that stand or only move along see the same operator in every step.
-    """
-
-    weights: tuple[TangentWeights, ...]
-    stiffness: int
-    step: float
-    solve: int
-
-
 class Delassus(NamedTuple):
     """The operator at some candidate points.
 
     Attributes:
-        key: What it depends on.
         configurations: The configurations of the bodies that it was made with.
         near: The points, their frames and kinematics.
         couplings: How the points act on each body.
@@ -67,7 +49,6 @@ class Delassus(NamedTuple):
         softening: Part of the diagonal that only makes forces of rigid points unique, (m,), m/N.
     """
 
-    key: DelassusKey
     configurations: Sequence[Any]
     near: CandidateSet
     couplings: Sequence[Any]
@@ -75,36 +56,35 @@ class Delassus(NamedTuple):
     softening: Array
 
     def fits(self, responses: Sequence[AnyResponse], configurations: Sequence[Any]) -> bool:
-        """Whether it belongs to configurations: the responses of bodies tell how close they are."""
+        """True if it is that of other configurations as well, as far as corrections need it."""
         places = zip(responses, configurations, self.configurations, strict=True)
         return all(response.close(now, before) for response, now, before in places)
 
-    @classmethod
-    def of_no_points(cls, d: int) -> Delassus:
-        """The operator where no point is near."""
-        key, none = DelassusKey((), 0, 0.0, 0), np.empty(0)
-        near = CandidateSet(none.astype(np.int64), np.empty((0, d, d)), (), none.astype(np.bool_))
-        return cls(key, (), near, (), np.empty((0, d, 0, d)), none)
+
+@cache
+def of_no_points(d: int) -> Delassus:
+    """The operator where no point is near."""
+    none = np.empty(0)
+    near = CandidateSet(none.astype(np.int64), np.empty((0, d, d)), ())
+    return Delassus((), near, (), np.empty((0, d, 0, d)), none)
 
 
-class LastDelassus:
-    """The operator that was made last, which is taken again for as long as it fits.
+@dataclass(slots=True)
+class Tangents:
+    """What bodies offer for one step size and rho_inf.
 
     Attributes:
-        operator: That operator; None before the first.
-        of_no_points: The operator where no point is near.
-        touches: Whether points were near in the last correction.
+        responses: Responses of all bodies.
+        operator: The Delassus operator made last; None before the first.
     """
 
-    def __init__(self, dimension: int) -> None:
-        """Start without any."""
-        self.operator: Delassus | None = None
-        self.of_no_points = Delassus.of_no_points(dimension)
-        self.touches = False
+    responses: Sequence[AnyResponse]
+    operator: Delassus | None = None
 
-    def forget(self) -> None:
-        """Keep none: it belongs to compliances that are dropped."""
-        self.operator = None
+    @property
+    def nbytes(self) -> float:
+        """Memory that factors and compliances take on all ranks together, bytes."""
+        return sum(response.nbytes for response in self.responses)
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +148,6 @@ class Softening:
 
 
 def assembled(
-    key: DelassusKey,
     responses: Sequence[AnyResponse],
     configurations: Sequence[Any],
     near: CandidateSet,
@@ -181,7 +160,6 @@ def assembled(
     """The operator, from the compliances of all bodies.
 
     Args:
-        key: What it depends on.
         responses: Responses of all bodies.
         configurations: Their configurations.
         near: The candidate points.
@@ -201,4 +179,4 @@ def assembled(
     if beds is not None:
         normal = W.reshape(-1)[:: d * (m * d + 1)]
         normal += beds.softness.take(near.number)
-    return Delassus(key, configurations, near, couplings, W, added)
+    return Delassus(configurations, near, couplings, W, added)

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.factorization import Inverse, MassInverse
-from solver.bodies.reduced.body import ReducedBody
-from solver.contact.projection import in_frames
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody
+from solver.contact.kinematics import in_frames
+from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
-from solver.law.many_points import MANY_ROWS
-from solver.law.velocity import impulse_correction
+from solver.law.velocity import impulse_correction, slip_reversal
 from solver.stepping.balance import Contact
-from solver.stepping.closed_points import (
-    ClosedPoints,
-    correct_closed_points,
-    impulse_bounds,
-    impulses,
-    largest_reversal,
-)
 from solver.stepping.point_table import PointTable, joined
-from solver.stepping.response import CandidateSet
-from solver.stepping.resuming import repeat_compliances, saved_compliances
+from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
 from solver.stepping.system import Link, System, response_of
 from solver.types import Array, Indices
 
@@ -65,6 +58,20 @@ class MassOperator(NamedTuple):
     configurations: Sequence[Any]
     couplings: Sequence[Any]
     W: Array
+
+
+def largest_reversal(closed: Indices, first: Indices, force: Array, velocity: Array) -> float:
+    """The largest slip reversal of an interface at the end of a step, m/s.
+
+    Args:
+        closed: Numbers of the closed points, rising, (m,).
+        first: Number of the first point of each interface, and of all points.
+        force: Of the closed points, (m, d), N.
+        velocity: Of the closed points at the end of the step, (m, d), m/s.
+    """
+    ends = closed.searchsorted(first)
+    parts = [slice(a, b) for a, b in pairwise(ends) if b > a]
+    return max(slip_reversal(force[part, 1:], velocity[part, 1:]) for part in parts)
 
 
 class VelocityImpulses:
@@ -123,46 +130,29 @@ class VelocityImpulses:
         velocity, W = self._velocity(u, v, contacts).take(pressed, axis=0), operator.W
         if self._points.has_bed:
             velocity, W = self._held_by_beds(pressed, velocity, W)
-        points = ClosedPoints(
-            pressed,
-            self._first,
-            joined([contact.force for contact in contacts]),
-            joined([contact.bounds.mu for contact in contacts]),
-            joined([contact.bounds.cohesion for contact in contacts]),
+        force, mu, cohesion = (
+            joined(parts).take(pressed, axis=0)
+            for parts in zip(
+                *((c.force, c.bounds.mu, c.bounds.cohesion) for c in contacts), strict=True
+            )
         )
-        q = np.empty(velocity.shape)
-        if q.size > MANY_ROWS:
-            found = self._correct_many(points, velocity, W, operator.W, dt, taken, lands, q)
-        else:
-            how = dt, taken, lands, self._local.counts
-            found = correct_closed_points(*points, velocity, W, operator.W, *how, q)
-        is_found, contact, friction, reversal = found
-        if not is_found:
-            return None
-        return VelocityCorrection(self._change(operator, q), contact, friction, reversal)
-
-    def _correct_many(
-        self,
-        points: ClosedPoints,
-        velocity: Array,
-        W: Array,
-        mobility: Array,
-        dt: float,
-        taken: float,
-        lands: bool,
-        q: Array,
-    ) -> tuple[bool, float, float, float]:
-        """As `correct_closed_points`, for more points than compiled code solves for at once."""
-        closed, first, force, mu, cohesion = points
-        impulse = impulses(closed, force, dt).reshape(q.shape)
-        bounds = impulse_bounds(closed, mu, cohesion, dt)
-        how = bounds, taken, closed, lands
-        found = impulse_correction(self._local, velocity, W, impulse, *how)
+        found = impulse_correction(
+            self._local,
+            velocity,
+            W,
+            dt * force,
+            Bounds(mu, dt * cohesion, np.inf),
+            taken,
+            pressed,
+            lands,
+        )
         if found is None:
-            return False, 0.0, 0.0, 0.0
-        q[:] = found.q
-        reversal = largest_reversal(closed, first, force, velocity + image(mobility, q))
-        return True, found.contact, found.friction, reversal
+            return None
+        after = velocity + image(operator.W, found.q)
+        reversal = largest_reversal(pressed, self._first, force, after)
+        return VelocityCorrection(
+            self._change(operator, found.q), found.contact, found.friction, reversal
+        )
 
     def _held_by_beds(self, closed: Indices, velocity: Array, W: Array) -> tuple[Array, Array]:
         """Velocities and W of closed points for which normal impulses on beds stay as they are.
@@ -197,7 +187,7 @@ class VelocityImpulses:
                 return self._kept
         frames = self._points.frames_at(closed)
         kinematics = [contact.kinematics for contact in contacts]
-        near = CandidateSet(closed, frames, kinematics, np.ones(len(closed), dtype=np.bool_))
+        near = CandidateSet(closed, frames, kinematics)
         W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
         configurations = [
             response.of_mass(u[own])

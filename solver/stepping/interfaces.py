@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.contact.candidates import ContactPair
-from solver.contact.crossing_interface import CrossingInterface
-from solver.contact.edge_crossings import Crossings
-from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.carriers import Face
+from solver.contact.edge_crossings import CrossingInterface, Crossings
+from solver.contact.interface import carry_over, rotate_frame
+from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.memory import Memory
-from solver.contact.memory_transfer import carry_over, rotate_frame
+from solver.contact.pairs import ContactPair
 from solver.law.compiled import runs_machine_code
 from solver.stepping.state import State
 from solver.stepping.system import Link, System

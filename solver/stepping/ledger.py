@@ -10,8 +10,8 @@ from mpi4py import MPI
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.memory import Memory
 from solver.parallel import global_sum
 from solver.stepping.system import Link, System

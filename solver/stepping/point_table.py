@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.bed import Yielding
-from solver.contact.increment import Observed
+from solver.contact.kinematics import Observed
 from solver.contact.memory import Memory
 from solver.law.friction import Bounds, new_pasts
 from solver.stepping.system import Link, System
@@ -67,6 +67,7 @@ class PointTable:
         steady: Whether friction depends on neither speed nor the past.
         decays: Whether that of some points decays with the speed.
         bounds: Bounds of steady friction; None where it is not steady.
+        turns: Whether a carrier turns.
         size: Of the body that each point belongs to, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
     """
@@ -90,7 +91,7 @@ class PointTable:
             interfaces = [link.interface for link in links]
             each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
             self.bounds = JoinedBounds.of(each)
-        self._turns = any(carrier.turns for carrier in self.carriers)
+        self.turns = any(carrier.turns for carrier in self.carriers)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
@@ -111,7 +112,7 @@ class PointTable:
     def frames_at(self, chosen: Indices) -> Array:
         """Frames at some of the points, whose numbers rise, (m, d, d); to be read only."""
         key, kept = chosen.tobytes(), self._frames_of
-        if self._turns or kept is None or kept[0] != key:
+        if self.turns or kept is None or kept[0] != key:
             kept = self._frames_of = key, self._new_frames(chosen)
         return kept[1]
 

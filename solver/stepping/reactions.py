@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.dense_body import DenseBody
+from solver.bodies.rigid_body import DenseBody
+from solver.stepping.balance import Step
 from solver.stepping.ledger import StepEnds
 from solver.stepping.state import GroundForces, State
-from solver.stepping.step import Step
 from solver.stepping.system import System
 from solver.types import Array
 

@@ -10,15 +10,26 @@ from typing import Any
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.candidates import ContactPair
-from solver.contact.events import contact_changed
+from solver.contact.memory import contact_changed
+from solver.contact.pairs import ContactPair
 from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import GeneralizedAlpha
-from solver.stepping.balance import Balance, StepSolution
+from solver.stepping.balance import (
+    Balance,
+    Step,
+    StepSolution,
+    balance_of,
+    consistent,
+    extrapolated,
+    impulsive_forces,
+    inertia_force,
+    remembered,
+    static_weights,
+    turned,
+)
 from solver.stepping.contact_solve import ContactSolve
-from solver.stepping.equilibrium import consistent, static_weights
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
@@ -29,18 +40,8 @@ from solver.stepping.reactions import (
     standing_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, State
-from solver.stepping.step import (
-    Step,
-    balance_of,
-    extrapolated,
-    impulsive_forces,
-    inertia_force,
-    remembered,
-    turned,
-)
+from solver.stepping.state import Exchange, GroundForces, State, Turning
 from solver.stepping.system import Link, System
-from solver.stepping.turning import Turning
 from solver.types import Array
 
 

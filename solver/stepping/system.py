@@ -10,20 +10,17 @@ from mpi4py import MPI
 import numpy as np
 import scipy.sparse as sp
 
-from solver.bodies.dense_body import DenseBody
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.factorization import Inverse
-from solver.bodies.oscillator import Oscillator
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody, Oscillator
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
-from solver.contact.increment import Parts
 from solver.contact.interface import Interface
+from solver.contact.kinematics import Parts
 from solver.contact.nitsche_points import compact
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.compliance import Compliance
-from solver.stepping.elastic_response import ElasticResponse
-from solver.stepping.ports import InterfaceDofs
-from solver.stepping.response import AnyResponse, BodyRole, DenseResponse
+from solver.stepping.compliance import Compliance, InterfaceDofs
+from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
 from solver.types import Array
 
 Body = ElasticBody | ReducedBody | DenseBody

@@ -13,7 +13,7 @@ from typing import Any
 
 from solver.errors import SceneError
 from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
-from solver.scene.overrides import differing
+from solver.scene.reader import differing
 from solver.study.tables import write
 
 SETTINGS, CASES = "settings.json", "cases"

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from solver.errors import SceneError, not_installed
-from solver.launcher import launched_rank
+from solver.parallel import launched_rank
 from solver.run.folders import REPORT, refuse_unwritable
 from solver.run.streams import say
 

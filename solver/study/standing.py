@@ -11,7 +11,7 @@ from typing import Any
 from solver.errors import SceneError, not_applicable
 from solver.scene import Scene, parse_scene, read_text, set_values
 from solver.scene.checking import nearest, shown
-from solver.scene.overrides import read_toml
+from solver.scene.reader import read_toml
 
 Tables = dict[str, Any]
 """A scene as plain tables."""

@@ -198,16 +198,37 @@ def on_bed(ratio: float, end: float) -> Numbers:
     return {"last block.gap_left_m": program(run.y[0, -1], words, abs=2e-4)}
 
 
-def on_corner(width: float, height: float) -> Numbers:
-    """First landing of a block with a square base, released from 3 degrees on one corner."""
-    arm, tilt = math.hypot(height / 2, width * HALF), math.radians(3)
+def about_corner(width: float, height: float) -> tuple[float, float]:
+    """Slenderness, and p2 of rocking about a corner of a square base in the diagonal plane."""
+    arm = math.hypot(height / 2, width * HALF)
     p2 = own.G * arm / ((width**2 + height**2) / 12 + arm**2)
-    alpha = math.atan(width * math.sqrt(2) / height)
+    return math.atan(width * math.sqrt(2) / height), p2
+
+
+def on_corner(width: float, height: float, rel: float = 1e-3) -> Numbers:
+    """First landing of a block with a square base, released from 3 degrees on one corner."""
+    (alpha, p2), tilt = about_corner(width, height), math.radians(3)
     points, weights = np.polynomial.legendre.leggauss(200)
     x = (points + 1) / 2
     speed = np.sqrt(2 * p2 * (np.cos(alpha - tilt) - np.cos(alpha - tilt * (1 - x**2))))
     time = float(weights / 2 @ (2 * tilt * x / speed))
-    return {"impact 1 time_s": closed(time, "integral of the energy about a corner", rel=1e-3)}
+    return {"impact 1 time_s": closed(time, "integral of the energy about a corner", rel=rel)}
+
+
+def onto_corner(width: float, height: float, peak: float, duration: float) -> Numbers:
+    """Lean at the end of half a sine of the ground along the diagonal, to a peak in g."""
+    (alpha, p2), omega = about_corner(width, height), math.pi / duration
+
+    def rates(t: float, y: Any) -> list[float]:
+        lean = alpha - y[0]
+        return [y[1], -p2 * (math.sin(lean) - peak * math.sin(omega * t) * math.cos(lean))]
+
+    start = math.asin(math.tan(alpha) / peak) / omega
+    lean = solve_ivp(rates, (start, duration), [0.0, 0.0], rtol=1e-11, atol=1e-13).y[0, -1]
+    return {
+        f"last block.angle_{axis}_rad": program(part * lean, "Housner's equation there", rel=1e-3)
+        for axis, part in (("x", -HALF), ("y", HALF))
+    }
 
 
 def tumbles(spin: list[float], sides: list[float], end: float) -> Numbers:

@@ -12,6 +12,7 @@ from tests.oracles.answers import (
     flown,
     moved,
     on_corner,
+    onto_corner,
     pulse,
     quarter,
     rocks,
@@ -31,6 +32,7 @@ BOTH = {
     **pulse("half_sine", 0.5, duration=0.4),
     "motion.second": {"kind": "half_sine", "amplitude_g": 0.5, "duration": 0.4},
 }
+HALVES = {"kind": "half_sine", "amplitude_g": -0.5 * HALF, "duration": 0.3}
 FREE = {**STANDS, "gravity": 0.0, "block.velocity": [0.0, 0.0, 3.0], "time.end": 1.0}
 SPIN = "omega2 I/(2 mu m g r), r to the four corners"
 
@@ -60,6 +62,13 @@ ORACLES = [
         ("restitution by key", {"block.restitution": 0.95}, rocks(4, 3, 5e-4, e=0.95)),
         ("released on a corner", {"block.thickness": 0.25, "block.tilt_direction_deg": 45.0,
             "block.friction": 2.0, "time.end": 0.4}, on_corner(0.25, 1.0)),
+        ("elastic, released on a corner", {**ELASTIC, "block.thickness": 0.25,
+            "block.tilt_direction_deg": 45.0, "block.friction": 10.0, "block.cells": [2, 2, 6],
+            "block.damping": {"stiffness": 0.0}, "time.step": 5e-4, "time.end": 0.2},
+            on_corner(0.25, 1.0, rel=5e-3)),
+        ("two motions lift it onto a corner", {**STANDS, "block.thickness": 0.25,
+            "block.friction": 10.0, "time.end": 0.3, "motion": HALVES | {"second": HALVES}},
+            onto_corner(0.25, 1.0, 0.5, 0.3)),
         ("rocking under a pulse along y", {**STANDS, **ACROSS, "block.friction": 5.0, "motion": {
             "second": {"kind": "half_sine", "amplitude_g": 0.35, "duration": 0.4}}},
             lambda: moved("half_sine", 0.35, 1.5, duration=0.4)),

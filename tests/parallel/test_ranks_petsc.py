@@ -23,10 +23,8 @@ def run(folder: Path, words: str) -> tuple[int, str, list[str]]:
 @pytest.mark.parametrize(
     ("words", "part"),
     [
-        ("-snes_linesearch_type bt", "none is assembled"),
-        ("-rockslip_what 3", "an option of PETSc's SNES, KSP or PC"),
-        ("-log_veiw", "did you mean '-log_view'?"),
-        ("-ksp_view_final_residual", "none is assembled"),
+        ("-ksp_type gmres", "no matrix is assembled for others"),
+        ("-ksp_view_final_residual", "those that multiply by no matrix"),
     ],
 )
 def test_refused_in_one_line(tmp_path: Path, words: str, part: str) -> None:
@@ -37,9 +35,9 @@ def test_refused_in_one_line(tmp_path: Path, words: str, part: str) -> None:
 
 @pytest.mark.mpi
 def test_outputs_come_once(tmp_path: Path) -> None:
-    code, output, said = run(tmp_path, "-log_view -snes_view -snes_monitor -options_left")
+    code, output, said = run(tmp_path, "-log_view -snes_view -snes_monitor")
     assert (code, said) == (0, [])
     assert output.count("PETSc Performance Summary") == 1
     assert output.count("type: newtonls") == 3
     assert output.count("  0 SNES Function norm") == 3
-    assert "not used" not in output
+    assert output.count("There are no unused options") == 1

@@ -13,7 +13,7 @@ from scipy.linalg import expm
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
 from solver.results.cautions import cautions_of_scene
-from solver.scene import DampingSpec, scene_to_toml
+from solver.scene import DampingSpec
 from solver.scene.damping import cantilever_frequency
 from solver.scene.material import Material
 
@@ -106,9 +106,7 @@ def test_squat_blocks_that_slide_have_more(height: float, friction: float, ratio
     [
         (("block.young=5e8",), 10 * DEFAULT),  # as the root of rho/E
         (("block.cells=[12, 32]", "block.degree=2", "block.cell='triangle'"), DEFAULT),
-        (("time.step=1e-3",), DEFAULT),
-        (("time.step=1e-5",), DEFAULT),
-        (("contact.damping=0.1",), DEFAULT),
+        (("time.step=1e-5", "contact.damping=0.1"), DEFAULT),
     ],
 )
 def test_it_depends_on_size_material_and_friction_alone(
@@ -122,22 +120,13 @@ def test_it_is_the_same_for_a_block_turned_by_90_degrees() -> None:
     assert turned == damping("dimension=3")
 
 
-def test_similar_blocks_have_the_same_part_of_critical() -> None:
-    """A model at a tenth of the size and a thousandth of the mass."""
-    size = ("block.width=0.025", "block.height=0.1", "block.thickness=0.075", "block.mass=0.503")
-    assert damping(*size).stiffness == pytest.approx(damping().stiffness / 10, rel=1e-14)
-
-
 @pytest.mark.parametrize(
     ("overrides", "expected"),
     [
         (("damping.stiffness=0",), DampingSpec()),
-        (("damping={}",), DampingSpec()),
-        (("damping.mass=0.0",), DampingSpec()),
         (("damping={mass=0.5, stiffness=0}",), DampingSpec(mass=0.5, stiffness=0.0)),
         (("damping.stiffness=1e-4",), DampingSpec(stiffness=1e-4)),
         (("block.damping={}",), DampingSpec()),
-        (("block.damping={stiffness=1e-5}",), DampingSpec(stiffness=1e-5)),
         (("damping.stiffness=1e-4", "block.damping={stiffness=1e-5}"), DampingSpec(stiffness=1e-5)),
     ],
 )
@@ -180,10 +169,3 @@ def test_rigid_blocks_and_meshed_foundations_have_none() -> None:
     assert asked.damping is None and low.damping is None
     assert asked.damping_of(asked.foundation) is None
     assert asked.damping_of(top) == asked.default_damping(top) != DampingSpec()
-
-
-def test_the_copy_of_a_scene_has_it_written_out() -> None:
-    asked = scene()
-    text = scene_to_toml(asked)
-    assert "[block.damping]\nmass = 0.0\nstiffness = 3.74" in text
-    assert parse_scene(text) == asked

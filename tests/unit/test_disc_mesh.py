@@ -11,8 +11,8 @@ from dolfinx import fem
 from dolfinx.mesh import entities_to_geometry, exterior_facet_indices
 
 from benchmarks.verification.disc_mesh import disc_mesh
+from geometry.compat import geometry_nodes
 from geometry.tags import FacetTag
-from solver.compat import geometry_nodes
 
 COMM = MPI.COMM_WORLD
 RADIUS, SIZE, CORE = 8.0, 0.05, 1.0

@@ -13,7 +13,8 @@ import pytest
 from rockslip import Scene, parse_scene
 from solver.history.table import TABLE
 from solver.run.describe import describe
-from solver.scene.checking import Number, shown
+from solver.scene.checking import shown
+from solver.scene.quantities import Number
 
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "scene.md", ROOT / "README.md"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from solver.stepping.carrier_edges import MOST_CROSSED, EdgeWatch
+from solver.stepping.active_set import MOST_CROSSED, EdgeWatch
 
 pytestmark = pytest.mark.serial
 

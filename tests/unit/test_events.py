@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from solver.contact.events import contact_changed
-from solver.contact.memory import Memory
-from solver.contact.projection import ContactKinematics
+from solver.contact.kinematics import ContactKinematics
+from solver.contact.memory import Memory, contact_changed
 from solver.law.friction import PAST, SLIPPED
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.contact.body_points import FixedPoints, PointState
-from solver.contact.facet_target import Face
+from solver.contact.carriers import Face
 from solver.contact.kernels.facets import FARTHER
 
 COUNT = 6

@@ -12,7 +12,7 @@ from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
-from solver.contact.carrier_surface import carrier_surface
+from solver.contact.facets import carrier_surface
 from solver.contact.nitsche_points import contact_points
 from solver.contact.quadrature import facet_rule, on_pieces
 from solver.scene.material import Material

@@ -1,9 +1,7 @@
 """Compliance, factorizations and memory of large bodies."""
 
 import json
-import tracemalloc
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,13 +14,11 @@ from benchmarks import scaling
 from rockslip import parse_scene, simulate
 from solver.bodies import factorization, memory
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import DenseFactor
-from solver.build.assembly import build, initial_state
+from solver.build.assembly import build
 from solver.cli import main
 from solver.scene import scene_to_toml
-from solver.stepping import compliance as compliance_module
 from solver.stepping import contact_solve
-from solver.stepping.elastic_response import ElasticResponse
+from solver.stepping.response import ElasticResponse
 from solver.stepping.system import response_of
 
 BLOCK = {"width": 1.0, "height": 1.0, "mass": 1000.0, "young": 5e8, "poisson": 0.2, "cells": [5, 4]}
@@ -58,12 +54,6 @@ def response(scene: dict[str, object], *, mass: bool = False) -> ElasticResponse
     return made
 
 
-def drop_columns(made: ElasticResponse, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let back substitutions seem cheaper than to read the columns of a response."""
-    monkeypatch.setattr(compliance_module, "FEW", 0)
-    monkeypatch.setattr(type(made.compliance.factor), "reads", 2.0)
-
-
 def whole_rows(made: ElasticResponse, *, forces: bool) -> np.ndarray:
     """Rows of all ports on all unknowns, dense."""
     parts = []
@@ -93,8 +83,7 @@ def test_the_compliance_is_that_of_dense_matrices(
     The latter from columns that are kept, and by back substitutions.
     """
     made = response(scene_of(block, **contact), mass=mass)
-    if not kept:
-        drop_columns(made, monkeypatch)
+    monkeypatch.setattr(made.compliance.factor, "nbytes", 1e9 if kept else 0.0)
     compliance, body, d = made.compliance, made.body, made.body.dimension
     if mass:
         K = body.mass_matrix.copy()
@@ -109,7 +98,7 @@ def test_the_compliance_is_that_of_dense_matrices(
     compliance.among(first)
     for chosen in (both, first):
         rows = (chosen[:, None] * d + np.arange(d)).ravel()
-        matrix = compliance.among(chosen).matrix
+        matrix = compliance.among(chosen)
         np.testing.assert_allclose(
             matrix, exact[np.ix_(rows, rows)], rtol=0, atol=1e-11 * np.abs(exact).max()
         )
@@ -122,162 +111,26 @@ def test_the_compliance_is_that_of_dense_matrices(
     assert (compliance.columns is not None) == kept
 
 
-def test_responses_are_dropped_where_a_back_substitution_is_cheaper(
+def test_columns_are_kept_while_they_take_no_more_than_the_factor(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = response(scene_of(SPACE))
-    compliance, d = made.compliance, 3
-    few, all_of_them = np.arange(2), np.arange(compliance.ports[0].count)
-    compliance.among(few)
-    assert compliance.columns is not None
-    kept = compliance.displacement(few, np.ones((2, d)))
-    drop_columns(made, monkeypatch)
-    compliance.among(all_of_them)
-    assert compliance.columns is None
-    assert compliance.nbytes - compliance.factor.nbytes < 9 * (d * len(all_of_them)) ** 2
-    solved = compliance.displacement(few, np.ones((2, d)))
+    """Then what forces do is a back substitution; a resumed run has the same digits."""
+    made, again = response(scene_of(SPACE)).compliance, response(scene_of(SPACE)).compliance
+    count, force = made.ports[0].count, np.ones((2, 3))
+    for compliance in (made, again):
+        monkeypatch.setattr(compliance.factor, "nbytes", 8.0 * 6 * 3 * made.body.unknowns)
+    made.among(np.arange(2))
+    made.among(np.array([1, 2, 5, 7]))
+    again.repeat(made.batches)
+    assert made.columns is not None
+    kept = made.displacement(np.array([2, 5]), force)
+    assert (again.displacement(np.array([2, 5]), force) == kept).all()
+    known = np.array([1, 2, 5, 7])
+    assert (again.among(known) == made.among(known)).all()
+    made.among(np.arange(count))
+    assert made.columns is None
+    solved = made.displacement(np.array([2, 5]), force)
     np.testing.assert_allclose(solved, kept, rtol=1e-9, atol=1e-12 * np.abs(kept).max())
-
-
-def test_forces_at_few_points_are_answered_by_columns_that_are_kept(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Once they would have saved their cost; by back substitutions at many points.
-
-    Saved columns are made again.
-    """
-    made = response(scene_of(SPACE))
-    compliance, d = made.compliance, 3
-    factor, count = compliance.factor, compliance.ports[0].count
-    compliance.among(np.arange(count))
-    compliance.columns = None
-    unknowns = compliance.body.unknowns
-    # Three points are worth it, and four are kept.
-    reads = 3 * d * unknowns / compliance_module.WORTH_READING
-    monkeypatch.setattr(type(factor), "reads", reads)
-    monkeypatch.setattr(type(factor), "nbytes", 1e9)
-    solved: list[int] = []
-    solve, solve_many = factor.solve, factor.solve_many
-    monkeypatch.setattr(factor, "solve", lambda r: (solved.append(1), solve(r))[1])
-    monkeypatch.setattr(
-        factor, "solve_many", lambda r: (solved.append(r.shape[1]), solve_many(r))[1]
-    )
-    rng = np.random.default_rng(1)
-
-    def moved(*acting: int) -> np.ndarray:
-        """What the compliance finds, held to a back substitution with all rows."""
-        force = np.zeros((count, d))
-        force[list(acting)] = rng.standard_normal((len(acting), d))
-        found = compliance.displacement(np.arange(count), force)
-        exact = solve(whole_rows(made, forces=True).T @ force.ravel())
-        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
-        return found
-
-    for acting in ((0, 2), (2, 0), (0, 2), (2, 0), (2,)):
-        moved(*acting)
-    # Six columns cost as much as two back substitutions, and save a half of each.
-    assert solved == [1, 1, 1, 2 * d]
-    solved.clear()
-    for _ in range(7):
-        moved(0, 1, 2)
-    assert solved == [1] * 5 + [d]  # one and a half, and a quarter
-    solved.clear()
-    for _ in range(9):
-        moved(*range(4))
-    assert solved == [1] * 9
-    for first in range(3, count - 1):  # more than are kept at a time
-        for _ in range(6):
-            moved(first, first + 1)
-    moved(0)
-    again = response(scene_of(SPACE)).compliance
-    again.columns = None
-    again.repeat(compliance.saved())
-    assert again.saved().without == compliance.saved().without == 0.25
-    last = np.arange(count - 2, count)
-    assert (
-        again._acting.under(last, np.ones((2, d)))
-        == compliance._acting.under(last, np.ones((2, d)))
-    ).all()
-
-
-@pytest.mark.parametrize("most", [np.inf, 0.0])
-@pytest.mark.parametrize("all_kept", [0, 9], ids=["never all", "all at first"])
-def test_columns_of_pressed_points_are_kept_where_they_are_computed(
-    most: float, all_kept: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Without solving for them once more, and unless they are too many; a saved one has them.
-
-    Where the columns of all ports were kept until these became too many, they come from there.
-    """
-    monkeypatch.setattr(compliance_module, "FEW", 0)
-    monkeypatch.setattr(compliance_module, "MOST_KEPT", most)
-    monkeypatch.setattr(compliance_module, "WORTH_READING", 1e9)
-    monkeypatch.setattr(factorization.Factorization, "nbytes", 1e9)
-    monkeypatch.setattr(factorization, "BLOCK", 7)  # ports are split
-    made = response(scene_of(SPACE))
-    compliance, d = made.compliance, 3
-    factor, pressed = compliance.factor, np.array([1, 4, 17])
-    monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", compliance._reading(all_kept))
-    compliance.among(np.arange(9), lambda: pressed)
-    assert (compliance.columns is None) == (all_kept == 0)
-    compliance.among(np.arange(18), lambda: pressed)
-    assert compliance.columns is None
-    solved: list[int] = []
-    solve = factor.solve
-    monkeypatch.setattr(factor, "solve", lambda r: (solved.append(1), solve(r))[1])
-    force = np.zeros((18, d))
-    force[pressed[1:]] = np.random.default_rng(2).standard_normal((2, d))
-    found = compliance.displacement(np.arange(18), force)
-    assert len(solved) == (most == 0.0)
-    exact = solve(whole_rows(made, forces=True)[: 18 * d].T @ force.ravel())
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
-    again = response(scene_of(SPACE)).compliance
-    again.repeat(compliance.saved())
-    assert (again.displacement(np.arange(18), force) == found).all()
-
-
-PLATE = {
-    "kind": "elastic",
-    "support": "bottom",
-    "width": 2.0,
-    "height": 0.5,
-    "mass_ratio": 2.0,
-    "young": 5e9,
-    "poisson": 0.2,
-    "cells": [8, 2],
-}
-
-
-@pytest.mark.parametrize("foundation", [{}, {"foundation": PLATE}])
-def test_steps_say_which_points_are_pressed(
-    foundation: dict[str, object], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The corner on which a block rocks, and what carries it: nothing is solved for anew."""
-    monkeypatch.setattr(compliance_module, "FEW", 0)
-    monkeypatch.setattr(compliance_module, "KEPT_AT_ONCE", 0.0)
-    for name in ("reads", "nbytes"):
-        monkeypatch.setattr(factorization.Factorization, name, 1e6)
-    scene = parse_scene(scene_of(BLOCK | {"tilt_deg": 0.5}) | foundation)
-    assembly = build(scene, comm=MPI.COMM_SELF)
-    stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
-    state, _ = stepper.advance(state, 1e-3)
-    (tangents,) = stepper._solve._tangents.values()
-    closed = np.flatnonzero(state.contacts[0].force[:, 0] > 0)
-    assert len(closed) == 1
-    for response, few in zip(tangents.responses, (1, 2), strict=False):
-        assert isinstance(response, ElasticResponse)
-        acting = response.compliance._acting.ports
-        assert response.compliance.columns is None and 1 <= len(acting) <= few
-        if response.sides[0].carries is False:
-            assert (acting == closed).all()
-
-
-def test_all_ranks_know_what_a_reduced_body_reads() -> None:
-    """Though the first one has all of its matrix: what is kept is decided by it."""
-    held = np.empty(0, dtype=np.int32)
-    first, other = (DenseFactor(np.eye(size), held, 5) for size in (5, 0))
-    assert first.reads == other.reads == 25.0
-    assert first.nbytes == other.nbytes == 200.0
 
 
 def histories(scene: dict[str, object]) -> dict[str, np.ndarray]:
@@ -290,91 +143,47 @@ def histories(scene: dict[str, object]) -> dict[str, np.ndarray]:
     }
 
 
-def test_cg_with_multigrid_and_few_kept_factors_give_the_same_history(
+def test_where_few_factors_are_kept_the_history_is_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     scene = scene_of(SPACE | {"tilt_deg": 0.3}) | {"time": {"end": 0.06, "step": 2e-3}}
     plain = histories(scene)
     assert plain["cost"]["linear_solvers"] == ["CHOLMOD"]
-    monkeypatch.setattr(memory, "DIRECT_PART", 0.0)
-    tangent = response(scene).compliance
-    rows, unknowns = 3 * tangent.ports[0].count, tangent.body.unknowns
-    # Room for two tangents and the next one: each is twice its matrix, columns, and W.
-    matrix = tangent.body.stiffness_matrix.getInfo()["nz_used"] * 12
-    room = 3 * (2 * matrix + 8 * rows * (unknowns + rows))
-    monkeypatch.setattr(contact_solve, "kept_limit", lambda comm: room)
-    iterated = histories(scene)
-    assert iterated["cost"]["linear_solvers"] == ["CG + GAMG"]
-    assert iterated["cost"]["factorizations"] == plain["cost"]["factorizations"] == 2
-    monkeypatch.undo()
     monkeypatch.setattr(contact_solve, "kept_limit", lambda comm: 0.0)
     dropped = histories(scene)
-    assert dropped["cost"]["factorizations"] > plain["cost"]["factorizations"]
-    for other, limit in ((iterated, 1e-9), (dropped, 1e-12)):
-        for name in plain.keys() - {"cost"}:
-            np.testing.assert_allclose(other[name], plain[name], rtol=0, atol=limit)
-
-
-def test_vectors_of_large_bodies_in_the_plane_have_a_factor_of_their_own(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    scene = scene_of(BLOCK | {"tilt_deg": 0.3}) | {"time": {"end": 0.06, "step": 2e-3}}
-    plain, made = histories(scene), []
-    factorized = factorization.Factorization._factorized
-
-    def recorded(self: factorization.Factorization, package: str, *kind: str) -> Any:
-        made.append(package)
-        return factorized(self, package, *kind)
-
-    monkeypatch.setattr(factorization.Factorization, "_factorized", recorded)
-    monkeypatch.setattr(memory, "PLANE_ENTRIES", 0.0)
-    other = histories(scene)
-    assert "petsc" in made
+    assert dropped["cost"]["factorizations"] > plain["cost"]["factorizations"] == 2
     for name in plain.keys() - {"cost"}:
-        np.testing.assert_allclose(other[name], plain[name], rtol=0, atol=1e-12)
-    tangent = response(scene).compliance.factor
-    assert tangent.nbytes == memory.BYTES_AN_ENTRY * tangent.reads
-    made.clear()
-    histories(scene_of(SPACE | {"tilt_deg": 0.3}) | {"time": {"end": 0.004, "step": 2e-3}})
-    assert "petsc" not in made
+        np.testing.assert_allclose(dropped[name], plain[name], rtol=0, atol=1e-12)
 
 
-def test_contact_that_does_not_fit_into_memory_is_refused_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("free", "what"),
+    [
+        (0.0, "the factor of 240 unknowns"),
+        (2.6e5, "the compliance of 20 contact points"),
+    ],
+)
+def test_what_does_not_fit_into_memory_is_refused_in_one_line(
+    free: float,
+    what: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     file = tmp_path / "scene.toml"
     file.write_text(scene_to_toml(parse_scene(scene_of(SPACE))))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(memory, "SMALL", 0.0)
-    monkeypatch.setattr(memory, "free_memory", lambda: 0.0)
+    monkeypatch.setattr(memory, "LEFT_PART", 0.0)
+    monkeypatch.setattr(memory, "COPIES", 100)
+    monkeypatch.setattr(memory, "free_memory", lambda: free)
     assert main(["run", "scene.toml"]) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if "memory" in line]
     assert len(lines) == 1
-    assert "block: the compliance of 20 contact points takes" in lines[0]
+    assert f"block: {what} takes" in lines[0]
     assert "use larger cells" in lines[0]
     for summary in tmp_path.glob("*/summary.json"):
         assert json.loads(summary.read_text())["status"] != "completed"
-
-
-@pytest.mark.slow
-def test_the_estimate_counts_all_matrices_of_the_size_of_the_compliance() -> None:
-    """Points begin to slip, so that factors of contact and the inverse of W are kept.
-
-    Measured is a second run: nothing is compiled or imported in it.
-    """
-    block = SPACE | {"height": 0.2, "cells": [16, 16, 1], "mass": 500.0}
-    shaken = {"motion": {"kind": "sine", "amplitude_g": 0.75, "period": 0.3, "cycles": 1}}
-    span = {"time": {"end": 0.048, "step": 1e-3}}
-    scene = parse_scene(scene_of(block, friction=0.6) | shaken | span)
-    simulate(scene, comm=MPI.COMM_SELF)
-    tracemalloc.start()
-    try:
-        simulate(scene, comm=MPI.COMM_SELF)
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    estimate = memory.compliance_bytes(17 * 17, 3)
-    assert 0.75 * estimate < peak < estimate
 
 
 def test_check_says_the_solver_and_the_memory(
@@ -385,16 +194,13 @@ def test_check_says_the_solver_and_the_memory(
     monkeypatch.setattr(memory, "total_memory", lambda: 16e9)
     assert main(["check", str(file)]) == 0
     text = capsys.readouterr().out
-    assert "CHOLMOD (MUMPS on more than 4 ranks), 726 MB for each step size and rho_inf" in text
-    assert "981 MB for 1024 points on its bottom" in text
-    monkeypatch.setattr(memory, "total_memory", lambda: 2e9)
-    assert main(["check", str(file)]) == 0
-    assert "CG + GAMG" in capsys.readouterr().out
+    assert "CHOLMOD (MUMPS on ranks), 726 MB for each step size and rho_inf" in text
+    assert "1.1 GB for 1024 points on its bottom" in text
 
 
 def test_info_says_the_linear_solver(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["info"]) == 0
-    assert "CG + GAMG beyond" in capsys.readouterr().out
+    assert "million unknowns in 3-D" in capsys.readouterr().out
 
 
 def test_the_benchmark_of_scaling_has_a_row_for_every_case() -> None:

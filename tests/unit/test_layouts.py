@@ -18,11 +18,9 @@ from hypothesis import strategies as some
 
 from rockslip import parse_scene, simulate
 from solver.errors import SceneError
-from solver.excitation.description import describe_motion
-from solver.excitation.kinds.record import read_record
-from solver.excitation.kinds.table import signal as read_table
-from solver.excitation.layouts.header import units_stated
+from solver.excitation.kinds import read_record, read_table
 from solver.excitation.layouts.table import LAYOUTS
+from solver.run.describe import describe_motion
 from solver.scene.motion import Format, RecordSpec, TableSpec
 
 G = 9.81
@@ -260,7 +258,7 @@ def test_a_record_of_each(folder: Path, layout: str) -> None:
         motion = record(folder, text, name, format=form, column=component)
         np.testing.assert_allclose(motion.value, expected(layout), rtol=1e-12, atol=1e-12)
         assert motion.step == pytest.approx(STEP, rel=1e-6)
-    lines = dict(describe_motion(motion, None))
+    lines = dict(describe_motion(motion, None)[1])
     title = LAYOUTS[layout.split()[0]].TITLE
     assert lines["read as"].startswith(f"{title}: {COUNT} samples, 0.01 s apart (")
     assert component is None or f"component {component}" in lines["read as"]
@@ -388,11 +386,6 @@ def test_a_hint_of_another_unit(folder: Path, header: str) -> None:
     assert 'motion.units: got "g", allowed "' in refusal(folder, text, dt=STEP, units="g")
 
 
-def test_quantities_are_no_units() -> None:
-    for line in TALK:
-        assert list(units_stated([line])) == [], line
-
-
 @pytest.mark.parametrize(
     ("header", "step"),
     [
@@ -491,12 +484,12 @@ class TestColumns:
         body = "\n".join(f"{0.1 * i * i:.1f},{v}" for i, v in enumerate(WAVES[0]))
         for header, unit in (("", G), ("t,a\n", G), ("t,a (gal)\n", 0.01)):
             file.write_text(header + body)
-            motion = read_table(TableSpec(file=file), 1.0, "motion")
+            motion = read_table(TableSpec(file=file))
             np.testing.assert_allclose(motion.value, unit * np.array(WAVES[0]))
             assert motion.step is None
         file.write_text("Trigger level (gal): 4\n" + body)
         with pytest.raises(SceneError, match="units is required"):
-            read_table(TableSpec(file=file), 1.0, "motion")
+            read_table(TableSpec(file=file))
         with pytest.raises(SceneError, match="equally far apart"):
             read_record(RecordSpec(file=file, units="g"))
 
@@ -516,7 +509,7 @@ class TestRulesOfLayouts:
         text = usc().replace("   .010", "   .012").replace("  0.010", "  0.012")
         assert text != usc()
         assert 'samples equally far apart, or kind = "table"' in refusal(folder, text)
-        motion = read_table(TableSpec(file=folder / "m.txt"), 1.0, "motion")
+        motion = read_table(TableSpec(file=folder / "m.txt"))
         assert motion.step is None and motion.time[1] == pytest.approx(0.012)
         np.testing.assert_allclose(motion.value, 0.981 * np.array(WAVES[0]), atol=1e-12)
 

@@ -32,19 +32,6 @@ def test_plane_stress_is_judged_by_its_own_law() -> None:
     assert scene(soft, plane="stress").plane == "stress"
 
 
-def test_a_material_is_that_of_the_scene() -> None:
-    """The block's own numbers, and the plane of the scene."""
-    for tables, plane in (
-        ({}, "strain"),
-        ({"plane": "stress"}, "stress"),
-        ({"dimension": 3}, "solid"),
-    ):
-        asked = scene(BLOCK, **tables)
-        material = asked.blocks[0].material(asked.material_plane)
-        assert (material.young, material.poisson, material.density) == (1e9, 0.2, 2000.0)
-        assert material.plane == asked.material_plane == plane
-
-
 @pytest.fixture
 def files(tmp_path: Path) -> Path:
     """A folder with a motion of 5 g, as a table and as a record."""

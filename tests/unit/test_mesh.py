@@ -11,11 +11,11 @@ from dolfinx.mesh import exterior_facet_indices
 
 from geometry.arrangement import initial_position_in_space
 from geometry.block import Block
+from geometry.compat import geometry_nodes
 from geometry.foundation import Plate
 from geometry.grading import graded, graded_to_both_ends
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import CellTag, FacetTag
-from solver.compat import geometry_nodes
 
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=2680.0)
 COMM = MPI.COMM_WORLD

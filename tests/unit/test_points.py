@@ -1,7 +1,5 @@
 """Contact points of meshed bodies in the plane and in space, against closed forms."""
 
-import time
-
 from mpi4py import MPI
 
 import numpy as np
@@ -154,13 +152,3 @@ def test_gamma_h_scales_with_cell_volume_over_facet_area(cell, part):
     for tag, height in heights.items():
         expected = 100.0 * longitudinal / (part * height)
         np.testing.assert_allclose(found.gamma_h[found.tag == tag], expected, rtol=1e-12)
-
-
-@pytest.mark.skipif(COMM.size > 1, reason="measures time")
-def test_many_facets_are_set_up_fast():
-    made = block_mesh(SHAPE, dimension=3, cells=(22, 22, 22), comm=COMM)
-    V = fem.functionspace(made.mesh, ("Lagrange", 1, (3,)))
-    assert len(made.facet_tags.indices) == 2904
-    begin = time.perf_counter()
-    contact_points(V, made.facet_tags, MATERIALS[3], points="nodes", gamma=100.0)
-    assert time.perf_counter() - begin < 2.0

@@ -16,8 +16,8 @@ from solver.rigid.plane import rows as plane_rows
 from solver.rigid.plane.model import PlaneGround
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.rows import ENERGY
+from solver.run.context import RunContext
 from solver.run.rigid import RigidRun
-from solver.run.simulate import RunContext
 
 G = 9.81
 
@@ -188,9 +188,9 @@ def test_a_run_that_is_stopped_has_its_last_row(
     output = "output.history_every=7", "output.every=0.04", "output.checkpoint.steps=1000"
     given = scene(*output, f'output.fields="{fields}"')
     whole = simulate(given).history
-    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, desk, total: run._steps + 5)
+    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, context, total: run._steps + 5)
 
-    def stopped(desk: RunContext, now: float) -> str:
+    def stopped(context: RunContext, now: float) -> str:
         return "asked to" if now > 0.054 else ""
 
     monkeypatch.setattr(RunContext, "stopped", stopped)

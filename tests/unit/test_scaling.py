@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-import typing
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +13,7 @@ from rockslip import load_scene, parse_scene
 from solver.cli import main
 from solver.excitation.motion import read_ground
 from solver.scene import Scene
-from solver.scene.motion import RecordSpec, SyntheticSpec, TableSpec
-from solver.scene.scaling import DIMENSIONS, Scale, scaled_tables
+from solver.scene.scaling import Scale, scaled_tables
 
 pytestmark = pytest.mark.serial
 
@@ -29,35 +26,6 @@ PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_rat
 def scene(**tables: Any) -> Scene:
     base = {"block": [BLOCK], "time": {"end": 1.0, "step": 1e-3}}
     return parse_scene(base | tables)
-
-
-def specs(cls: Any, found: set[Any]) -> set[Any]:
-    """All tables that a scene may have."""
-    found.add(cls)
-    for hint in typing.get_type_hints(cls).values():
-        for below in _dataclasses(hint):
-            if below not in found:
-                specs(below, found)
-    return found
-
-
-def _dataclasses(hint: Any) -> set[Any]:
-    if dataclasses.is_dataclass(hint):
-        return {hint}
-    return {below for part in get_args(hint) for below in _dataclasses(part)}
-
-
-def _holds_floats(hint: Any) -> bool:
-    return hint is float or any(_holds_floats(part) for part in get_args(hint))
-
-
-def test_every_number_of_every_table_has_dimensions() -> None:
-    """Also those of keys that are new; motions from samples become files."""
-    sampled = {TableSpec, RecordSpec, SyntheticSpec}
-    for cls in specs(Scene, set()) - sampled:
-        hints = typing.get_type_hints(cls)
-        numbers = {name for name, hint in hints.items() if _holds_floats(hint)}
-        assert numbers == set(DIMENSIONS.get(cls.__name__, {})), cls
 
 
 @pytest.mark.parametrize(("keeps", "masses"), [("density", 3375.0), ("young", 225.0)])

@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from rockslip import parse_scene
+from solver.excitation.motion import read_ground
 from solver.excitation.sampled import SampledMotion
 from solver.excitation.spectrum import (
     arias_intensity,
+    highest_frequency,
     peak_ground,
     response_spectrum,
     significant_duration,
@@ -84,13 +88,6 @@ def test_ends_of_the_spectrum() -> None:
     assert soft == pytest.approx((2 * np.pi / 500.0) ** 2 * pgd, rel=2e-2)
 
 
-def test_order_of_the_periods_is_kept_and_still_ground_gives_zero() -> None:
-    samples = broken_line()
-    both = response_spectrum(samples, 0.02, [1.0, 0.3])
-    np.testing.assert_array_equal(both[::-1], response_spectrum(samples, 0.02, [0.3, 1.0]))
-    assert response_spectrum(np.zeros(5), 0.02, 1.0) == [0.0]
-
-
 def test_peaks_of_a_constant_acceleration() -> None:
     samples, step = np.full(101, -2.0), 0.01
     assert peak_ground(samples, step) == pytest.approx((2.0, 2.0, 1.0))
@@ -146,3 +143,30 @@ def test_listed_spectra_of_records(name: str) -> None:
     samples = np.array(" ".join(lines[4:]).split(), float)
     spectrum = response_spectrum(samples, float(found[1]), [0.2, 0.5, 1.0, 2.0])
     np.testing.assert_allclose(spectrum, LISTED[name], rtol=1e-3)
+
+
+def highest(motion: dict[str, Any], end: float) -> float:
+    """Highest frequency of the motion of a scene, Hz."""
+    block = {"width": 0.5, "height": 1.0, "mass": 100.0, "model": "rigid"}
+    scene = parse_scene({"block": [block], "motion": motion, "time": {"end": end}})
+    return highest_frequency(read_ground(scene), end) / (2 * math.pi)
+
+
+def test_a_sine_has_its_own_frequency() -> None:
+    """And, since it begins and ends, a little beside it, whether after whole periods or not."""
+    sine = {"kind": "sine", "amplitude_g": 0.3, "period": 0.25}
+    for end in (10.0, 10.07):
+        assert 4.0 <= highest(sine, end) < 6.0
+
+
+def test_a_motion_that_goes_on_is_no_faster_for_it() -> None:
+    """A run that ends in the middle of a record: less than twice the frequency of all of it."""
+    record = {"kind": "synthetic", "magnitude": 6.5, "distance_km": 10.0, "seed": 3}
+    whole, part = (highest(record, end) for end in (40.0, 3.0))
+    assert 5.0 < part < 2 * whole
+    assert whole < 100.0
+
+
+def test_ground_at_rest_has_none() -> None:
+    """0, in Hz."""
+    assert highest({"kind": "none"}, 1.0) == 0.0

@@ -14,13 +14,12 @@ from benchmarks.verification.load_steps import (
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.supports import Support
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.contact.body_points import NodePoints
-from solver.contact.candidates import FixedContactPair, MeshedContactPair
-from solver.contact.carrier_surface import carrier_surface
+from solver.contact.carriers import Plane
+from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
-from solver.contact.plane_target import Plane
+from solver.contact.pairs import FixedContactPair, MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha

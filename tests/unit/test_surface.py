@@ -13,7 +13,7 @@ from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh, plate_mesh
 from geometry.tags import FacetTag
-from solver.contact.carrier_surface import carrier_surface
+from solver.contact.facets import carrier_surface
 
 COMM = MPI.COMM_WORLD
 SHAPE = Block(width=0.3, height=0.5, thickness=0.4, density=1000.0)

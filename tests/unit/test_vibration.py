@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from rockslip import Scene, parse_scene
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import rigid_modes
-from solver.bodies.reduced.body import ReducedBody
+from solver.bodies.reduced_body import ReducedBody
 from solver.build.assembly import build
 from solver.build.foundation import foundation as built
 

@@ -18,8 +18,8 @@ from benchmarks.verification import bar_impact
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.plane_target import Plane
+from solver.contact.carriers import Plane
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha

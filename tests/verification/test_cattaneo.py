@@ -24,12 +24,11 @@ from benchmarks.verification.hertz import (
 from benchmarks.verification.load_steps import Tractions, contact_tractions, shifted, support_load
 from geometry.mesh import move
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.supports import Support
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.contact.body_points import NodePoints
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.carrier_surface import carrier_surface
-from solver.contact.facet_target import Face
+from solver.contact.carriers import Face
+from solver.contact.facets import carrier_surface
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha

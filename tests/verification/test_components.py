@@ -199,7 +199,7 @@ def test_components_of_different_length_are_still_after_their_end(tmp_path: Path
 @pytest.mark.skipif(not RECORDS.is_dir(), reason="no records here")
 def test_rotd50_of_recorded_pairs_is_between_their_components() -> None:
     """And below the vector of both; the components of a pair may have different lengths."""
-    from solver.excitation.kinds.record import read_record
+    from solver.excitation.kinds import read_record
     from solver.scene.motion import RecordSpec
 
     for name, both in (

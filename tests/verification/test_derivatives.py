@@ -8,23 +8,18 @@ import numpy as np
 import pytest
 
 from geometry.block import Block
-from geometry.foundation import level_frame
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
-from solver.bodies.oscillator import Oscillator
-from solver.contact.body_points import FixedPoints, PointForces, RigidPoints
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.held_face import HeldFace
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.carriers import Plane
 from solver.contact.interface import Interface
-from solver.contact.passes.on_plane import NitscheOnPlane
-from solver.contact.plane_target import Plane
+from solver.contact.kinematics import ForceWeights
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
-from tests.surfaces import evaluated, traction_gradient
+from tests.surfaces import evaluated
 
 pytestmark = pytest.mark.serial
 
@@ -170,59 +165,14 @@ def test_viscous_force_of_small_strains(thing):
     assert viscous == pytest.approx(y.array, abs=1e-5 * np.abs(viscous).max())
 
 
-def test_discrete_gradient_of_the_traction(thing):
-    """DT[u_1 - u_0] between two states is T_1 - T_0."""
-    points = thing.interface.points.points
-    u0, u1 = thing.displacement(6, 0.1), thing.displacement(7, 0.8)
-    old, new = thing.surface(u0), thing.surface(u1)
-    for seed in range(3):
-        vector = np.random.default_rng(seed).standard_normal((points.count, 2))
-        work = thing.work(traction_gradient(points, old, new, vector), u1 - u0)
-        expected = float(np.sum(vector * (new.traction - old.traction)))
-        scale = float(np.sum(np.abs(vector * new.traction)))
-        assert work == pytest.approx(expected, abs=1e-12 * scale)
-
-
-def test_gradient_of_the_traction(thing):
-    """Where both states are one it is the derivative of T."""
-    points = thing.interface.points.points
-    u, v = thing.displacement(8, 0.5), thing.direction(9)
-    vector = np.random.default_rng(1).standard_normal((points.count, 2))
-    here = thing.surface(u)
-    work = thing.work(traction_gradient(points, here, here, vector), v)
-    expected = slope(lambda s: float(np.sum(vector * thing.surface(u + s * v).traction)))
-    assert work == pytest.approx(expected, rel=1e-7)
-
-
-def test_traction_of_a_homogeneous_stretch(thing):
-    """x = F X by hand: T = F S N on every face, whatever the elements."""
-    body, points = thing.body, thing.interface.points.points
-    F = np.array([[1.02, 0.3], [-0.1, 0.97]])
-    u = (body.nodes @ F.T - body.nodes).ravel()
-    E = (F.T @ F - np.eye(2)) / 2
-    material = body.material
-    S = material.lame * np.trace(E) * np.eye(2) + 2 * material.shear * E
-    normals = {FacetTag.BOTTOM: (0, -1), FacetTag.RIGHT: (1, 0), FacetTag.LEFT: (-1, 0)}
-    N = np.array([normals[FacetTag(tag)] for tag in points.tag])
-    surface = thing.surface(u)
-    assert points.normal == pytest.approx(N)
-    assert surface.traction == pytest.approx(N @ (F @ S).T, abs=1e-12)
-    assert surface.position == pytest.approx(points.reference @ F.T)
-
-
-def test_rows_of_traction_and_position(thing):
-    """Linear maps: the derivatives at rest."""
+def test_rows_of_ports_are_those_of_the_augmented_position(thing):
     interface, points = thing.interface, thing.interface.points.points
-    v = thing.direction(11)
-    expected = slope(lambda s: thing.surface(s * v).traction)
-    found = (points.traction_rows() @ thing.layer(v).ravel()).reshape(-1, 2)
-    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
-    moved = thing.surface(v).position - points.reference
-    assert (points.position_rows() @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(moved)
-    softened = moved - found / points.gamma_h[:, None]
+    v = thing.layer(thing.direction(11)).ravel()
+    found, moved = points.traction_rows() @ v, points.position_rows() @ v
+    softened = moved - found / np.repeat(points.gamma_h, 2)
     ports = ports_of(interface.points, interface, tractions=True)
     for rows in (ports.read_rows, ports.force_rows):  # theta = 1: the same
-        assert (rows @ thing.layer(v).ravel()).reshape(-1, 2) == pytest.approx(softened)
+        assert rows @ v == pytest.approx(softened)
 
 
 @pytest.mark.parametrize("theta", [1, -1])
@@ -247,7 +197,7 @@ def test_theta_matrix(thing, theta):
         nothing = np.zeros((points.count, 2))
         pull = interface.traction_pull(nothing, ForceWeights.of(1.0, 1.0, 1.0))
         total = np.zeros(body.size)
-        interface.points.add_forces(total, PointForces(surface, surface, nothing, pull))
+        interface.points.add_forces(total, surface, surface, nothing, pull)
         return total
 
     assert y.array == pytest.approx(slope(term), abs=1e-9 * np.abs(y.array).max())
@@ -264,42 +214,7 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
         *(interface.observe(u, None)[1] for u in (u0, u1)), force
     )
     total = np.zeros(thing.body.size)
-    interface.points.add_forces(total, PointForces(old, new, vectors, pull))
+    interface.points.add_forces(total, old, new, vectors, pull)
     y_old, y_new = (interface.observe(u, None)[1].augmented for u in (u0, u1))
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)
-
-
-@pytest.mark.parametrize("theta", [1, 0, -1])
-@pytest.mark.parametrize("on", ["ground", "platform", "held face"])
-def test_passes_in_one_go_are_those_one_by_one(thing, theta, on):
-    """An interface on a plane, and the same as any other interface, to the last bit."""
-    body, points, law = thing.body, thing.interface.points, FrictionSpec(static=0.5)
-    platform = Oscillator(mass=2.0, stiffness=1.0, dashpot=0.0, comm=MPI.COMM_SELF)
-    own = RigidPoints(platform, np.zeros((1, 2))) if on == "platform" else None
-    carrier = Plane.level(2, own)
-    if on == "held face":
-        ends = FixedPoints(np.array([[-0.2, 0.0], [0.1, 0.0]]))
-        carrier = HeldFace(ends, np.array([[0, 1]]), level_frame(2), "interval")
-    moved = [None, None] if own is None else [np.array([0.1]), np.array([0.3])]
-    u = [thing.displacement(16, 0.1, 1e-2), thing.displacement(17, 0.15, 1e-2)]
-    force, found = np.random.default_rng(18).standard_normal((points.count, 2)), []
-    for kind in (NitscheOnPlane, Interface):
-        interface = kind(points, carrier, law, theta=theta)
-        before, weights = interface.observe(u[0], moved[0]), ForceWeights.of(0.6, 0.7, -1.0)
-        targets = [(np.zeros(body.size), None if own is None else np.zeros(1)) for _ in range(3)]
-        seen = interface.press(before, (u[1], moved[1]), force, targets[0], weights)
-        again = interface.observe(u[1], moved[1])
-        interface.add_forces(ContactIncrement(before, again, force), targets[1], weights)
-        interface.press(None, (u[1], moved[1]), force, targets[2], weights)
-        assert [*seen[0].values.flat] == [*again[0].values.flat]
-        for one, other in zip(targets[0], targets[1], strict=True):
-            assert one is None or one.tobytes() == other.tobytes()
-        places = [seen[0].values, seen[1].place, seen[1].augmented]
-        if on == "held face":
-            assert seen[1].beyond_edge.any() and not seen[1].beyond_edge.all()
-            places.append(seen[1].beyond_edge)
-        found.append([*places, *(one for pair in targets for one in pair if one is not None)])
-    assert np.abs(found[0][2] - found[0][1]).max() > 0.0
-    for one, other in zip(*found, strict=True):
-        assert one.tobytes() == other.tobytes()

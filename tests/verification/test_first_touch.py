@@ -10,7 +10,7 @@ import pytest
 
 from solver.build.assembly import build
 from solver.scene import parse_scene
-from solver.stepping.reach import FIRST_REACH, REACH
+from solver.stepping.active_set import FIRST_REACH, REACH
 from solver.stepping.step_contact import StepContact
 
 SPEED, STEP, FLIGHT = 1.0, 1e-4, 20

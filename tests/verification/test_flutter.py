@@ -13,8 +13,7 @@ from geometry.mesh import block_mesh
 from rockslip import Scene, parse_scene, simulate
 from solver.bodies.flutter import SlidingModes
 from solver.bodies.modes import compressed_rows
-from solver.build.meshed_body import meshed_body
-from solver.build.sliding import modes_of_sliding
+from solver.build.meshed_body import meshed_body, modes_of_sliding
 from solver.results.flutter import flutter
 from solver.scene.damping import DampingSpec
 

@@ -10,7 +10,7 @@ from benchmarks.damped_steps import reaction_noise, scatter
 from geometry.tags import FacetTag
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.contact.memory_transfer import carry_over
+from solver.contact.interface import carry_over
 from solver.reference.housner import housner
 
 BLOCK = {
@@ -148,7 +148,7 @@ def test_reaction_between_impacts(largest: float, overrides: list[str]) -> None:
     ids=lambda overrides: " ".join(overrides),
 )
 def test_energy_over_the_grid_in_short(overrides: tuple[str, ...]) -> None:
-    """Corners of benchmarks/energy_grid.py, and what else a scene can have."""
+    """Corners of what a scene can have."""
     result = simulate(scene("time.end=1.2", "time.step=2e-3", *overrides))
     energy = result.summary["energy"]
     assert result.status == "completed"

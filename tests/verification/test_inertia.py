@@ -13,8 +13,7 @@ import pytest
 
 from rockslip import load_scene
 from solver.excitation.sampled import SampledMotion
-from solver.excitation.synthetic.suite_motion import synthetic_motion
-from solver.excitation.synthetic.table1 import table1_suite
+from solver.excitation.synthetic import synthetic_motion, table1_suite
 from solver.reference.answer import reference_history
 from solver.reference.friction import Resistance, coulomb
 from solver.reference.platform_sampled import sampled_sliding_on_platform

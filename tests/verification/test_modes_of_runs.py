@@ -32,18 +32,6 @@ def told(result: Result) -> dict[str, Any]:
     return block
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_rigid_block_that_spins_turns_on_its_four_corners(side: float) -> None:
-    """The torque is mu m g d/2, d the diagonal of its base, and the turn omega^2 I/(2 torque)."""
-    block = told(simulate(scene(3, 0.6, angular_velocity=[0.0, 0.0, 3.0 * side])))
-    torque = FRICTION * GRAVITY * math.hypot(1.2, 0.8) / 2  # over the mass
-    turn = side * 9.0 * (1.2**2 + 0.8**2) / 12 / (2 * torque)
-    assert block["mode"] == "turn"
-    assert block["residual_turn_rad"] == pytest.approx(turn, rel=1e-4)
-    assert block["peak_turn_rad"] == pytest.approx(abs(turn), rel=1e-4)
-    assert block["peak_slip_m"] < 1e-9 and block["peak_displacement_m"] < 1e-9
-
-
 def test_pressure_that_is_even_has_the_torque_that_is_told() -> None:
     """The mean distance of a rectangle's points from its middle: docs/deviations.md."""
     for a, b, ratio in ((0.5, 0.5, 1.848), (1.0, 0.5, 1.885), (5.0, 0.05, 2.0)):

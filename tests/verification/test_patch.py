@@ -20,13 +20,12 @@ from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.bodies.elastic_forms import green_strain
-from solver.bodies.supports import Support
 from solver.contact.body_points import NodePoints
-from solver.contact.candidates import MeshedContactPair
-from solver.contact.carrier_surface import carrier_surface
-from solver.contact.facet_target import Face
+from solver.contact.carriers import Face
+from solver.contact.facets import carrier_surface
+from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -152,8 +151,7 @@ def normal_stress(body: ElasticBody, u: np.ndarray, normal: np.ndarray) -> np.nd
     return normal @ values.reshape(-1, d, d) @ normal
 
 
-@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize(("cell", "degree"), [("quadrilateral", 1), ("triangle", 2)])
 @pytest.mark.parametrize(
     "case",
     [

@@ -13,10 +13,9 @@ import pytest
 import pyvista
 
 from rockslip import Result, Scene, parse_scene, simulate
+from solver.bodies.craig_bampton import MOST_LEFT_OUT, FixedInterface, linearised
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.reduced.body import ReducedBody
-from solver.bodies.reduced.craig_bampton import MOST_LEFT_OUT, FixedInterface
-from solver.bodies.reduced.linearised import linearised
+from solver.bodies.reduced_body import ReducedBody
 from solver.build.foundation import foundation as built
 from solver.errors import SceneError
 from solver.run.describe import describe

@@ -14,8 +14,8 @@ from geometry.tags import FacetTag
 from solver.build.assembly import build, initial_state
 from solver.law.local_problem import NoContactSolution
 from solver.scene import Scene, parse_scene
+from solver.stepping.contact_solve import StepProblem
 from solver.stepping.state import GroundForces, State
-from solver.stepping.step_problem import StepProblem
 from solver.stepping.stepper import StepFailed, Stepper
 from solver.types import Array
 

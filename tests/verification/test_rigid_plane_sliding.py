@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rockslip import Result, Scene, parse_scene, simulate
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.reference.friction import Resistance
 from solver.reference.platform import sliding_on_platform
 from solver.rigid.plane.system import PlaneSystem

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchmarks import random_columns
 from rockslip import Scene, parse_scene
-from solver.excitation.motion import ground_motion
+from solver.excitation.motion import read_ground
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
 
@@ -36,7 +36,7 @@ def run(scene: Scene) -> tuple[str | None, dict[str, Array]]:
     """Failure and history of a rigid scene."""
     engine = SpaceSystem if scene.dimension == 3 else PlaneSystem
     system, step = engine.from_scene(scene), scene.time.step
-    count, motion = round(scene.time.end / step), ground_motion(scene)
+    count, motion = round(scene.time.end / step), read_ground(scene)
     ground = mean = None
     if motion is not None:
         times = np.arange(count + 1) * step

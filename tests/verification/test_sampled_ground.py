@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from rockslip import Result, Scene, parse_scene, simulate
-from solver.excitation.motion import ground_motion
-from solver.excitation.stepped import SteppedGround
+from solver.excitation.motion import read_ground
 from solver.reference.platform import sliding_on_platform
 
 SAMPLES, DT = 60, 0.01
@@ -68,8 +67,7 @@ def test_a_block_without_friction_stays_behind(
     run = scene(noise, step, model, dimension)
     start = (1.0, 0.0, 0.0)[:dimension]
     run = replace(run, blocks=(replace(run.blocks[0], velocity=start),))
-    motion = ground_motion(run)
-    assert motion is not None
+    motion = read_ground(run)
     end = float(motion.velocities(np.array([WHOLE]))[0, 0])
     assert abs(end) > 0.04
     result = simulate(run)
@@ -84,8 +82,7 @@ def test_other_directions(noise: Path) -> None:
     record = {"kind": "record", "file": str(noise), "dt": DT, "start": 0.0213}
     run = scene(noise, 0.007, "rigid", 3, motion=record | {"second": record | {"scale": -0.5}})
     result = simulate(run)
-    motion = ground_motion(run)
-    assert motion is not None
+    motion = read_ground(run)
     along, across, _ = motion.velocities(np.array([WHOLE]))[0]
     assert last_speed(result, "block.slip_m") == pytest.approx(-along, rel=1e-6)
     assert last_speed(result, "block.slip_second_m") == pytest.approx(-across, rel=1e-6)
@@ -97,8 +94,7 @@ def test_vertical_impulses_reach_the_floor(noise: Path) -> None:
     record = {"kind": "record", "file": str(noise), "dt": DT, "scale": 0.5}
     run = scene(noise, 0.0237, "rigid", motion={"kind": "none", "vertical": record})
     history = simulate(run).history
-    motion = ground_motion(run)
-    assert motion is not None
+    motion = read_ground(run)
     gained = float(motion.velocities(np.array([WHOLE]))[0, 1])
     pushed = float(history["block.normal_force_N"][1:] @ np.diff(history["time_s"]))
     assert pushed == pytest.approx(400.0 * (9.81 * WHOLE + gained), rel=1e-7)
@@ -111,7 +107,7 @@ def test_a_step_that_divides_and_one_that_does_not_agree(noise: Path, model: str
     others = {"contact": {"friction": 0.03}, "foundation": platform}
     for step, error in ((DT / 3, 1e-3), (0.004, 1e-3)):
         run = scene(noise, step, model, **others)
-        motion = ground_motion(run)
+        motion = read_ground(run)
         assert motion is not None and motion.parts[0] is not None
         history = simulate(run).history
         exact = sliding_on_platform(
@@ -129,19 +125,14 @@ def test_a_step_that_divides_and_one_that_does_not_agree(noise: Path, model: str
         assert away < error
 
 
-def test_the_ground_is_found_in_pieces(noise: Path) -> None:
-    """Whatever the pieces, the same accelerations and means."""
+def test_the_ground_at_many_times_is_that_at_each(noise: Path) -> None:
+    """And its mean over steps gives the whole impulse."""
     run = scene(noise, 0.007, "rigid", motion={"kind": "rectangular", "amplitude_g": 0.1,
                 "duration": 0.3, "start": 0.05, "vertical": {"kind": "record", "file": str(noise),
                 "dt": DT}})  # fmt: skip
-    motion = ground_motion(run)
-    assert motion is not None
-    ground = SteppedGround(motion, 0.007, ahead=10)
-    at, mean = ground.between(0, 50)
-    for first, stop in ((0, 3), (3, 3), (3, 12), (12, 30), (2, 4)):
-        part = ground.between(first, stop)
-        np.testing.assert_array_equal(part[0], at[first : stop + 1])
-        np.testing.assert_array_equal(part[1], mean[first:stop])
+    motion = read_ground(run)
+    times = 0.007 * np.arange(51)
+    at, mean = motion.accelerations(times), motion.means(times)
     for k in range(50):
         np.testing.assert_allclose(motion.acceleration(0.007 * k), at[k], atol=1e-14)
         np.testing.assert_allclose(motion.mean(0.007 * k, 0.007), mean[k], atol=1e-12)

@@ -9,8 +9,6 @@ import pytest
 
 from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
-from solver.excitation.motion import base_motion
-from solver.reference.sliding import sliding
 
 BLOCK = {
     "width": 1.0,
@@ -21,7 +19,6 @@ BLOCK = {
     "poisson": 0.2,
     "cells": [2, 2, 2],
 }
-AZIMUTH = np.deg2rad(30.0)
 
 
 def scene(*, end: float, friction: float = 0.3, block: Any = None, **tables: Any) -> Scene:
@@ -34,49 +31,6 @@ def scene(*, end: float, friction: float = 0.3, block: Any = None, **tables: Any
         "time": {"end": end, "step": 1e-3},
     }
     return parse_scene(content | tables)
-
-
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_a_block_stops_on_a_straight_line(cell: str) -> None:
-    """From 1 m/s at 30 degrees: after v^2/(2 mu g), and friction opposes the velocity."""
-    speed, friction = 1.0, 0.3
-    velocity = [speed * np.cos(AZIMUTH), speed * np.sin(AZIMUTH), 0.0]
-    result = simulate(scene(end=0.4, block={"velocity": velocity, "cell": cell}))
-    history = result.history
-    along, across = history["block.slip_m"], history["block.slip_second_m"]
-    stop = speed**2 / (2 * friction * 9.81)
-    assert np.hypot(along[-1], across[-1]) == pytest.approx(stop, rel=3e-3)
-    slides = slice(5, int(0.97 * speed / (friction * 9.81) / 1e-3))
-    forces = history["block.friction_force_N"], history["block.friction_force_second_N"]
-    direction = np.rad2deg(np.arctan2(-forces[1], -forces[0]))[slides]
-    assert np.abs(direction - 30.0).max() < 0.1
-    size = np.hypot(*forces)[slides]
-    assert size == pytest.approx(friction * history["block.normal_force_N"][slides], rel=1e-6)
-    assert np.abs(history["block.angle_z_rad"]).max() < 1e-6
-    assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
-
-
-def test_shaken_at_an_angle_it_slides_as_in_the_plane() -> None:
-    """Two proportional motions: a disc knows no directions, a pyramid would."""
-    parts = {
-        name: {"kind": "sine", "amplitude_g": 0.4 * part, "period": 0.5}
-        for name, part in (("first", float(np.cos(AZIMUTH))), ("second", float(np.sin(AZIMUTH))))
-    }
-    run = scene(end=0.3, friction=0.1, motion=parts["first"] | {"second": parts["second"]})
-    history = simulate(run).history
-    shaken = base_motion(run.motion, run.time.end)
-    assert shaken is not None
-    exact = sliding(
-        acceleration=lambda t: shaken.acceleration(t) / np.cos(AZIMUTH),
-        friction=0.1,
-        gravity=9.81,
-        end=0.3,
-        step=1e-3,
-    )
-    slip = np.interp(history["time_s"], exact.time, exact.slip)
-    scale = 3e-3 * np.abs(slip).max()
-    assert history["block.slip_m"] == pytest.approx(slip * np.cos(AZIMUTH), abs=scale)
-    assert history["block.slip_second_m"] == pytest.approx(slip * np.sin(AZIMUTH), abs=scale)
 
 
 def test_a_block_thrown_spinning_comes_to_rest() -> None:

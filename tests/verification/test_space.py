@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.arrangement import initial_position_in_space
 from rockslip import BlockSpec, Result, Scene, parse_scene, simulate
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.reference.sliding import sliding
 
 Array = NDArray[np.float64]

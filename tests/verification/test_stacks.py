@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,12 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from rockslip import Scene, parse_scene, simulate
-from solver.build.assembly import Assembly, build, initial_state
-from solver.contact.memory import Memory
-from solver.reference.sliding import sliding
+from solver.build.assembly import build, initial_state
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.nonlinear import NonlinearSolver
-from solver.stepping.state import State
+from tests.momentum import imbalance
 
 Array = NDArray[np.float64]
 
@@ -80,62 +76,6 @@ def test_stacks_make_no_energy(models: tuple[str, ...], slender: bool) -> None:
         assert np.abs(result.history["lower.slip_m"]).max() > 0.01
 
 
-class Balance:
-    """Momentum of each block against the forces that contact puts on it, from the scheme alone.
-
-    The displacement of a block in a step obeys m (du - dt v_n) = dt^2/2 (f + c_{n+1}), with f its
-    mean weight in the accelerated ground.
-    """
-
-    def __init__(self, assembly: Assembly):
-        self.stepper = assembly.stepper
-        self.system = self.stepper.system
-
-    def momentum(self, vector: Array, body: int) -> Array:
-        """Of a displacement or velocity, times mass."""
-        own = self.system.slices[body]
-        return self.system.directional_mass[:, own] @ vector[own]
-
-    def needed(self, old: State, new: State, dt: float) -> list[Array]:
-        """Contact force that each block needs to have moved as it did."""
-        base = self.stepper.mean_base(old.time, dt)
-        forces = []
-        for k, body in enumerate(self.system.bodies):
-            weight = body.mass * (self.stepper.gravity - base)
-            moved = self.momentum(new.u - old.u - dt * old.v, k)
-            forces.append(2 * moved / dt**2 - weight)
-        return forces
-
-    def given(self, started: Sequence[Memory], new: State) -> list[Array]:
-        """What the interfaces put on each block."""
-        forces = [np.zeros(2) for _ in self.system.bodies]
-        for link, before, after in zip(self.stepper.links, started, new.contacts, strict=True):
-            vectors, _ = link.interface.point_forces(
-                before.kinematics, after.kinematics, after.force
-            )
-            total = vectors.sum(axis=0)
-            if link.body is not None:
-                forces[link.body] += total
-            if link.carrier is not None:
-                forces[link.carrier] -= total
-        return forces
-
-
-def imbalance(run: Scene) -> float:
-    """Largest difference between the forces that blocks get and need, over their weight."""
-    assembly = build(run)
-    state, _ = initial_state(run, assembly)
-    balance, dt, largest = Balance(assembly), run.time.step, 0.0
-    for _ in range(100):
-        started = assembly.stepper.prepare(state, dt).contacts
-        new, _ = assembly.stepper.advance(state, dt)
-        given, needed = balance.given(started, new), balance.needed(state, new, dt)
-        for body, has, needs in zip(balance.system.bodies, given, needed, strict=True):
-            largest = max(largest, float(np.abs(has - needs).max()) / (body.mass * G))
-        state = new
-    return largest
-
-
 @pytest.mark.parametrize("models", [*PAIRS, TRIPLES[0]], ids="-".join)
 @pytest.mark.parametrize("friction", [0.25, 0.7])
 def test_contact_forces_balance_momentum(models: tuple[str, ...], friction: float) -> None:
@@ -144,7 +84,7 @@ def test_contact_forces_balance_momentum(models: tuple[str, ...], friction: floa
     The difference is the resultant of the residual that SNES leaves, which is judged apart.
     """
     run = stack(models, f"contact.friction={friction}", slender=friction > 0.5)
-    assert imbalance(run) < 1e-9
+    assert imbalance(run, 100) < 1e-9
 
 
 @pytest.mark.parametrize("models", PAIRS, ids="-".join)
@@ -168,38 +108,6 @@ def test_momentum_is_judged_alike_beside_a_fine_mesh(
     assembly.stepper.advance(state, run.time.step)
     (tolerance,) = seen
     assert 2e-10 < tolerance.acceleration / G < 1e-9
-
-
-def test_each_pair_has_its_own_friction() -> None:
-    """The lower block holds on; the upper slides on it as on the ground: mu 0.1 on 0.8."""
-    run = stack(("elastic", "elastic"), "lower.friction=0.8", "upper.friction=0.1")
-    result = simulate(run)
-    history = result.history
-
-    def ground(time: float) -> float:
-        return 0.6 * G * math.sin(2 * math.pi * time / 0.5)
-
-    exact = sliding(acceleration=ground, friction=0.1, gravity=G, end=0.4, step=2e-3)
-    assert np.abs(history["lower.slip_m"]).max() < 1e-4
-    np.testing.assert_allclose(
-        history["upper.slip_m"], exact.slip, atol=1e-2 * np.abs(exact.slip).max()
-    )
-    weight = DENSITY * 0.83 * 0.83 * 0.7 * G
-    assert np.abs(history["upper.friction_force_N"]).max() == pytest.approx(0.1 * weight, rel=0.05)
-
-
-def test_a_glued_elastic_stack_stands_as_one() -> None:
-    """mu 100 and a motion too weak to rock: the ground carries both, and accelerates both."""
-    run = stack(("elastic", "elastic"), "contact.friction=100.0", "motion.amplitude_g=0.1")
-    history = simulate(run).history
-    for name in ("lower", "upper"):
-        assert np.abs(history[f"{name}.slip_m"]).max() < 1e-6
-        assert np.abs(history[f"{name}.angle_rad"]).max() < 1e-5
-    mass = DENSITY * 0.7 * (1.0 + 0.83**2)
-    acceleration = history["base.acceleration_m_s2"]
-    push = history["lower.friction_force_N"][50:]
-    assert np.abs(push - mass * acceleration[50:]).max() < 0.05 * mass * 0.1 * G
-    assert history["lower.normal_force_N"][50:] == pytest.approx(mass * G, rel=1e-2)
 
 
 def test_a_heavy_rigid_block_on_a_light_stiff_one() -> None:

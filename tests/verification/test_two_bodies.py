@@ -16,15 +16,14 @@ from geometry.foundation import level_frame
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.rigid_box import CARRIED, RigidBox, SpaceBox, rigid_box
+from solver.bodies.rigid_body import CARRIED, RigidBox, SpaceBox, rigid_box
 from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
-from solver.contact.carrier_surface import carrier_surface
-from solver.contact.facet_target import Face
-from solver.contact.increment import ContactIncrement, ForceWeights
+from solver.contact.carriers import Face
+from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
+from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.nitsche_points import contact_points
-from solver.contact.passes.on_face import NitscheOnFace
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import Link, System
@@ -213,39 +212,6 @@ def test_work_is_exact_and_forces_are_opposite(
     on_points, on_carrier = pair.total(target, 0), pair.total(target, 1)
     np.testing.assert_allclose(on_points, -on_carrier, atol=1e-11 * np.abs(force).sum())
     assert np.linalg.norm(on_points) > 0.1 * np.abs(force).sum()
-
-
-@pytest.mark.parametrize("theta", [1, 0, -1])
-@pytest.mark.parametrize(
-    "case",
-    [each for each in CASES if each[0] == "elastic"],
-    ids=lambda case: "-".join(map(str, case)),
-)
-def test_passes_in_one_go_are_those_one_by_one(
-    case: tuple[str, str, int, str, int], theta: int
-) -> None:
-    """An interface on a face, and the same as any other interface, to the last bit."""
-    pair, found = Pair(*case), []
-    system, points, face = pair.system, pair.interface.points, pair.interface.carrier
-    u = [pair.unknowns(each) for each in (BEFORE, AFTER)]
-    face.rotate_frame(Pose(0.32, 0.0).rotation(pair.dimension))
-    force = np.random.default_rng(6).standard_normal((points.count, pair.dimension))
-    for kind in (NitscheOnFace, Interface):
-        interface = kind(points, face, LAW, theta=theta)
-        weights, targets = ForceWeights.of(0.6, 0.7, -1.0), [np.zeros(system.size) for _ in "abc"]
-        at, on = system.parts(u[1], pair.link), [system.parts(each, pair.link) for each in targets]
-        before = interface.observe(*system.parts(u[0], pair.link))
-        state, seen = interface.press(before, at, force, on[0], weights)
-        interface.press(None, at, force, on[1], weights)
-        interface.press(before, at, np.zeros_like(force), on[2], weights)
-        feet = seen.foot.feet
-        found.append(
-            [state.values, seen.place, seen.augmented, seen.carrier.position, *feet, *targets]
-        )
-    assert np.abs(found[0][2] - found[0][1]).max() > 0.0
-    assert [np.abs(each).max() > 0.0 for each in found[0][-3:]] == [True, True, theta != 0]
-    for one, other in zip(*found, strict=True):
-        assert one.tobytes() == other.tobytes()
 
 
 def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:

@@ -15,9 +15,7 @@ NOTHING_NEAR, OTHERS_NEAR, LEFT_OPEN, UNSETTLED, SETTLED = range(5)
 
 
 @compiled
-def candidates(
-    y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices, pressed: Mask
-) -> int:
+def candidates(y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices) -> int:
     """Fill in numbers of points that may come into contact; returns how many there are.
 
     Args:
@@ -26,13 +24,11 @@ def candidates(
         may_touch: Points that may touch, (points,).
         force: Forces so far, (points, d), N.
         number: Filled in with the numbers, rising; it has room for all, (points,).
-        pressed: Filled in with which of these carry a force, or would sink in, (points,).
     """
     count = 0
     for p in range(len(y)):
         if (y[p, 0] < reach[p] and may_touch[p]) or force[p, 0] > 0.0:
             number[count] = p
-            pressed[count] = y[p, 0] < 0.0 or force[p, 0] > 0.0
             count += 1
     return count
 
@@ -44,14 +40,6 @@ def sinks_in(y: Array, round_off: Array, may_touch: Mask, met: Mask) -> bool:
         if y[p, 0] < -round_off[p] and may_touch[p] and not met[p]:
             return True
     return False
-
-
-@compiled
-def put_away(y: Array, beyond: Mask, size: Array) -> None:
-    """Put points beyond an edge as far from their carrier as the size of their body, m, in y."""
-    for p in range(len(y)):
-        if beyond[p]:
-            y[p, 0] = size[p]
 
 
 @compiled
@@ -140,7 +128,6 @@ def settle(
     round_off: Array,
     force: Array,
     number: Indices,
-    pressed: Mask,
     mu: Array,
     cohesion: Array,
     alone: bool,
@@ -167,7 +154,6 @@ def settle(
         round_off: Of the gaps.
         force: Forces of all points, replaced by those that obey the law, (points, d), N.
         number: As in `candidates`.
-        pressed: As in `candidates`.
         mu: Coefficients of friction of all points, (points,).
         cohesion: What they hold besides, (points,), N.
         alone: Whether to solve the problem here, or to leave that to the caller.
@@ -175,7 +161,7 @@ def settle(
         q: Free values, filled in, (m, d), m.
         change: How much the forces of near points changed, filled in, (m, d), N.
     """
-    count = candidates(y, reach, may_touch, force, number, pressed)
+    count = candidates(y, reach, may_touch, force, number)
     if count == 0:
         return NOTHING_NEAR, count, 0.0
     if count != len(near):

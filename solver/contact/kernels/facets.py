@@ -1,22 +1,167 @@
-"""Feet of points on the facets of a face, straight or bent, in the plane and in space; compiled."""
+"""Closest points on the facets of a face, and what follows from how they move; compiled.
+
+With the shape functions N at the closest points before and after a step, the nodes x_c of the face,
+the frame (n, t) of the step, bars for means and d for increments over the step (docs/method.md,
+"What carries"),
+
+    e = dN . mean x_c = (e_n, e_t)                the way of the foot over the mean surface
+    dg = (n - kappa t) . (dx - mean N dx_c),      kappa = e_n/e_t        the mean slope
+    ds = (t/a) . (dx - mean N dx_c),              a = e_t/ds             the mean stretch
+
+hold exactly, whatever the step and however many facets it crosses.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.chain import EDGE_BLEND_WIDTH, Feet, stand_on_chain
-from solver.contact.kernels.shapes import (
-    FacetShapes,
-    average_at,
-    gradient_of,
-    inverted,
-    shape_functions,
-    slope_and_stretch,
-)
 from solver.law.compiled import borrowed, compiled
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
+
+
+class FacetShapes(NamedTuple):
+    """What stays the same of the facets of a face; t = d - 1 coordinates on each."""
+
+    facets: Indices
+    """Nodes of each facet, (facets, k)."""
+    powers: Indices
+    """Powers of the coordinates in the monomials of a shape function, (k, t)."""
+    factors: Array
+    """Factors of these monomials in each shape function, (k, k)."""
+    derivatives: Array
+    """Derivatives of the shape functions at a facet's own nodes, (k, t, k)."""
+    undeformed: Array
+    """Inverses of the derivatives of undeformed tangential positions at each facet's nodes,
+    (facets, k, t, t), 1/m."""
+    meeting: Indices
+    """Facets that meet at nodes, and which of a facet's nodes that is, node after node, (.., 2)."""
+    first: Indices
+    """Number of the first of them at each node, and of all, (n + 1,)."""
+    along: Array
+    """Tangential positions of the nodes in the undeformed face, (n, t), m."""
+    corners: int
+    """Number of corners of a facet: 2 for intervals, 3 for triangles, 4 for quadrilaterals."""
+    margin: float
+    """Part of a facet by which points may be beyond its edge."""
+
+
+@compiled
+def power_of(base: float, exponent: int) -> float:
+    """A small power; `**` takes ten times as long."""
+    result = 1.0
+    for _ in range(exponent):
+        result *= base
+    return result
+
+
+@compiled
+def shape_functions(shapes: FacetShapes, where: Array, values: Array, derivatives: Array) -> None:
+    """Fill in shape functions (k,) and their derivatives (t, k) at coordinates (t,)."""
+    values[:], derivatives[:] = 0.0, 0.0
+    for c in range(len(shapes.powers)):
+        monomial = 1.0
+        for j in range(len(where)):
+            monomial *= power_of(where[j], shapes.powers[c, j])
+        for k in range(len(values)):
+            values[k] += shapes.factors[k, c] * monomial
+        for j in range(len(where)):
+            power = shapes.powers[c, j]
+            if power == 0:
+                continue
+            slope = power * power_of(where[j], power - 1)
+            for i in range(len(where)):
+                if i != j:
+                    slope *= power_of(where[i], shapes.powers[c, i])
+            for k in range(len(values)):
+                derivatives[j, k] += shapes.factors[k, c] * slope
+
+
+@compiled
+def inverted(matrix: Array, inverse: Array) -> None:
+    """Fill in the inverse of a matrix (1, 1) or (2, 2); not numbers where there is none."""
+    if len(matrix) == 1:
+        inverse[0, 0] = 1.0 / matrix[0, 0]
+        return
+    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
+    inverse[0, 0], inverse[1, 1] = matrix[1, 1] / determinant, matrix[0, 0] / determinant
+    inverse[0, 1], inverse[1, 0] = -matrix[0, 1] / determinant, -matrix[1, 0] / determinant
+
+
+@compiled
+def gradient_of(nodes: Indices, values: Array, derivatives: Array, gradient: Array) -> None:
+    """Fill in derivatives of nodal values (n, c) along the coordinates of a facet, (c, t)."""
+    gradient[:] = 0.0
+    for k in range(len(nodes)):
+        for i in range(len(gradient)):
+            for j in range(len(derivatives)):
+                gradient[i, j] += derivatives[j, k] * values[nodes[k], i]
+
+
+@compiled
+def slope_and_stretch(
+    nodes: Indices,
+    placed: Array,
+    derivatives: Array,
+    undeformed: Array,
+    slope: Array,
+    stretch: Array,
+) -> None:
+    """Fill in rise (t,) and stretch (t, t) of a facet over its tangential coordinates.
+
+    Args:
+        nodes: Of the facet, (k,).
+        placed: Where all nodes are in the frame, normal first, (n, t + 1), m.
+        derivatives: Of the shape functions, (t, k).
+        undeformed: Inverse of the derivatives of the undeformed tangential positions, (t, t), 1/m.
+        slope: (t,).
+        stretch: (t, t).
+    """
+    t = len(derivatives)
+    rise, flat, inverse = np.zeros(t), np.zeros((t, t)), np.empty((t, t))
+    for k in range(len(nodes)):
+        for j in range(t):
+            rise[j] += derivatives[j, k] * placed[nodes[k], 0]
+            for i in range(t):
+                flat[i, j] += derivatives[j, k] * placed[nodes[k], 1 + i]
+    inverted(flat, inverse)
+    for j in range(t):
+        slope[j] = 0.0
+        for i in range(t):
+            slope[j] += rise[i] * inverse[i, j]
+            stretch[i, j] = 0.0
+            for k in range(t):
+                stretch[i, j] += flat[i, k] * undeformed[k, j]
+
+
+@compiled
+def average_at(shapes: FacetShapes, node: int, placed: Array, slope: Array, stretch: Array) -> None:
+    """Fill in slope (t,) and stretch (t, t) at a node, means of the facets that meet there."""
+    t, meeting = len(slope), 0
+    own_slope, own_stretch = np.empty(t), np.empty((t, t))
+    slope[:], stretch[:] = 0.0, 0.0
+    for m in range(shapes.first[node], shapes.first[node + 1]):
+        facet, corner = shapes.meeting[m, 0], shapes.meeting[m, 1]
+        slope_and_stretch(
+            shapes.facets[facet],
+            placed,
+            shapes.derivatives[corner],
+            shapes.undeformed[facet, corner],
+            own_slope,
+            own_stretch,
+        )
+        slope += own_slope
+        stretch += own_stretch
+        meeting += 1
+    slope /= max(meeting, 1)
+    stretch /= max(meeting, 1)
+
+
+EDGE_BLEND_WIDTH = 0.02
+"""Part of a facet: as near as this to its edge, a foot goes over to the slope averaged over the
+facets that meet there."""
 
 FOOT_SETTLED = 1e-12
 """Part of a facet: Newton's method for a foot ends when it moves the foot by less; what is left is
@@ -34,6 +179,22 @@ FARTHER = 0.5
 Taken as spanned by two edges, a facet misses points on it by no more than its last corner is off
 the parallelogram of the others: by strains, a few per cent of a facet.
 """
+
+
+class Feet(NamedTuple):
+    """Where m points stand on the facets of a face; t = d - 1."""
+
+    nodes: Indices
+    """Nodes of the facet, (m, k)."""
+    weights: Array
+    """Shape functions N of these there, (m, k)."""
+    slope: Array
+    """Rise of the face along the tangents of the frame, (m, t); blended with that of the next
+    facet where facets meet, so that it is continuous."""
+    stretch: Array
+    """Current over undeformed tangential lengths, likewise, (m, t, t)."""
+    beyond_edge: Mask
+    """Feet beyond the edge of the face by more than its margin, (m,)."""
 
 
 @compiled
@@ -158,7 +319,7 @@ def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) 
 @compiled
 def stand_on_facets(
     face: tuple[Any, ...],
-    room: tuple[Array, Array, Array, Array],
+    room: tuple[Array, Array],
     position: Array,
     carrier: Array,
     frame: Array,
@@ -169,8 +330,7 @@ def stand_on_facets(
 
     Args:
         face: The fields of its `FacetShapes`; tuples without names are handed over faster.
-        room: For the nodes in the frame, (n, d), for a (d-1, d-1) matrix of each facet, and for
-            slopes, (n, d-1), and stretches, (n, d-1, d-1), averaged at the nodes.
+        room: For the nodes in the frame, (n, d), and for a (d-1, d-1) matrix of each facet.
         position: Of the points in space, (m, d), m.
         carrier: Of its nodes in space, (n, d), m.
         frame: Rows normal and tangents, (d, d).
@@ -178,7 +338,7 @@ def stand_on_facets(
         stand: The fields of the `Feet` of the points.
     """
     shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
-    placed, inverses, mean_slope, mean_stretch = borrowed(room)
+    placed, inverses = borrowed(room)
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
     placed[:], points = carrier @ frame.T, position @ frame.T
     if shapes.corners > 2:
@@ -186,8 +346,7 @@ def stand_on_facets(
     where, values, derivatives = np.empty(t), np.empty(k), np.empty((t, k))
     tried = np.zeros(min(FACETS_TRIED, len(shapes.facets)), np.int64)
     gradient, undeformed = np.empty((t, t)), np.empty((t, t))
-    for node in range(len(placed)):
-        average_at(shapes, node, placed, mean_slope[node], mean_stretch[node])
+    mean_slope, mean_stretch = np.empty(t), np.empty((t, t))
     for p in range(len(points)):
         point = points[p, 1:]
         if shapes.corners == 2:
@@ -212,29 +371,172 @@ def stand_on_facets(
             slope *= 1.0 - share
             stretch *= 1.0 - share
             for a in range(k):
-                slope += share * values[a] * mean_slope[nodes[a]]
-                stretch += share * values[a] * mean_stretch[nodes[a]]
+                average_at(shapes, nodes[a], placed, mean_slope, mean_stretch)
+                slope += share * values[a] * mean_slope
+                stretch += share * values[a] * mean_stretch
 
 
-Chain = tuple[Indices, Array, float]
-"""Straight facets in the plane, as `stand_on_chain` takes them."""
+STANDING_STILL = 1e-4
+"""Part of a facet: a foot that moves by less has the local slope and stretch, one that moves by
+twice as much or more those of its way; between the two they go over from one to the other."""
 
-Facets = tuple[tuple[Any, ...], tuple[Array, Array, Array, Array]]
-"""Facets of any kind, as `stand_on_facets` takes them."""
+
+class Stand(NamedTuple):
+    """Where points stand on a face at one instant."""
+
+    nodes: Indices
+    """Nodes of the facet of each point, (m, k)."""
+    weights: Array
+    """Shape functions N of these there, (m, k)."""
+    slope: Array
+    """Rise of the face along the tangents of the frame, (m, d-1)."""
+    stretch: Array
+    """Current over undeformed tangential lengths, (m, d-1, d-1)."""
+    place: Array
+    """(g, s), (m, d), m."""
+    position: Array
+    """Where the nodes of the face are, (n, d), m."""
+
+
+StandArrays = tuple[Indices, Array, Array, Array, Array, Array]
+"""The fields of a `Stand` as Python hands them over: without names they take half the time."""
 
 
 @compiled
-def stand_on_face(
-    chain: Chain | None,
-    facets: Facets | None,
-    position: Array,
-    carrier: Array,
-    frame: Array,
-    place: Array,
-    stand: tuple[Any, ...],
+def interpolated(nodes: Indices, weights: Array, values: Array, found: Array) -> None:
+    """Fill in what nodal values (n, d) are at places (m, d), by nodes and weights (m, k)."""
+    found[:] = 0.0
+    for p in range(len(nodes)):
+        for a in range(nodes.shape[1]):
+            for i in range(values.shape[1]):
+                found[p, i] += weights[p, a] * values[nodes[p, a], i]
+
+
+@compiled
+def add_spread(
+    nodes: Indices, weights: Array, factor: float, vectors: Array, target: Array
 ) -> None:
-    """Fill in what `stand_on_chain` does, or `stand_on_facets`: a face is one of the two."""
-    if chain is not None:
-        stand_on_chain(*chain, position, carrier, frame, place, stand)
-    if facets is not None:
-        stand_on_facets(*facets, position, carrier, frame, place, stand)
+    """Add a factor times forces at places, (m, d), to those on the nodes, (n, d)."""
+    for p in range(len(nodes)):
+        for a in range(nodes.shape[1]):
+            for i in range(vectors.shape[1]):
+                target[nodes[p, a], i] += factor * weights[p, a] * vectors[p, i]
+
+
+@compiled
+def foot_way(
+    p: int,
+    old: Stand,
+    new: Stand,
+    frame: Array,
+    facet: float,
+    way: Array,
+    ds: Array,
+    kappa: Array,
+    a: Array,
+) -> float:
+    """Fill in the way of the foot of point p; returns how far slope and stretch are those of it.
+
+    Args:
+        p: Number of the point.
+        old: Stand at t_n.
+        new: At t_{n+1}.
+        frame: Rows normal and tangents of the face, (d, d).
+        facet: Length of the smallest facet, m.
+        way: e = (e_n, e_t), (d,), m.
+        ds: Way in the undeformed face, (d-1,), m.
+        kappa: Slope: that of the way where the foot moves, else of the surface there, (d-1,).
+        a: Stretch likewise, (d-1, d-1).
+    """
+    d, moved = len(frame), np.zeros(len(frame))
+    for k in range(new.nodes.shape[1]):
+        first, last = old.nodes[p, k], new.nodes[p, k]
+        for i in range(d):
+            before = 0.5 * (old.position[first, i] + new.position[first, i])
+            after = 0.5 * (old.position[last, i] + new.position[last, i])
+            moved[i] += new.weights[p, k] * after - old.weights[p, k] * before
+    way[:] = 0.0
+    for i in range(d):
+        for j in range(d):
+            way[i] += frame[i, j] * moved[j]
+    squares = along = 0.0
+    for i in range(d - 1):
+        ds[i] = new.place[p, 1 + i] - old.place[p, 1 + i]
+        kappa[i] = 0.5 * (old.slope[p, i] + new.slope[p, i])
+        squares, along = squares + ds[i] ** 2, along + way[1 + i] ** 2
+        for j in range(d - 1):
+            a[i, j] = 0.5 * (old.stretch[p, i, j] + new.stretch[p, i, j])
+    share = min(max(math.sqrt(squares) / (STANDING_STILL * facet) - 1.0, 0.0), 1.0)
+    if share > 0.0:
+        # The least changes after which kappa . e_t = e_n and a ds = e_t.
+        lift = way[0]
+        for i in range(d - 1):
+            lift -= kappa[i] * way[1 + i]
+        for i in range(d - 1):
+            kappa[i] += share * lift / along * way[1 + i]
+            missing = way[1 + i]
+            for j in range(d - 1):
+                missing -= a[i, j] * ds[j]
+            for j in range(d - 1):
+                a[i, j] += share * missing * ds[j] / squares
+    return share
+
+
+@compiled
+def forces_in_space(
+    before: StandArrays,
+    after: StandArrays,
+    frame: Array,
+    facet: float,
+    force: Array,
+    vectors: Array,
+) -> None:
+    """Fill in vectors in space (m, d) of normal and tangential forces, whose work is exact.
+
+    They are f_n (n - kappa t) + a^-T f_t; arguments as in `foot_way`.
+    """
+    d, old, new = len(frame), borrowed(Stand(*before)), borrowed(Stand(*after))
+    way, ds, kappa, local = np.empty(d), np.empty(d - 1), np.empty(d - 1), np.empty(d)
+    a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
+    vectors[:] = 0.0
+    for p in range(len(force)):
+        loaded = False
+        for i in range(d):
+            loaded = loaded or force[p, i] != 0.0
+        if not loaded:
+            continue
+        foot_way(p, old, new, frame, facet, way, ds, kappa, a)
+        inverted(a, inverse)
+        local[0] = force[p, 0]
+        for i in range(d - 1):
+            local[1 + i] = -force[p, 0] * kappa[i]
+            for j in range(d - 1):
+                local[1 + i] += inverse[j, i] * force[p, 1 + j]
+        for i in range(d):
+            for j in range(d):
+                vectors[p, j] += local[i] * frame[i, j]
+
+
+@compiled
+def work_defect(
+    before: StandArrays, after: StandArrays, frame: Array, facet: float, force: Array
+) -> float:
+    """Work of these vectors less that of the forces (m, d), N, on (g, s), J.
+
+    Only feet of closed points that hardly move have any: kappa . e_t is not e_n there,
+    nor a^-1 e_t ds. Arguments as in `foot_way`.
+    """
+    d, total, old, new = len(frame), 0.0, borrowed(Stand(*before)), borrowed(Stand(*after))
+    way, ds, kappa = np.empty(d), np.empty(d - 1), np.empty(d - 1)
+    a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
+    for p in range(len(force)):
+        if not force[p, 0] > 0.0 or foot_way(p, old, new, frame, facet, way, ds, kappa, a) >= 1.0:
+            continue
+        inverted(a, inverse)
+        total += force[p, 0] * way[0]
+        for i in range(d - 1):
+            drag = -ds[i]
+            for j in range(d - 1):
+                drag += inverse[i, j] * way[1 + j]
+            total += force[p, 1 + i] * drag - force[p, 0] * kappa[i] * way[1 + i]
+    return total

@@ -230,29 +230,3 @@ def add_contact_forces(
                 pulled[p, i] -= scale[p, 1] * force[p, k] * frame[k, i]
     add_point_forces(index, table, vectors, nodal)
     add_traction_gradient(index, table, old, new, pulled, nodal)
-
-
-@compiled
-def add_forces(
-    index: Indices,
-    table: Array,
-    old: Array,
-    new: Array,
-    vectors: Array,
-    pulls: bool,
-    scale: Array,
-    force: Array,
-    frame: Array,
-    old_weight: float,
-    new_weight: float,
-    nodal: Array,
-) -> None:
-    """Add forces at the points, and those of a pull if there is one, to those on the nodes.
-
-    Arguments are those of `add_contact_forces`; `pulls`: whether there is a theta term.
-    """
-    if pulls:
-        pull = scale, force, frame, old_weight, new_weight
-        add_contact_forces(index, table, old, new, vectors, *pull, nodal)
-    else:
-        add_point_forces(index, table, vectors, nodal)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.bodies.kernels.rotation import polar_factor
+from solver.bodies.kinematics import polar_factor
 from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
 
@@ -92,35 +92,6 @@ def out_of_frame(nodes: Array, push: Array, turns: Array, vectors: Array) -> Non
     """Fill in R (x + S p), vectors one after another in (n d,)."""
     strain, nothing = np.zeros(len(vectors)), np.empty((0, len(push)))
     moved_with_strain(nodes, push, strain, nothing, turns, vectors)
-
-
-@compiled
-def moved_by_few(
-    nodes: Array,
-    push: Array,
-    force: Array,
-    weight: float,
-    frames: Array,
-    columns: Array,
-    turns: Array,
-    moved: Array,
-) -> None:
-    """Fill in R (x + S p) where forces at few points add strain by columns of K_0^-1, and push.
-
-    Args:
-        nodes: x, (n d,), m.
-        push: p, (d,), N.
-        force: As in `point_vectors`, like all up to `frames`.
-        weight: Of the forces.
-        frames: At the points.
-        columns: What unit forces at the points do to the nodes, (m d, n d), m/N.
-        turns: Of the body.
-        moved: (n d,), m.
-    """
-    vectors = np.empty(force.shape)
-    point_vectors(force, weight, frames, turns[1], vectors)
-    strain = vectors.reshape(force.size) @ columns
-    moved_with_strain(nodes, push, strain, vectors, turns, moved)
 
 
 @compiled

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
 from solver.scene.motion import FileSpec
 
 TITLE = "AFAD, ERD (Turkey)"
@@ -22,14 +22,14 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
 
     These are held against the values, roughly: a unit taken from there has to be the right one.
     """
-    heading = text.said(r"^\s*(N-?S)\s+(E-?W)\s+(U-?D|V|Z)\s*$", "a heading N-S E-W U-D")
+    heading = text.required(r"^\s*(N-?S)\s+(E-?W)\s+(U-?D|V|Z)\s*$", "a heading N-S E-W U-D")
     among = range(1, heading.line)
     count = text.count(r"NUMBER OF DATA\s*:\s*(\d+)", "NUMBER OF DATA", among)
     step = text.positive(
         rf"SAMPLING INTERVAL\s*\(sec\)\s*:\s*({NUMBER})", "SAMPLING INTERVAL (sec)", among
     )
-    largest = text.said(_PGA, "RAW PGA VALUES (gal)", among)
-    unit = Said(unit_of(largest.value[1]), largest.line)
+    largest = text.required(_PGA, "RAW PGA VALUES (gal)", among)
+    unit = Stated(unit_of(largest.value[1]), largest.line)
     values, lines = text.block(heading.line, count, columns=3)
     text.nothing_after(lines[-1], count)
     names = heading.value.groups()

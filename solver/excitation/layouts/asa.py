@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import Component, Said, TextFile, width_of
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import Component, Stated, TextFile, number_in, width_of
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
 
@@ -20,7 +19,7 @@ def recognised(text: TextFile) -> bool:
 
 def components(text: TextFile, spec: FileSpec) -> list[Component]:
     """All channels, named by their orientations."""
-    title = text.said(r"^\s*DATOS DE ACELERACION", "DATOS DE ACELERACION")
+    title = text.required(r"^\s*DATOS DE ACELERACION", "DATOS DE ACELERACION")
     rules = [
         line
         for line in range(title.line + 1, min(title.line + 8, len(text.lines)) + 1)
@@ -31,7 +30,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     among = range(1, title.line)
     counts = _each(text, r"NUM\. TOTAL DE MUESTRAS, C1", "NUM. TOTAL DE MUESTRAS", among)
     steps = _each(text, r"INTERVALO DE MUESTREO, C1", "INTERVALO DE MUESTREO", among)
-    names = text.said(r"^ORIENTACION C1[^:]*:\s*/(.+)", "ORIENTACION C1-C6", among)
+    names = text.required(r"^ORIENTACION C1[^:]*:\s*/(.+)", "ORIENTACION C1-C6", among)
     orientations = [name.strip() for name in names.value[1].strip(" /").split("/")]
     said = text.optional(r"^NUMERO DE CANALES\s*:\s*(\d+)", among)
     channels = int(said.value[1]) if said else len(orientations)
@@ -48,10 +47,10 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     factor = text.optional(r"^FACTOR DE DECIMACION\s*:\s*(\S+)", among)
     if factor and number_in(factor.value[1]) != 1.0:
         raise text.error(factor.line, f"decimation by {factor.value[1]}", "1")
-    units = text.said(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "UNIDADES DE LOS DATOS", among)
-    unit = Said(unit_of(units.value[1]), units.line)
+    units = text.required(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "UNIDADES DE LOS DATOS", among)
+    unit = Stated(unit_of(units.value[1]), units.line)
     form = text.optional(r"^FORMATO DATOS[^:]*:\s*(\S+)", among)
-    count = Said(int(counts[0].value), counts[0].line)
+    count = Stated(int(counts[0].value), counts[0].line)
     width = width_of(form.value[1]) if form else None
     values, lines = text.block(rules[-1], count, width=width, columns=channels)
     text.nothing_after(lines[-1], count)
@@ -68,10 +67,10 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     ]
 
 
-def _each(text: TextFile, key: str, what: str, among: range) -> list[Said[float]]:
+def _each(text: TextFile, key: str, what: str, among: range) -> list[Stated[float]]:
     """The positive numbers of the channels: /0.01/0.01/0.01."""
-    found = text.said(rf"^{key}[^:]*:\s*/(.+)", what, among)
+    found = text.required(rf"^{key}[^:]*:\s*/(.+)", what, among)
     numbers = [number_in(word.strip()) for word in found.value[1].strip(" /").split("/")]
     if not all(number is not None and 0 < number < 1e9 for number in numbers):
         raise text.error(found.line, shown(found.value[0]), f"{what}, above 0")
-    return [Said(number, found.line) for number in numbers if number is not None]
+    return [Stated(number, found.line) for number in numbers if number is not None]

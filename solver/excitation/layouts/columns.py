@@ -16,8 +16,15 @@ from solver.excitation.layouts.header import (
     unit_of_heading,
     units_stated,
 )
-from solver.excitation.layouts.text import Component, Said, TextFile
-from solver.excitation.numbers import Row, number_in, rows_of, split_header
+from solver.excitation.layouts.text import (
+    Component,
+    Row,
+    Stated,
+    TextFile,
+    number_in,
+    rows_of,
+    split_header,
+)
 from solver.excitation.sampled import even_step
 from solver.scene.motion import FileSpec
 from solver.types import Array
@@ -37,7 +44,7 @@ _INDEX = re.compile(
 
 
 def recognised(text: TextFile) -> bool:
-    """Whatever is no other layout."""
+    """Always: anything that is no other layout."""
     return True
 
 
@@ -101,15 +108,15 @@ def _headings(header: list[str], width: int) -> tuple[int, list[str]]:
     return 0, [""] * width
 
 
-def _units(stated: list[Said[str]], at: int, heading: str) -> tuple[Said[str], ...]:
+def _units(stated: list[Stated[str]], at: int, heading: str) -> tuple[Stated[str], ...]:
     """The units of a column: that of its own heading, and what other lines state of all columns."""
     own = unit_of_heading(heading)
     others = tuple(said for said in stated if said.line != at)
-    return others if own is None else (*others, Said(own, at))
+    return others if own is None else (*others, Stated(own, at))
 
 
 def _first_column(rows: list[Row], name: str, spec: FileSpec) -> str:
-    """What the first column holds: "time", "index" or "values"."""
+    """The contents of the first column: "time", "index" or "values"."""
     width = len(rows[0].values)
     if width == 1:
         return "values"
@@ -135,7 +142,7 @@ def _rising(text: TextFile, rows: list[Row]) -> float | None:
 
 
 def _even(text: TextFile, rows: list[Row]) -> float:
-    """Time between the samples of two columns; the same for all, as far as their digits tell."""
+    """Time between the samples of two columns; the same for all, within their printed digits."""
     time = np.array([row.values[0] for row in rows])
     even = even_step(time)
     if even is not None:
@@ -165,7 +172,7 @@ def _even(text: TextFile, rows: list[Row]) -> float:
 
 
 def _last_digits(words: list[str]) -> Array:
-    """What the last printed digit of each time stands for, s.
+    """Value of the last printed digit of each time, s.
 
     Zeros at the end may have been left out: what counts is the largest number of decimals in the
     column, for large times the largest number of digits.

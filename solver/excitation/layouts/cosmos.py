@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import Component, Said, TextFile, width_of
+from solver.excitation.layouts.text import Component, Stated, TextFile, width_of
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
 
@@ -35,7 +35,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     found: list[Component] = []
     begin = 1
     while block := text.optional(_BLOCK, range(begin, len(text.lines) + 1)):
-        count = Said(int(block.value[1]), block.line)
+        count = Stated(int(block.value[1]), block.line)
         values, lines = text.block(block.line, count, width=width_of(block.value[4]))
         text.nothing_after(lines[-1], count, whole=False)
         among = range(begin, block.line)
@@ -58,20 +58,20 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     return found
 
 
-def _unit(text: TextFile, name: str, code: str | None, line: int) -> Said[str]:
+def _unit(text: TextFile, name: str, code: str | None, line: int) -> Stated[str]:
     """The unit, by its name and its code, which have to be the same."""
     unit = unit_of(name)
     by_code = CODES.get(int(code)) if code else unit
     if by_code != unit:
         raise text.error(line, f"units of {name} with code {code}", f"{shown(by_code)} by the code")
-    return Said(unit, line)
+    return Stated(unit, line)
 
 
-def _step(text: TextFile, among: range, count: Said[int]) -> tuple[Said[float], ...]:
+def _step(text: TextFile, among: range, count: Stated[int]) -> tuple[Stated[float], ...]:
     """The time between samples, from the reals; none where they do not know it."""
-    head = text.said(_REALS, "Real-header values follow on ... lines", reversed(among))
+    head = text.required(_REALS, "Real-header values follow on ... lines", reversed(among))
     reals, lines = text.block(
-        head.line, Said(int(head.value[1]), head.line), width=width_of(head.value[2])
+        head.line, Stated(int(head.value[1]), head.line), width=width_of(head.value[2])
     )
     if len(reals) <= LENGTH or reals[INTERVAL] == UNKNOWN:
         return ()
@@ -81,4 +81,4 @@ def _step(text: TextFile, among: range, count: Said[int]) -> tuple[Said[float], 
     if length != UNKNOWN and abs(length / step - count.value) > 1.5:
         got = f"{length:g} s of samples {step:g} s apart"
         raise text.error(lines[LENGTH], got, f"{count.value} samples as in line {count.line}")
-    return (Said(step, lines[INTERVAL]),)
+    return (Stated(step, lines[INTERVAL]),)

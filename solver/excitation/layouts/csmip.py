@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from solver.errors import SceneError
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile, width_of
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile, width_of
 from solver.scene.motion import FileSpec
 
 TITLE = "CSMIP"
@@ -31,7 +31,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     found: list[Component] = []
     begin = 1
     while block := text.optional(_BLOCK, range(begin, len(text.lines) + 1)):
-        count = Said(int(block.value[1]), block.line)
+        count = Stated(int(block.value[1]), block.line)
         interval, rate, unit, form = block.value.groups()[1:]
         step = float(interval) if interval else 1 / float(rate) if float(rate) > 0 else 0.0
         if step <= 0 or count.value < 2:
@@ -41,8 +41,8 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
             other = text.optional(pattern, among)
             if other:
                 text.agree(
-                    Said(step**power, block.line),
-                    Said(float(other.value[1]), other.line),
+                    Stated(step**power, block.line),
+                    Stated(float(other.value[1]), other.line),
                     "interval",
                 )
         channel = text.optional(r"\bChan\s+\d+:\s*(.*?)(?:\s{2,}|$)", reversed(among))
@@ -54,8 +54,8 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
                 number=len(found) + 1,
                 values=values,
                 lines=lines,
-                units=(Said(unit_of(unit), block.line),),
-                steps=(Said(step, block.line),),
+                units=(Stated(unit_of(unit), block.line),),
+                steps=(Stated(step, block.line),),
             )
         )
         begin = lines[-1] + 1

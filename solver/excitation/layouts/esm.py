@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
 
@@ -30,8 +30,8 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     if duration and abs(float(duration.value[1]) / step.value - count.value) > 1.5:
         got = f"{duration.value[1]} s of {count.value} values {step.value:g} s apart"
         raise text.error(duration.line, got, f"{count.value * step.value:g} s")
-    units = text.said(r"^UNITS:\s*(\S+)", "UNITS: of the values", among)
-    unit = Said(unit_of(units.value[1]), units.line)
+    units = text.required(r"^UNITS:\s*(\S+)", "UNITS: of the values", among)
+    unit = Stated(unit_of(units.value[1]), units.line)
     stream = text.optional(r"^STREAM:\s*(\S+)", among)
     values, lines = text.block(last, count, columns=1)
     text.nothing_after(lines[-1], count)
@@ -42,7 +42,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
 
 
 def _key(line: str) -> bool:
-    """Whether a line is one of the header."""
+    """True if a line is one of the header."""
     return line.partition(":")[0].replace("_", "").replace("/", "").replace("^", "").isalnum() and (
         ":" in line
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
 from solver.scene.motion import FileSpec
 from solver.types import Array
 
@@ -31,19 +31,19 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     while title := text.optional(_TITLE, range(begin, len(text.lines) + 1)):
         following = text.optional(_TITLE, range(title.line + 1, len(text.lines) + 1))
         within = range(title.line, following.line if following else len(text.lines) + 1)
-        data = text.said(_DATA, "Raw readings or Instrument corrected data", within)
+        data = text.required(_DATA, "Raw readings or Instrument corrected data", within)
         last = data.line
         while last < len(text.lines) and any(c.isalpha() for c in text.lines[last]):
             last += 1
         head, rows = _numbers(text, last)
         among = range(title.line, last + 1)
         raw = title.value[1] is not None
-        count = Said(int(head[3, 0 if raw else 3]), rows[3])
-        step = Said(float(head[6, 4 if raw else 5]), rows[6])
+        count = Stated(int(head[3, 0 if raw else 3]), rows[3])
+        step = Stated(float(head[6, 4 if raw else 5]), rows[6])
         stated = text.optional(r"Number of points\s+(\d+)", among)
         if stated:
-            text.agree(Said(int(stated.value[1]), stated.line), count, "number of points")
-        text.agree(Said(float(data.value[2]), data.line), step, "interval")
+            text.agree(Stated(int(stated.value[1]), stated.line), count, "number of points")
+        text.agree(Stated(float(data.value[2]), data.line), step, "interval")
         name = text.optional(r"^Component\s+(\S+)", among)
         values, lines = text.block(rows[-1], count)
         factor = float(data.value[1] or 1.0)
@@ -53,7 +53,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
                 number=len(found) + 1,
                 values=values * factor,
                 lines=lines,
-                units=(Said("mm/s2", data.line),),
+                units=(Stated("mm/s2", data.line),),
                 steps=(step,),
                 notes=() if factor == 1.0 else (f"readings times {factor:g} mm/s2",),
             )
@@ -61,7 +61,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         begin = lines[-1] + 1
         for others in () if raw else (head[3, 4], head[3, 5]):
             if others > 0:
-                begin = text.block(begin - 1, Said(int(others), rows[3]))[1][-1] + 1
+                begin = text.block(begin - 1, Stated(int(others), rows[3]))[1][-1] + 1
         text.nothing_after(begin - 1, count, whole=False)
     return found
 

@@ -1,4 +1,4 @@
-"""What a header of plain text states: units, times between samples, numbers of samples.
+"""Statements of a header of plain text: units, times between samples, numbers of samples.
 
 Only a statement counts: "units of g", "acceleration (cm/s2)", "acceleration in gal". A quantity is
 none: "1 g = 981 cm/s2", "PGA 294 cm/s/s", "Trigger level (gal): 4", the full scale of a sensor.
@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from solver.excitation.layouts.text import NUMBER, Said
-from solver.scene.units import UNITS
+from solver.excitation.layouts.text import NUMBER, Stated
+from solver.scene.motion import UNITS
 
 OTHERS = (
     "cm/s",
@@ -41,7 +41,7 @@ _SPELLINGS = (
     (re.compile(r"(?<![a-z])(m?)sec(?:ond)?s?(?![a-z])"), r"\1s"),
     (re.compile(r"\s*/\s*s\s*/\s*s(?![a-z])|\s*/\s*s2(?![\d.])|(?<=[mnt]) ?s ?- ?2(?!\d)"), "/s2"),
 )
-"""What becomes of the spellings of a unit, one after another, in small letters."""
+"""Spellings of a unit and their replacements, one after another, in small letters."""
 
 _ALIASES = {"gal": "cm/s2", "gals": "cm/s2", "g's": "g", "cm_s2": "cm/s2", "m_s2": "m/s2"}
 
@@ -125,7 +125,7 @@ def _plain(text: str) -> str:
     return plain
 
 
-def units_stated(header: Sequence[str]) -> Iterator[Said[str]]:
+def units_stated(header: Sequence[str]) -> Iterator[Stated[str]]:
     """The units of the samples that a header states, line by line."""
     for line, text in enumerate(header, start=1):
         for clause in _CLAUSE.split(text):
@@ -140,7 +140,7 @@ def units_stated(header: Sequence[str]) -> Iterator[Said[str]]:
                         and unit not in _TIMES
                         and not _QUANTITY.search(plain[: found.start("unit")])
                     ):
-                        yield Said(unit, line)
+                        yield Stated(unit, line)
 
 
 def unit_of_heading(heading: str) -> str | None:
@@ -153,14 +153,14 @@ def unit_of_heading(heading: str) -> str | None:
     return next((said.value for said in units_stated([heading])), None)
 
 
-def units_hinted(header: Sequence[str]) -> Iterator[Said[str]]:
+def units_hinted(header: Sequence[str]) -> Iterator[Stated[str]]:
     """Units of accelerations in a header that belong to no number: enough to doubt another one."""
     for line, text in enumerate(header, start=1):
         for clause in _CLAUSE.split(text):
             plain = _plain(clause)
             if not _QUANTITY.search(plain):
                 for found in _BARE.finditer(plain):
-                    yield Said(unit_of(found["unit"]), line)
+                    yield Stated(unit_of(found["unit"]), line)
 
 
 def mentions_units(header: Sequence[str]) -> int:
@@ -171,7 +171,7 @@ def mentions_units(header: Sequence[str]) -> int:
     return 0
 
 
-def steps_stated(header: Sequence[str]) -> Iterator[Said[float]]:
+def steps_stated(header: Sequence[str]) -> Iterator[Stated[float]]:
     """The times between samples that a header states, s."""
     for line, text in enumerate(header, start=1):
         for pattern in (*_STEPS, *_RATES):
@@ -185,19 +185,19 @@ def steps_stated(header: Sequence[str]) -> Iterator[Said[float]]:
                 elif not unit and value > 1:
                     continue  # hardly in s
                 if 0 < value < 1e9:
-                    yield Said(value, line)
+                    yield Stated(value, line)
 
 
-def counts_stated(header: Sequence[str]) -> Iterator[Said[int]]:
+def counts_stated(header: Sequence[str]) -> Iterator[Stated[int]]:
     """The numbers of samples that a header states."""
     for line, text in enumerate(header, start=1):
         for pattern in _COUNTS:
             for found in re.finditer(pattern, text, re.IGNORECASE):
-                yield Said(int(found[1]), line)
+                yield Stated(int(found[1]), line)
 
 
 def names_milliseconds(header: Sequence[str]) -> int:
-    """The number of the line in which a header says that times are in ms, from 1; 0: none."""
+    """The number of the line in which a header states times in ms, from 1; 0: none."""
     for line, text in enumerate(header, start=1):
         if _MILLISECONDS.search(text):
             return line

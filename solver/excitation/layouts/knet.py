@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
 from solver.scene.motion import FileSpec
 
 TITLE = "K-NET, KiK-net"
@@ -18,7 +18,7 @@ def recognised(text: TextFile) -> bool:
 def components(text: TextFile, spec: FileSpec) -> list[Component]:
     """Counts times the scale, less their mean: they stand around the offset of the digitizer."""
     among = _header(text)
-    scale = text.said(_SCALE, "Scale Factor a(gal)/b", among)
+    scale = text.required(_SCALE, "Scale Factor a(gal)/b", among)
     a, b = (float(scale.value[i]) for i in (1, 2))
     if a <= 0 or b <= 0:
         raise text.error(scale.line, scale.value[0], "Scale Factor a(gal)/b, a and b above 0")
@@ -28,18 +28,18 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         text.optional(r"^Sampling Freq\(Hz\)", among),
         text.optional(r"^Dir\.\s+(\S+)", among),
     )
-    steps: tuple[Said[float], ...] = ()
+    steps: tuple[Stated[float], ...] = ()
     if rate:
         hertz = text.positive(
             rf"^Sampling Freq\(Hz\)\s+({NUMBER})\s*Hz", "Sampling Freq(Hz)", among
         )
-        steps = (Said(1 / hertz.value, hertz.line),)
+        steps = (Stated(1 / hertz.value, hertz.line),)
     if steps:
         duration = text.positive(rf"^Duration Time\(s\)\s+({NUMBER})", "Duration Time(s)", among)
-        count = Said(round(duration.value / steps[0].value), duration.line)
+        count = Stated(round(duration.value / steps[0].value), duration.line)
     else:  # only a part of a header
         rows = [len(text.row(line)) for line in range(last + 1, len(text.lines) + 1)]
-        count = Said(sum(rows), last)
+        count = Stated(sum(rows), last)
     if count.value < 2:
         raise text.error(count.line, f"{count.value} samples", "2 or more")
     counts, lines = text.block(last, count)
@@ -54,7 +54,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
             name=direction.value[1] if direction else "",
             values=(counts - mean) * factor,
             lines=lines,
-            units=(Said("cm/s2", scale.line),),
+            units=(Stated("cm/s2", scale.line),),
             steps=steps,
             notes=(f"counts times {a:g}/{b:.12g}", f"mean of {mean * factor:.4g} cm/s2 removed"),
         )

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from solver.excitation.layouts.header import units_stated
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile, number_in
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
 
@@ -33,11 +32,11 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     step = number_in(found.value[2]) if found else None
     if not found or not step or not 0 < step < math.inf or int(found.value[1]) < 2:
         raise text.error(line, shown(text.lines[line - 1].strip()), COUNTED)
-    count = Said(int(found.value[1]), line)
+    count = Stated(int(found.value[1]), line)
     values, lines = text.block(line, count)
     text.nothing_after(lines[-1], count)
     units = tuple(units_stated(text.lines[:line]))
-    return [Component(values=values, lines=lines, units=units, steps=(Said(step, line),))]
+    return [Component(values=values, lines=lines, units=units, steps=(Stated(step, line),))]
 
 
 def _counted(text: TextFile) -> int | None:

@@ -1,4 +1,4 @@
-"""What obspy reads where it is installed: MiniSEED, SAC and others."""
+"""Files that obspy reads where it is installed: MiniSEED, SAC and others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solver.errors import SceneError
-from solver.excitation.layouts.text import Component, Said
+from solver.excitation.layouts.text import Component, Stated
 
 TITLE = "by obspy"
 
@@ -48,7 +48,7 @@ def components(path: Path) -> list[Component]:
                 number=number,
                 values=values,
                 lines=list(range(1, len(values) + 1)),
-                steps=(Said(step, 0),),
+                steps=(Stated(step, 0),),
             )
         )
     return found

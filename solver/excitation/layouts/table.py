@@ -21,11 +21,17 @@ from solver.excitation.layouts import (
     usc,
 )
 from solver.excitation.layouts.header import OTHERS, mentions_units, units_hinted
-from solver.excitation.layouts.text import CLOSE, Component, Said, TextFile
-from solver.excitation.numbers import is_binary, read_lines, split_header
+from solver.excitation.layouts.text import (
+    CLOSE,
+    Component,
+    Stated,
+    TextFile,
+    is_binary,
+    read_lines,
+    split_header,
+)
 from solver.scene.checking import shown
-from solver.scene.motion import FileSpec
-from solver.scene.units import UNITS
+from solver.scene.motion import UNITS, FileSpec
 from solver.types import Array
 
 LAYOUTS: dict[str, ModuleType] = {
@@ -45,24 +51,24 @@ LAYOUTS: dict[str, ModuleType] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accelerogram:
-    """The component of a file that a scene asks for."""
+    """The chosen component of a file."""
 
     values: Array
     """As they stand in the file, counts apart, (n,)."""
     lines: list[int]
     """The number of the line of each, or of the sample where there are no lines."""
     unit: float
-    """What they are multiplied by, m/s^2."""
+    """Their unit, m/s^2."""
     step: float | None
     """The time between samples, s; None: not the same for all."""
     time: Array | None
     """Their times as the file has them, s."""
     source: str
-    """What was taken from where, in words."""
+    """The source of each number, in words."""
 
 
 def read_motion(spec: FileSpec, where: str) -> Accelerogram:
-    """The accelerogram of a file, as the layout says that recognises it or that the scene names.
+    """The accelerogram of a file, read by the layout that recognises it or that the scene names.
 
     `where` is the path of the table in the scene, for errors.
 
@@ -99,7 +105,7 @@ def read_motion(spec: FileSpec, where: str) -> Accelerogram:
 
 
 def _format(spec: FileSpec, where: str, text: TextFile) -> str:
-    """The name of the layout; plain columns may be asked for where a header looks like PEER's."""
+    """The name of the layout; plain columns may be chosen where a header looks like PEER's."""
     known = next(name for name, layout in LAYOUTS.items() if layout.recognised(text))
     if spec.format in (None, known) or known == "columns":
         return spec.format or known
@@ -109,7 +115,7 @@ def _format(spec: FileSpec, where: str, text: TextFile) -> str:
 
 
 def _chosen(spec: FileSpec, where: str, found: list[Component], text: TextFile | None) -> Component:
-    """The component that the scene asks for, or the only one."""
+    """The component that the scene names, or the only one."""
     wanted = spec.column
     if wanted is None and len(found) == 1:
         return found[0]
@@ -138,7 +144,7 @@ def _chosen(spec: FileSpec, where: str, found: list[Component], text: TextFile |
 
 
 def _unit(spec: FileSpec, where: str, chosen: Component, text: TextFile | None) -> tuple[str, str]:
-    """The unit of the samples, which scene or header has to say, and who said it."""
+    """The unit of the samples, from scene or header, and its place there."""
     stated: dict[str, int] = {}
     for said in chosen.units:
         if said.value in UNITS:
@@ -169,14 +175,14 @@ def _unit(spec: FileSpec, where: str, chosen: Component, text: TextFile | None) 
 
 
 def _step(spec: FileSpec, where: str, chosen: Component) -> tuple[float | None, str]:
-    """The time between samples, s, and who said it; None: they are not equally far apart."""
+    """The time between samples, s, and its place; None: they are not equally far apart."""
     asked = spec.dt if spec.kind == "record" else None
     if chosen.time is not None and chosen.even is None:
         if spec.kind == "record":
             allowed = 'samples equally far apart, or kind = "table"'
             raise SceneError(str(spec.file), "samples at uneven times", allowed)
         return None, ""
-    own = [Said(chosen.even, 0)] if chosen.even is not None else []
+    own = [Stated(chosen.even, 0)] if chosen.even is not None else []
     for one in chosen.steps:
         reference = own[0] if own else chosen.steps[0]
         if not _close(one.value, reference.value) and (own or asked is None):
@@ -189,7 +195,7 @@ def _step(spec: FileSpec, where: str, chosen: Component) -> tuple[float | None, 
         if said and not same:
             allowed = f"{said[0].value:g}, as {_place(said[0])} of {spec.file} says"
             raise SceneError(f"{where}.dt", f"{asked:g}", allowed)
-        said = same or [Said(asked, -1)]
+        said = same or [Stated(asked, -1)]
     if not said:
         reason = f"(dt > 0, s): {spec.file} does not say the time between its values"
         raise missing_key(f"{where}.dt", reason)
@@ -197,11 +203,11 @@ def _step(spec: FileSpec, where: str, chosen: Component) -> tuple[float | None, 
     return said[0].value, place
 
 
-def _place(said: Said[float]) -> str:
+def _place(said: Stated[float]) -> str:
     """Where an interval stands."""
     return f"line {said.line}" if said.line else "its times"
 
 
 def _close(one: float, other: float) -> bool:
-    """Whether two printed intervals are the same."""
+    """True if two printed intervals are the same."""
     return math.isclose(one, other, rel_tol=CLOSE)

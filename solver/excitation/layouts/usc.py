@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from solver.excitation.layouts.header import unit_of
-from solver.excitation.layouts.text import NUMBER, Component, Said, TextFile
+from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
 from solver.excitation.sampled import even_step
 from solver.scene.checking import shown
 from solver.scene.motion import FileSpec
@@ -38,7 +38,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         among = range(begin, units.line + 1)
         count = text.count(_COUNT, "NO. OF POINTS", among)
         name = text.optional(r"^(?:COMP|Chan\s+\d+:)\s*(.*?)(?:\s{2,}|$)", reversed(among))
-        values, lines = text.block(_reals(text, units.line), Said(2 * count.value, count.line))
+        values, lines = text.block(_reals(text, units.line), Stated(2 * count.value, count.line))
         text.nothing_after(lines[-1], count, whole=False)
         time, value = values.reshape(-1, 2).T
         at = int(np.argmax(np.diff(time) <= 0))
@@ -55,7 +55,7 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
                 number=len(found) + 1,
                 values=value,
                 lines=lines[1::2],
-                units=(Said(unit_of(units.value[1]), units.line),),
+                units=(Stated(unit_of(units.value[1]), units.line),),
                 time=time,
                 even=even_step(time),
             )

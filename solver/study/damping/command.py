@@ -109,7 +109,7 @@ def prepare(options: argparse.Namespace) -> Plan:
 def base_scene(options: argparse.Namespace) -> BaseScene:
     """The scene of the command line, and the block whose impacts count."""
     from solver.scene import parse_scene, read_text, set_values
-    from solver.scene.overrides import read_toml
+    from solver.scene.reader import read_toml
     from solver.study.damping.case import BaseScene, time_for, watched
 
     if options.impacts < 1:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from solver.errors import SceneError
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import number_in
 from solver.scene.checking import shown
 from solver.study.damping.axes import AXES, Axis, axis_called
 from solver.study.damping.case import BaseScene, DampingCase

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from geometry.block import Block
 from solver.errors import SceneError
-from solver.excitation.numbers import number_in, read_lines, rows_of, split_header
+from solver.excitation.layouts.text import number_in, read_lines, rows_of, split_header
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import shown
 from solver.study.damping.restitution import Restitution, geometric_mean

@@ -65,7 +65,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     from solver import VERSION
     from solver.run.twin import refuse_without_twin
     from solver.scene import read_text, set_values
-    from solver.scene.overrides import read_toml
+    from solver.scene.reader import read_toml
     from solver.study.folder import finished
     from solver.study.horizon.case import HorizonCase
     from solver.study.horizon.folder import FOLDER

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from solver.errors import SceneError, Statement
-from solver.excitation.numbers import number_in
+from solver.excitation.layouts.text import number_in
 from solver.scene import BlockSpec, Platform, Scene, parse_scene
 from solver.scene.checking import nearest, shown
 from solver.scene.time import rounded_down

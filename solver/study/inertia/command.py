@@ -120,7 +120,7 @@ def prepare(options: argparse.Namespace) -> Plan:
     """Look at everything that can be refused before anything is run, and claim the folder."""
     from solver import VERSION
     from solver.scene import parse_scene, read_text, scene_to_toml, set_values
-    from solver.scene.overrides import read_toml
+    from solver.scene.reader import read_toml
     from solver.study.inertia.folder import FOLDER, known_runs
     from solver.study.inertia.runs import ladder
     from solver.study.standing import refuse_components

@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, cast
 
-from solver.excitation.motion import base_motion
+from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
-from solver.scene.motion import HalfSineSpec, OneSineSpec, RickerSpec
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT, HalfSineSpec, OneSineSpec, RickerSpec
 
 
 @dataclass(frozen=True, slots=True)

@@ -154,7 +154,7 @@ def run_case(case: SuiteCase) -> dict[str, Any]:
 
 def _peaks(scene: Scene, ground: GroundMotion) -> dict[str, float]:
     """The largest acceleration of each component of the motion, g."""
-    from solver.scene.units import G_UNIT
+    from solver.scene.motion import G_UNIT
 
     parts = dict(zip(scene.directions, ground.parts, strict=True))
     return {

@@ -111,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
 def prepare(options: argparse.Namespace) -> Plan:
     """Look at everything that can be refused before anything is run, and claim the folder."""
     from solver.scene import parse_scene, read_text, set_values
-    from solver.scene.overrides import read_toml
+    from solver.scene.reader import read_toml
     from solver.study.folder import finished
     from solver.study.suite.case import variations
     from solver.study.suite.ensemble import read_ensemble

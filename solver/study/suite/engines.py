@@ -51,8 +51,8 @@ def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
     """
     from solver.excitation.sampled import SampledMotion
     from solver.reference.rocking_peaks import sampled_rocking
-    from solver.results.doubtful_input import cautions_of_input
-    from solver.scene.units import G_UNIT
+    from solver.results.cautions import cautions_of_input
+    from solver.scene.motion import G_UNIT
 
     along = ground.along
     if not isinstance(along, SampledMotion) or any(ground.parts[1:]):

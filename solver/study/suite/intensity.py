@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.errors import SceneError
 from solver.scene.checking import shown
-from solver.scene.units import G_UNIT
+from solver.scene.motion import G_UNIT
 
 if TYPE_CHECKING:
     from solver.excitation.motion import GroundMotion

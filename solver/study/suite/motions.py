@@ -137,7 +137,7 @@ def _synthetic(
     count: int | None, seed: int | None, said: Mapping[str, dict[str, Any]]
 ) -> Iterator[SuiteMotion]:
     """Motions drawn inside the ranges of Table 1; all components have one seed."""
-    from solver.excitation.synthetic.table1 import table1_suite
+    from solver.excitation.synthetic import table1_suite
 
     if count is not None and count < 1:
         raise SceneError("--count", f"{count}", "a whole number > 0")

@@ -1,1 +1,0 @@
-"""A step solved by a textbook semi-smooth Newton method, to compare with."""

@@ -1,1 +1,0 @@
-"""Sums over the nodes of a meshed body as compiled loops: arrays in, arrays out."""

@@ -1,1 +1,0 @@
-"""Meshed foundations reduced to the nodes that are touched or supported, and some modes."""

@@ -1,0 +1,274 @@
+"""Surfaces that carry contact points: the protocol, an endless plane, and a face of facets.
+
+For points in space a carrier gives the gap g along the normal of the step's frame and the
+tangential position s, in the coordinates of its own material, so that the stick memory travels with
+it. The increments of both between two instants are products of its rows with increments of
+position, exactly: that is what makes the work of contact forces a difference of states.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import basix
+import numpy as np
+
+from geometry.foundation import level_frame
+from solver.contact.body_points import FacePoints, FixedPoints, RigidPoints, SurfaceState
+from solver.contact.kernels.facets import (
+    FacetShapes,
+    Feet,
+    StandArrays,
+    forces_in_space,
+    stand_on_facets,
+    work_defect,
+)
+from solver.contact.kinematics import ContactKinematics, Projection, in_space, spread
+from solver.types import Array, Indices, Mask
+
+
+class Carrier(Protocol):
+    """What carries contact points."""
+
+    turns: bool
+    """Whether its frame turns with its body."""
+
+    @property
+    def frame(self) -> Array:
+        """Rows normal and tangents, (d, d); or one frame for each contact point, (m, d, d)."""
+
+    @property
+    def points(self) -> FacePoints | None:
+        """The carrier's own points, on which forces act; None for the ground."""
+
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+        """Gaps and tangential positions of points in space."""
+
+    def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
+        """Point forces (normal, tangential) as vectors in space, whose work is exact."""
+
+    def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
+        """Work of these vectors less that of the forces on (g, s), where it is not exact, J."""
+
+    def reaction(
+        self, old: ContactKinematics, new: ContactKinematics, vectors: Array
+    ) -> Array | None:
+        """Forces on the carrier's own points."""
+
+    def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
+        """What vectors of the carrier's points are at the contact points, or at all, (1, d)."""
+
+    def rotate_frame(self, rotation: Array) -> None:
+        """Let the frame of the coming step be that of the turned body."""
+
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
+        """Points beyond the edge of the carrier; None where it has none."""
+
+
+class Plane:
+    """An endless plane that does not turn: the ground's, or that of a rigid platform.
+
+    Attributes:
+        frame: Rows normal and tangents, (d, d).
+        origin: A point of it, m.
+        points: One point of the platform that it belongs to; None for the ground.
+    """
+
+    turns = False
+
+    def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
+        """Take rows normal and tangents, (d, d), a point of the plane, m, and one of a platform."""
+        self.frame, self.origin, self.points = frame, origin, platform
+
+    @classmethod
+    def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
+        """The horizontal plane at level 0."""
+        return cls(level_frame(dimension), np.zeros(dimension), platform)
+
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+        """Gaps and tangential positions of points in space."""
+        origin = self.origin if carrier is None else self.origin + carrier.position[0]
+        place = (position - origin) @ self.frame.T
+        return ContactKinematics(place, place, self.frame, carrier)
+
+    def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
+        """Point forces (normal, tangential) as vectors in space, whose work is exact."""
+        return in_space(force, self.frame)
+
+    def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
+        """Zero: the work of the vectors is exact."""
+        return 0.0
+
+    def rotate_frame(self, rotation: Array) -> None:
+        """Leave the frame as it is: it does not turn."""
+
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
+        """None: it has no edge."""
+        return None
+
+    def reaction(
+        self, old: ContactKinematics, new: ContactKinematics, vectors: Array
+    ) -> Array | None:
+        """Forces on the carrier's own points; None for the ground."""
+        return None if self.points is None else -vectors.sum(axis=0)[None, :]
+
+    def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
+        """What vectors of the carrier's points are at all contact points alike, (1, d)."""
+        return values[:1]
+
+
+class FacetCarrier:
+    """A carrier that is part of a mesh, whose nodes take what presses on it."""
+
+    turns = True
+    points: FacePoints
+    """Its nodes."""
+
+    def reaction(
+        self, old: ContactKinematics, new: ContactKinematics, vectors: Array
+    ) -> Array | None:
+        """Forces on the nodes: half at the places before, half at those after."""
+        if not vectors.any():
+            return None
+        assert old.foot is not None and new.foot is not None
+        return spread(old.foot, new.foot, -vectors, self.points.count)
+
+    def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
+        """What vectors of the nodes are at the contact points."""
+        assert kinematics.foot is not None
+        return kinematics.foot.carried(values)
+
+
+CAME_ROUND = 0.05
+"""Part of the face's length: a point farther behind the face came there round its edge."""
+
+
+class Face(FacetCarrier):
+    """Facets of a body that can carry points of another one.
+
+    Attributes:
+        points: The nodes of the face.
+        facets: Nodes of each facet, (facets, k).
+        frame: Rows normal and tangents of the coming step, (d, d).
+        reference_frame: Those of the undeformed face.
+        degree: Polynomial degree on a facet.
+        margin: Part of a facet by which points may be beyond its edge.
+        length: Of the longest side of the face, m.
+        facet: Length of its smallest facet, m.
+    """
+
+    def __init__(
+        self,
+        points: FacePoints,
+        facets: Indices,
+        frame: Array,
+        cell: str,
+        degree: int = 1,
+        margin: float = 1e-9,
+    ):
+        """Take the nodes of the face and of each facet, (facets, k), in the plane in their order.
+
+        The frame has rows normal and tangents of the undeformed face. A cell is an "interval",
+        "triangle" or "quadrilateral". Points may be beyond an edge by the margin, a part of a
+        facet; negative: must be inside.
+        """
+        self.margin = margin
+        if cell == "interval" and degree == 2:
+            facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
+        frame = np.ascontiguousarray(frame)
+        self.points, self.facets, self.degree = points, facets, degree
+        self.turns = not isinstance(points, FixedPoints)
+        self.reference_frame = self.frame = frame
+        along = points.reference @ frame[1:].T
+        kind = getattr(basix.CellType, cell)
+        corners = len(basix.geometry(kind))
+        self._shapes = facet_shapes(facets, kind, degree, along, margin)
+        n, t = along.shape
+        self._room = np.empty((n, t + 1)), np.empty((len(facets), t, t))
+        chains = along[facets[:, :corners]]
+        self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
+        self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
+
+    def rotate_frame(self, rotation: Array) -> None:
+        """Let the frame of the coming step be that of the turned body."""
+        self.frame = self.reference_frame @ rotation.T
+
+    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+        """Gaps and tangential positions of points in space."""
+        assert carrier is not None
+        (count, d), k = position.shape, self.facets.shape[1]
+        feet = Feet(
+            nodes=np.empty((count, k), dtype=np.int64),
+            weights=np.empty((count, k)),
+            slope=np.empty((count, d - 1)),
+            stretch=np.empty((count, d - 1, d - 1)),
+            beyond_edge=np.empty(count, dtype=np.bool_),
+        )
+        place = np.empty((count, d))
+        where = position, carrier.position, self.frame
+        stand_on_facets(tuple(self._shapes), self._room, *where, place, tuple(feet))
+        return ContactKinematics(place, place, self.frame, carrier, Projection(feet))
+
+    def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
+        """Point forces as vectors in space such that their work on increments is exact."""
+        vectors = np.empty(force.shape)
+        stands = stand_arrays(old), stand_arrays(new)
+        forces_in_space(*stands, self.frame, self.facet, force, vectors)
+        return vectors
+
+    def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
+        """Work of the vectors of point forces less that of the forces on (g, s), J."""
+        return work_defect(stand_arrays(old), stand_arrays(new), self.frame, self.facet, force)
+
+    def can_touch(self, kinematics: ContactKinematics) -> Mask:
+        """Points not so far behind the face that they can only have come there round its edge."""
+        mask: Mask = kinematics.place[:, 0] > -CAME_ROUND * self.length
+        return mask
+
+    def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
+        """Points beyond the edge of the face."""
+        assert isinstance(kinematics.foot, Projection)
+        return kinematics.foot.beyond_edge
+
+
+def stand_arrays(kinematics: ContactKinematics) -> StandArrays:
+    """Where points stand on a face, as arrays."""
+    assert isinstance(kinematics.foot, Projection) and kinematics.carrier is not None
+    return *kinematics.foot.feet[:4], kinematics.place, kinematics.carrier.position
+
+
+def facet_shapes(
+    facets: Indices, cell: basix.CellType, degree: int, along: Array, margin: float
+) -> FacetShapes:
+    """The shape functions of facets as sums of monomials, and what else stays the same of a face.
+
+    Args:
+        facets: Nodes of each, (facets, k).
+        cell: Their shape.
+        degree: Polynomial degree.
+        along: Tangential positions of the nodes in the undeformed face, (n, d-1), m.
+        margin: Part of a facet by which points may be beyond its edge.
+    """
+    variant = basix.LagrangeVariant.gll_warped
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, variant)
+    places = element.points
+    counts = np.indices((degree + 1,) * places.shape[1]).reshape(places.shape[1], -1).T
+    if cell == basix.CellType.triangle:
+        counts = counts[counts.sum(axis=1) <= degree]
+    monomials = np.prod(places[:, None, :] ** counts, axis=2)  # at the nodes
+    derivatives = np.ascontiguousarray(np.moveaxis(element.tabulate(1, places)[1:, :, :, 0], 1, 0))
+    gradients = np.einsum("cjk,fki->fcij", derivatives, along[facets])
+    order = np.argsort(facets.ravel(), kind="stable")
+    first = np.cumsum([0, *np.bincount(facets.ravel(), minlength=len(along))])
+    return FacetShapes(
+        facets=np.ascontiguousarray(facets, dtype=np.int64),
+        powers=np.ascontiguousarray(counts, dtype=np.int64),
+        factors=np.ascontiguousarray(np.linalg.inv(monomials).T),
+        derivatives=derivatives,
+        undeformed=np.ascontiguousarray(np.linalg.inv(gradients)),
+        meeting=np.ascontiguousarray(np.stack(np.divmod(order, facets.shape[1]), axis=1)),
+        first=first,
+        along=np.ascontiguousarray(along),
+        corners=len(basix.geometry(cell)),
+        margin=margin,
+    )

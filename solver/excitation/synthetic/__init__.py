@@ -1,1 +1,0 @@
-"""Synthetic ground motions: Boore's stochastic method with a point source."""
