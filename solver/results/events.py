@@ -261,41 +261,40 @@ class _Search:
 
     def _flights(self, *, ends: bool) -> Iterator[Event]:
         """Where it leaves what carries it, and where it lands again."""
-        m = self._motion
-        if np.isnan(m.normal).all():
-            return
+        m, tiny = self._motion, CLEAR * self._block.width
         low = m.gaps.min(axis=1)
-        off = (m.normal <= 0) & (low > CLEAR * self._block.width)
+        off = (m.normal <= 0) & (low > tiny)
         if off[-1] and not ends:
-            self.needed = min(
-                self.needed, max(int(np.flatnonzero(~off)[-1]) - 2, 0) if (~off).any() else 0
-            )
-        mask = flights(m.normal, m.gaps, m.slip, self._block.width)
-        edges = np.flatnonzero(np.diff(np.r_[False, mask, False].astype(int)))
-        rate, spin = np.diff(low) / np.diff(m.time), np.diff(m.angle) / np.diff(m.time)
-        for first, end in edges.reshape(-1, 2):
-            if end == len(mask) and off[-1] and not ends:
+            on = np.flatnonzero(~off)
+            self.needed = min(self.needed, max(int(on[-1]) - 2, 0) if len(on) else 0)
+        mask = np.r_[False, flights(m.normal, m.gaps, m.slip, self._block.width), False]
+        for first, end in np.flatnonzero(np.diff(mask)).reshape(-1, 2):
+            lands = int(end) - 1
+            if off[lands] and not ends:
                 continue
             if first and self._once("flight", m.time[first]):
-                yield self._event(
-                    m.time[first],
-                    "flight",
-                    where=self._named(np.arange(m.gaps.shape[1])),
-                    velocity_after_m_s=float(rate[first - 1]),
-                    angular_velocity_after_rad_s=float(spin[first - 1]),
-                )
-            lands = end - 1
-            if lands > first and not off[lands] and self._once("landing", m.time[lands]):
-                after = min(lands + 1, len(rate) - 1)
-                yield self._event(
-                    m.time[lands],
-                    "landing",
-                    where=self._named(np.flatnonzero(m.gaps[lands] <= CLEAR * self._block.width)),
-                    velocity_before_m_s=float(rate[max(lands - 2, 0)]),
-                    velocity_after_m_s=float(rate[after]),
-                    angular_velocity_before_rad_s=float(spin[max(lands - 2, 0)]),
-                    angular_velocity_after_rad_s=float(spin[after]),
-                )
+                every = np.arange(m.gaps.shape[1])
+                yield self._beside(m.time[first], "flight", every, low, after=first - 1)
+            if not off[lands] and self._once("landing", m.time[lands]):
+                down = np.flatnonzero(m.gaps[lands] <= tiny)
+                yield self._beside(m.time[lands], "landing", down, low, lands - 2, lands + 1)
+
+    def _beside(
+        self,
+        time: float,
+        kind: str,
+        corners: Indices,
+        height: Array,
+        before: int | None = None,
+        after: int | None = None,
+    ) -> Event:
+        """An event of some corners with their height, by the steps that begin in two rows."""
+        m, known = self._motion, {}
+        for when, row in (("before", before), ("after", after)):
+            if row is not None:
+                known[f"velocity_{when}_m_s"] = _slope(m.time, height, row)
+                known[f"angular_velocity_{when}_rad_s"] = _slope(m.time, m.angle, row)
+        return self._event(time, kind, where=self._named(corners), **known)
 
     def _swings(self, *, firm: bool, ends: bool) -> Iterator[Event]:
         """Lift-offs and impacts."""
@@ -304,8 +303,11 @@ class _Search:
         free = 0
         for swing, after in zip_longest(found, found[1:]):
             start = begins(swing, m.angle, m.shape.slenderness, free)
-            if start > free and not self._struck(m.time[start]):
-                yield from self._lift_off(swing, start)
+            rests = m.time[start] - self._told.get("impact", -np.inf) > WHILE * self._time_scale
+            if start > free and rests and self._once("lift-off", m.time[start]):
+                lifted = self._lifted(swing.first)
+                height = m.gaps[:, lifted].mean(axis=1)
+                yield self._beside(m.time[start], "lift-off", lifted, height, after=swing.first - 1)
             row, at = end_of(swing, m.time, m.angle)
             over = after is not None and after.last < last
             late = m.time[-1] - at > PATIENCE * self._time_scale
@@ -322,6 +324,11 @@ class _Search:
         gravity = self._scene.gravity
         return 1 / self._motion.shape.frequency(gravity) if gravity > 0 else np.inf
 
+    @property
+    def _weight(self) -> Array:
+        """The force that carries the block and all on it at rest, N."""
+        return -self._scene.stacked_mass(self._block) * self._motion.pull[:, 1]
+
     def _named(self, corners: Indices) -> str:
         """Names of bottom corners."""
         names = ("left", "right") if self._motion.gaps.shape[1] == 2 else ("1", "2", "3", "4")
@@ -331,23 +338,6 @@ class _Search:
         """The corners that are higher over what carries it in a row."""
         gaps = self._motion.gaps[row]
         return np.flatnonzero(gaps >= 0.5 * (gaps.max() + gaps.min()))
-
-    def _struck(self, time: float) -> bool:
-        """True if an impact was shortly before a time, s."""
-        return time - self._told.get("impact", -np.inf) < WHILE * self._time_scale
-
-    def _lift_off(self, swing: Swing, start: int) -> Iterator[Event]:
-        """The begin of a swing from rest, once."""
-        if self._once("lift-off", float(self._motion.time[start])):
-            m, lifted, row = self._motion, self._lifted(swing.first), swing.first
-            height = m.gaps[:, lifted].mean(axis=1)
-            yield self._event(
-                m.time[start],
-                "lift-off",
-                where=self._named(lifted),
-                velocity_after_m_s=_slope(m.time, height, row - 1, row),
-                angular_velocity_after_rad_s=_slope(m.time, m.angle, row - 1, row),
-            )
 
     def _impact(self, swing: Swing, after: Swing | None, span: _Span, *, firm: bool) -> Event:
         """The end of a swing."""
@@ -360,32 +350,23 @@ class _Search:
             read = self._rates(span, last)
         else:
             read = self._momenta(swing, after, span, (side, later), lands)
-        before, kept = read.velocities
-        ratio = abs(kept / before) if before else np.nan
+        (before, kept), n, r = read.velocities, span.row, read.end
+        ratio = abs(kept / before) if before else math.nan
         reason = self._reason(swing, after) or read.reason
-        if not reason and np.isnan(ratio):
-            reason = ENDS
-        if not reason and ratio > MOST:
-            reason = FASTER
-        if reason == ROLLS:
-            ratio = np.nan
-        height = m.gaps[:, lands].mean(axis=1)
-        r, n = read.end, span.row
-        force = (
-            m.normal[n + 1 : r + 1]
-            - self._scene.stacked_mass(self._block) * -m.pull[n + 1 : r + 1, 1]
-        )
+        if not reason and not ratio <= MOST:
+            reason = ENDS if math.isnan(ratio) else FASTER
+        height, weight = m.gaps[:, lands].mean(axis=1), self._weight[n + 1 : r + 1]
         return self._event(
             span.time,
             "impact",
             where=self._named(lands),
-            velocity_before_m_s=_slope(m.time, height, n - 1, n),
-            velocity_after_m_s=_slope(m.time, height, r, r + 1),
+            velocity_before_m_s=_slope(m.time, height, n - 1),
+            velocity_after_m_s=_slope(m.time, height, r),
             angular_velocity_before_rad_s=before,
             angular_velocity_after_rad_s=kept,
-            impulse_Ns=float(force @ np.diff(m.time[n : r + 1])),
+            impulse_Ns=float((m.normal[n + 1 : r + 1] - weight) @ np.diff(m.time[n : r + 1])),
             energy_lost_J=0.5 * m.shape.rotary_inertia_about_corner * (before**2 - kept**2),
-            restitution=ratio,
+            restitution=math.nan if reason == ROLLS else ratio,
             reason=reason,
         )
 
@@ -404,24 +385,18 @@ class _Search:
 
     def _rates(self, span: _Span, last: int) -> _Read:
         """The slopes of the angle beside an impact that takes no time."""
-        m, n = self._motion, span.row
-        rows = (
-            np.arange(max(span.first, n - BESIDE), n + 1),
-            np.arange(n + 2, min(n + 3 + BESIDE, last + 1)),
-        )
+        m, n, end = self._motion, span.row, min(span.row + 2, len(self._motion.time) - 1)
         found: list[float] = []
-        for chosen in rows:
-            time, angle = m.time[chosen], m.angle[chosen]
-            if len(time) < 3:
-                reason = ENDS if last == len(m.time) - 1 and chosen is rows[1] else CROWDED
-                return _Read(
-                    (found[0] if found else np.nan, np.nan), min(n + 2, len(m.time) - 1), reason
-                )
-            middle = 0.5 * (time[1:] + time[:-1]) - span.time
-            rate = np.diff(angle) / np.diff(time)
-            degree = min(2, len(rate) - 1)
-            found.append(float(np.polynomial.Polynomial.fit(middle, rate, degree)(0.0)))
-        return _Read((found[0], found[1]), min(n + 2, len(m.time) - 1), "")
+        for first, final in ((max(span.first, n - BESIDE), n), (n + 2, min(n + 2 + BESIDE, last))):
+            if final - first < 2:
+                known = found[0] if found else math.nan
+                over = bool(found) and last == len(m.time) - 1
+                return _Read((known, math.nan), end, ENDS if over else CROWDED)
+            time, angle = (values[first : final + 1] for values in (m.time, m.angle))
+            middle, rate = 0.5 * (time[1:] + time[:-1]) - span.time, np.diff(angle) / np.diff(time)
+            line = np.polynomial.Polynomial.fit(middle, rate, min(2, len(rate) - 1))
+            found.append(float(line(0.0)))
+        return _Read((found[0], found[1]), end, "")
 
     def _momenta(
         self,
@@ -454,9 +429,10 @@ class _Search:
         m, after = self._motion, slice(span.row + 1, None)
         others = np.setdiff1d(np.arange(m.gaps.shape[1]), lands)
         leaves = others if len(others) and sides[0] != sides[1] else lands
-        weight = -self._scene.stacked_mass(self._block) * m.pull[after, 1]
         over = m.gaps[after][:, leaves].max(axis=1) > CLEAR * self._block.width
-        over &= (m.normal[after] <= weight) & (m.time[after] < span.time + WHILE * self._time_scale)
+        over &= (m.normal[after] <= self._weight[after]) & (
+            m.time[after] < span.time + WHILE * self._time_scale
+        )
         row = span.row + 1 + int(np.argmax(over)) if over.any() else span.row + 2
         return min(row, len(m.time) - 1)
 
@@ -532,11 +508,11 @@ class _Read(NamedTuple):
     """Why nothing is known, or ""."""
 
 
-def _slope(time: Array, value: Array, first: int, last: int) -> float:
-    """Slope between two rows; nan where one is missing."""
-    if first < 0 or last >= len(time):
-        return float("nan")
-    return float((value[last] - value[first]) / (time[last] - time[first]))
+def _slope(time: Array, value: Array, row: int) -> float:
+    """Slope in the step that begins in a row; nan where it is missing."""
+    if row < 0 or row + 1 >= len(time):
+        return math.nan
+    return float((value[row + 1] - value[row]) / (time[row + 1] - time[row]))
 
 
 def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | None) -> _Motion:
@@ -557,25 +533,20 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
         axes = upright_axes(rows, own.name)
         return np.unwrap(np.arctan2(axes[:, :2] @ along, axes[:, 2]))
 
-    second = ("", "_second") if spatial else ("",)
-    pull: Array = np.tile(
-        np.append(np.dot(scene.gravity_vector[:-1], along), scene.gravity_vector[-1]), (count, 1)
-    )
-    for part, column in zip(
-        along, ("base.acceleration_m_s2", "base.second_acceleration_m_s2"), strict=False
-    ):
-        if column in rows:
-            pull[:, 0] -= part * rows[column]
-    if "base.vertical_acceleration_m_s2" in rows:
-        pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
+    ways = ("", "_second")[: len(along)]
+    gravity = np.array(scene.gravity_vector)
+    pull: Array = np.tile([along @ gravity[:-1], gravity[-1]], (count, 1))
     below: Array = np.zeros((count, 2))
     below_turn: Array = np.zeros(count)
+    for part, way in zip(along, ways, strict=True):
+        if (ground := f"base.{way[1:]}{'_' * bool(way)}acceleration_m_s2") in rows:
+            pull[:, 0] -= part * rows[ground]
+        if (drift := f"platform.drift{way}_m") in rows:
+            below[:, 0] += part * rows[drift]
+    if "base.vertical_acceleration_m_s2" in rows:
+        pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
     if carrier is not None:
         below, below_turn = planar(centres(rows, carrier.name)), turned(carrier)
-    else:
-        for part, way in zip(along, ("", "_second"), strict=False):
-            if f"platform.drift{way}_m" in rows:
-                below[:, 0] += part * rows[f"platform.drift{way}_m"]
     return _Motion(
         time=rows["time_s"],
         angle=leans.angle,
@@ -584,7 +555,7 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
         shape=leans.shape,
         aside=leans.aside,
         gaps=gaps_of(rows, name),
-        slip=np.stack([rows[f"{name}.slip{way}_m"] for way in second], axis=1),
+        slip=np.stack([rows[f"{name}.slip{way}_m"] for way in ways], axis=1),
         normal=rows[f"{name}.normal_force_N"],
         pull=pull,
         below=below,
