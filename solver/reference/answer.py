@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -93,8 +94,9 @@ def reference_run(
         history.append(table[last])
     history.flush()
     recorder = Recorder(scene, history.columns, rigid=True)
-    recorder.see(table[: last + 1])
-    history.events = recorder.finish()
+    recorder.add(table[: last + 1])
+    # Its forces have no impulses.
+    history.events = tuple(replace(event, impulse_Ns=np.nan) for event in recorder.finish())
     if file is not None:
         file.with_name(EVENTS).write_text(events_text(history.events), encoding="utf-8")
     return history, ending.reason if ending else ""

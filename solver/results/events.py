@@ -1,4 +1,4 @@
-"""The recorder of events: it sees every step of a run, of all engines alike, as it is taken.
+"""The recorder of events, which takes in every step of a run, of all engines alike.
 
 **Impacts.** A block rocks in swings: stays of its angle theta, against what carries it, on one side
 of zero (`solver.results.rocking`). An impact ends a swing. Angular velocities before and after it
@@ -141,7 +141,7 @@ class Recorder:
         self._rows: list[Array] = []
         self._count = 0
         self._first = {block.name: 0 for block in scene.blocks}
-        self._told: dict[str, dict[str, float]] = {block.name: {} for block in scene.blocks}
+        self._noted: dict[str, dict[str, float]] = {block.name: {} for block in scene.blocks}
         self._found: list[Event] = []
         self._firm = {b.name: rigid or _firm(scene, b) for b in scene.blocks}
 
@@ -154,18 +154,18 @@ class Recorder:
         """How it stands, for `resume`; events in the order in which they were found."""
         rows = np.concatenate(self._rows) if self._rows else None
         texts = [[getattr(e, name) for name in e.__dataclass_fields__] for e in self._found]
-        told = {name: dict(known) for name, known in self._told.items()}
-        return {"rows": rows, "first": dict(self._first), "told": told, "found": texts}
+        noted = {name: dict(known) for name, known in self._noted.items()}
+        return {"rows": rows, "first": dict(self._first), "noted": noted, "found": texts}
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another recorder of the scene was saved."""
         self._rows = [] if saved["rows"] is None else [saved["rows"]]
         self._count = sum(map(len, self._rows))
-        self._first, self._told = saved["first"], saved["told"]
+        self._first, self._noted = saved["first"], saved["noted"]
         names = Event.__dataclass_fields__
         self._found = [Event(**dict(zip(names, values, strict=True))) for values in saved["found"]]
 
-    def see(self, rows: Array) -> None:
+    def add(self, rows: Array) -> None:
         """The rows of steps that were taken, (n, columns)."""
         while len(rows):
             room = max(1, CHUNK - self._count % CHUNK)
@@ -173,21 +173,21 @@ class Recorder:
             self._count += len(self._rows[-1])
             rows = rows[room:]
             if self._count % CHUNK == 0:
-                self._look(ends=False)
+                self._find(ends=False)
 
     def finish(self) -> tuple[Event, ...]:
         """All events of a run that ends here."""
         if self._rows:
-            self._look(ends=True)
+            self._find(ends=True)
         return self.events
 
-    def _look(self, *, ends: bool) -> None:
+    def _find(self, *, ends: bool) -> None:
         """Find the events that no later step can change, or all, and let go of older steps."""
         table = np.concatenate(self._rows)
         for block in self._scene.blocks:
             first = self._first[block.name]
             rows = Rows(self._names, table[first:])
-            search = _Search(self._scene, block, rows, self._told[block.name])
+            search = _Search(self._scene, block, rows, self._noted[block.name])
             self._found += search.run(firm=self._firm[block.name], ends=ends)
             self._first[block.name] = max(first + search.needed, len(table) - MOST_ROWS)
         if ends:
@@ -203,7 +203,7 @@ def recorded(scene: Scene, history: History, *, rigid: bool = False) -> tuple[Ev
     if history.events is not None:
         return history.events
     recorder = Recorder(scene, history.columns, rigid=rigid)
-    recorder.see(np.stack([history[name] for name in history.columns], axis=1))
+    recorder.add(np.stack([history[name] for name in history.columns], axis=1))
     return recorder.finish()
 
 
@@ -218,9 +218,9 @@ def _firm(scene: Scene, block: BlockSpec) -> bool:
 class _Search:
     """The search for the events of one block in some rows."""
 
-    def __init__(self, scene: Scene, block: BlockSpec, rows: Columns, told: dict[str, float]):
-        """Rows that begin at rest, with a swing or right after an impact; `told` is changed."""
-        self._scene, self._block, self._rows, self._told = scene, block, rows, told
+    def __init__(self, scene: Scene, block: BlockSpec, rows: Columns, noted: dict[str, float]):
+        """Rows that begin at rest, with a swing or right after an impact; `noted` is changed."""
+        self._scene, self._block, self._rows, self._noted = scene, block, rows, noted
         self._carrier = scene.carrier_of(block)
         self.needed = max(0, len(rows["time_s"]) - 2 * BESIDE)
         """First row that the next search needs."""
@@ -235,9 +235,9 @@ class _Search:
 
     def _once(self, key: str, time: float) -> bool:
         """True if nothing of a kind was found up to a time (s); it is noted."""
-        new = time > self._told.get(key, -np.inf)
+        new = time > self._noted.get(key, -np.inf)
         if new:
-            self._told[key] = time
+            self._noted[key] = time
         return new
 
     def _event(self, time: float, kind: str, **values: Any) -> Event:
@@ -255,8 +255,8 @@ class _Search:
         if has_ends(self._scene, block):
             masks["fell"] = fallen(self._scene, rows, block)
         for kind, mask in masks.items():
-            if mask.any() and kind not in self._told:
-                self._told[kind] = time = float(rows["time_s"][int(np.argmax(mask))])
+            if mask.any() and kind not in self._noted:
+                self._noted[kind] = time = float(rows["time_s"][int(np.argmax(mask))])
                 yield self._event(time, kind)
 
     def _flights(self, *, ends: bool) -> Iterator[Event]:
@@ -303,7 +303,7 @@ class _Search:
         free = 0
         for swing, after in zip_longest(found, found[1:]):
             start = begins(swing, m.angle, m.shape.slenderness, free)
-            rests = m.time[start] - self._told.get("impact", -np.inf) > WHILE * self._time_scale
+            rests = m.time[start] - self._noted.get("impact", -np.inf) > WHILE * self._time_scale
             if start > free and rests and self._once("lift-off", m.time[start]):
                 lifted = self._lifted(swing.first)
                 height = m.gaps[:, lifted].mean(axis=1)
@@ -315,7 +315,7 @@ class _Search:
                 self.needed = min(self.needed, max(start - 2, free))
                 return
             yield self._impact(swing, after, _Span(free, row, at), firm=firm)
-            self._told["impact"] = at
+            self._noted["impact"] = at
             free = row + 1
 
     @property
@@ -392,7 +392,9 @@ class _Search:
                 known = found[0] if found else math.nan
                 over = bool(found) and last == len(m.time) - 1
                 return _Read((known, math.nan), end, ENDS if over else CROWDED)
-            time, angle = (values[first : final + 1] for values in (m.time, m.angle))
+            rows = np.arange(first, final + 1)
+            rows = rows[np.diff(m.time[rows], prepend=-np.inf) > 0]
+            time, angle = m.time[rows], m.angle[rows]
             middle, rate = 0.5 * (time[1:] + time[:-1]) - span.time, np.diff(angle) / np.diff(time)
             line = np.polynomial.Polynomial.fit(middle, rate, min(2, len(rate) - 1))
             found.append(float(line(0.0)))

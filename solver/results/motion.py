@@ -1,4 +1,4 @@
-"""Motion of a block from its columns of the history, in the plane and in space alike.
+"""Motion of a block from its columns of the history, and its mode, in the plane and in space.
 
 In space everything is told in the one upright plane in which the block leans most: its signed lean
 there is the angle of two dimensions, and the width of its base across that plane is the width.
@@ -6,6 +6,7 @@ there is the angle of two dimensions, and the width of its base across that plan
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -15,6 +16,7 @@ from geometry.block import Block
 from geometry.boxes import Boxes
 from solver.history.block_columns import STEEPEST_TOP
 from solver.history.history import History
+from solver.results.rocking import SMALLEST_SWING, overturned
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Mask
 
@@ -28,6 +30,9 @@ and elastic blocks hop on them by less (the paper's block by 8e-4)."""
 CLEAR = 1e-6
 """Gap of its lowest bottom corner over its width from which on a block is clear of its carrier."""
 
+
+SMALLEST_LIFT = 2e-4
+"""A block rocks when a corner is lifted by more than this part of its width, in a swing."""
 
 ACCELERATIONS = (
     ("base.acceleration_m_s2", "platform.acceleration_m_s2"),
@@ -120,6 +125,33 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         fell=_fell(history, block, carrier),
         aside=leans.aside,
     )
+
+
+def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
+    """Mode of a block: "fell", "overturned", or all of "slide", "turn", "rock", "hop" that it did.
+
+    These are joined by hyphens in that order, as in "slide-rock"; "rest" where it did none.
+
+    Args:
+        block: Its shape.
+        motion: What it did.
+        fell: True if it left what carried it, besides where `motion` says so.
+    """
+    if fell or motion.fell:
+        return "fell"
+    shape = motion.shape
+    if overturned(motion.lean, shape.slenderness):
+        return "overturned"
+    swinging = np.abs(motion.angle) > SMALLEST_SWING * shape.slenderness
+    lifted = motion.lift > SMALLEST_LIFT * shape.width
+    round_corners = np.abs(motion.turn) * math.hypot(block.width, block.thickness) / 2
+    found = {
+        "slide": np.linalg.norm(motion.slip, axis=1) > SMALLEST_WAY * shape.width,
+        "turn": round_corners > SMALLEST_WAY * block.width,
+        "rock": swinging & lifted,
+        "hop": motion.flies,
+    }
+    return "-".join(word for word, rows in found.items() if np.any(rows)) or "rest"
 
 
 def leaning(history: Columns, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:

@@ -27,8 +27,7 @@ from solver.results.endings import fell_at, motion_end, overturned_at
 from solver.results.events import recorded
 from solver.results.felt_mass import friction_mass_ratio
 from solver.results.flutter import cautions_of_flutter
-from solver.results.modes import mode
-from solver.results.motion import block_motion, lean_over_alpha
+from solver.results.motion import block_motion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
 from solver.scene import BlockSpec, Scene
 

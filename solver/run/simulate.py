@@ -231,7 +231,7 @@ def _run(
         first = np.array(engine.first_row())
         history.append(first)
         context.watch.look(first[None])
-        context.recorder.see(first[None])
+        context.recorder.add(first[None])
     else:
         own, before, recorded = resumed.saved
         engine.resume(own)

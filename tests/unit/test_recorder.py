@@ -104,11 +104,11 @@ def test_it_does_not_matter_how_steps_come(
     })  # fmt: skip
     rows = np.stack([history[name] for name in history.columns], axis=1)
     one = Recorder(scene, history.columns)
-    one.see(rows[:first])
+    one.add(rows[:first])
     other = Recorder(scene, history.columns)
     other.resume(pickle.loads(pickle.dumps(one.saved())))
     for k in range(first, len(rows), 77):
-        other.see(rows[k : k + 77])
+        other.add(rows[k : k + 77])
     assert repr(other.finish()) == repr(history.events)
 
 
