@@ -392,7 +392,7 @@ class _Search:
                 known = found[0] if found else math.nan
                 over = bool(found) and last == len(m.time) - 1
                 return _Read((known, math.nan), end, ENDS if over else CROWDED)
-            rows = np.arange(first, final + 1)
+            rows: Indices = np.arange(first, final + 1)
             rows = rows[np.diff(m.time[rows], prepend=-np.inf) > 0]
             time, angle = m.time[rows], m.angle[rows]
             middle, rate = 0.5 * (time[1:] + time[:-1]) - span.time, np.diff(angle) / np.diff(time)
