@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.rows import processes_wanted, side_by_side, write_table
 from rockslip import Scene, parse_scene, simulate
-from solver.reference.platform import PlatformReference, sliding_on_platform
+from solver.reference.sliding import SlidingReference, sliding
 
 TABLE = Path(__file__).with_suffix(".csv")
 
@@ -66,14 +66,14 @@ def scene_of(point: dict[str, Any]) -> Scene:
     )
 
 
-def reference_of(scene: Scene) -> PlatformReference:
+def reference_of(scene: Scene) -> SlidingReference:
     """Reference answer, event by event."""
     law, gravity = scene.friction_of(scene.blocks[0]), scene.gravity
 
     def ground(time: float) -> float:
         return 0.4 * gravity * math.sin(2 * math.pi * time / 0.6) if time <= 3.6 else 0.0
 
-    return sliding_on_platform(
+    return sliding(
         platform=scene.platform(),
         mass=scene.blocks[0].shape.mass,
         friction=law.static,
@@ -84,7 +84,7 @@ def reference_of(scene: Scene) -> PlatformReference:
     )
 
 
-def alternation(time: Any, acceleration: Any, reference: PlatformReference) -> float:
+def alternation(time: Any, acceleration: Any, reference: SlidingReference) -> float:
     """Largest second difference of the acceleration while the block sticks, over its peak.
 
     Two hundredths of a second at either end of sticking are left out: kinks belong there.

@@ -34,7 +34,7 @@ from solver.run.folders import claim_folder, release_folders
 from solver.run.streams import FULL, lasting_streams, say, tell
 from solver.scene.checking import nearest
 from solver.study.command import add_studies
-from solver.study.report import add_report
+from solver.study.page import add_report
 
 if TYPE_CHECKING:
     from solver.excitation.motion import GroundMotion

@@ -19,7 +19,7 @@ from benchmarks.stability.verdict import Verdict, judge, warm_up
 from solver.errors import NotConverged, SceneError
 from solver.parallel import on_first_rank
 from solver.run.folders import make_folder
-from solver.study.cases import finished_cases, reason_of
+from solver.study.pool import finished_cases, reason_of
 from solver.study.tables import write as write_file
 
 #: What the study leaves; `--force` writes over these.

@@ -80,7 +80,7 @@ from solver.pictures.style import (
     save,
     zero_line,
 )
-from solver.reference.platform import PlatformReference, sliding_on_platform
+from solver.reference.sliding import SlidingReference, sliding
 from solver.results.runs import Run
 
 HERE = Path(__file__).resolve().parent
@@ -126,17 +126,17 @@ def slide(folder: Path, *changes: str, comm: MPI.Intracomm = MPI.COMM_WORLD) -> 
 
 # ## What it is compared with
 #
-# `sliding_on_platform` integrates the equations above phase by phase with an adaptive
+# `sliding` integrates the equations above phase by phase with an adaptive
 # Runge-Kutta method of high order, and finds the times at which sticking and sliding end as
 # roots. Its error is far below the bands that are checked here.
 
 
 # +
-def reference(scene: Scene, friction: float, step: float = 1e-3) -> PlatformReference:
+def reference(scene: Scene, friction: float, step: float = 1e-3) -> SlidingReference:
     """The scene's block as a point mass, event by event; `step` (s) between its output times."""
     motion = base_motion(scene.motion, scene.time.end)
     assert motion is not None
-    return sliding_on_platform(
+    return sliding(
         platform=scene.platform(),
         mass=scene.carried_mass,
         friction=friction,
@@ -147,7 +147,7 @@ def reference(scene: Scene, friction: float, step: float = 1e-3) -> PlatformRefe
     )
 
 
-def references(runs: list[Run]) -> dict[float, PlatformReference]:
+def references(runs: list[Run]) -> dict[float, SlidingReference]:
     """The answers to the runs, by friction coefficient."""
     scenes = {friction_of(run): run.scene for run in runs}
     return {friction: reference(scene, friction) for friction, scene in scenes.items()}
@@ -164,12 +164,12 @@ def numbers(run: Run) -> tuple[float, float]:
     return summary["platform"]["peak_drift_m"], summary["blocks"]["block"]["residual_slip_m"]
 
 
-def exact_numbers(answer: PlatformReference) -> tuple[float, float]:
+def exact_numbers(answer: SlidingReference) -> tuple[float, float]:
     """The same of the reference, m."""
     return float(np.abs(answer.drift).max()), float(answer.slip[-1])
 
 
-def table(runs: list[Run], answers: dict[float, PlatformReference]) -> str:
+def table(runs: list[Run], answers: dict[float, SlidingReference]) -> str:
     """Peak drift and final slip of each run, and how far they are from the reference."""
     lines = ["friction  block        peak drift mm          final slip mm"]
     for run in runs:
@@ -298,12 +298,12 @@ def _arrow(axes: Axes, x: float, y: float, length: float, name: str, color: str)
 
 
 # +
-def picture(runs: list[Run], answers: dict[float, PlatformReference], folder: Path) -> Path:
+def picture(runs: list[Run], answers: dict[float, SlidingReference], folder: Path) -> Path:
     """Drift and slip of all runs over the reference; returns the file."""
     return save(lambda: _drawn(runs, answers), folder / "drift_and_slip.png")
 
 
-def _drawn(runs: list[Run], answers: dict[float, PlatformReference]) -> Figure:
+def _drawn(runs: list[Run], answers: dict[float, SlidingReference]) -> Figure:
     figure = new_figure(5.4)
     panels = figure.subplots(3, len(answers), sharex=True, sharey="row", squeeze=False)
     for axes, (friction, answer) in zip(panels.T, answers.items(), strict=True):
@@ -325,7 +325,7 @@ def _drawn(runs: list[Run], answers: dict[float, PlatformReference]) -> Figure:
 LABELS = ("drift (mm)", "slip (mm)", "drift minus\nreference (mm)")
 
 
-def _add(axes: np.ndarray, run: Run, answer: PlatformReference) -> None:
+def _add(axes: np.ndarray, run: Run, answer: SlidingReference) -> None:
     """The curves of one run."""
     model, time = run.scene.blocks[0].model, run.history["time_s"]
     thin = {"color": BLUE, "linewidth": 0.8}
@@ -352,7 +352,7 @@ def _add(axes: np.ndarray, run: Run, answer: PlatformReference) -> None:
 
 
 # +
-def checks(runs: list[Run], answers: dict[float, PlatformReference]) -> list[tuple[bool, str]]:
+def checks(runs: list[Run], answers: dict[float, SlidingReference]) -> list[tuple[bool, str]]:
     """Whether the runs hold, check by check."""
     results = []
     for run in runs:

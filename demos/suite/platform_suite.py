@@ -60,7 +60,7 @@
 # \mathrm{sgn}(v_L - v_P)$ while it slides. The paper integrates this by a Runge-Kutta method. Under
 # samples with straight lines between them there is no need to: sticking and sliding are linear
 # oscillators under linear loads, known in closed form, and only the instants at which one gives way
-# to the other are roots that have to be found (`solver/reference/platform_sampled.py`).
+# to the other are roots that have to be found (`solver/reference/sliding.py`).
 
 # +
 import argparse

@@ -27,7 +27,7 @@ from solver.types import Array
 
 
 class Yielding(NamedTuple):
-    """How the bed gives way within a step: p_{n+1} = offset + softness f.
+    """Compression of the bed at the end of a step: p_{n+1} = offset + softness f.
 
     Attributes:
         offset: Compression that a step without force would leave, (points,), m; a dashpot that is
@@ -40,7 +40,7 @@ class Yielding(NamedTuple):
 
 
 class BedChange(NamedTuple):
-    """What a step does to the bed of an interface.
+    """Change of the bed of an interface in a step.
 
     Attributes:
         compression: p_{n+1}, (points,), m.

@@ -41,13 +41,13 @@ class PointState:
 
 
 Key = tuple[float, ...]
-"""What tells a point of a body from all others: its face and its place."""
+"""Identifies a point of a body: its face and its place."""
 
 KEY_DECIMALS = 7
 """Decimals, of the body's size, to which the places in keys of points are rounded."""
 
 SurfaceState = PointState | NitscheState
-"""What is known of surface points at one instant."""
+"""State of surface points at one instant."""
 
 
 class FixedPoints:
@@ -60,7 +60,7 @@ class FixedPoints:
         self.size = float(np.max(np.ptp(positions, axis=0)))
 
     def observe(self, u: Array | None) -> PointState:
-        """Where they always are."""
+        """Positions of the points, which never change."""
         return PointState(self.reference)
 
     def velocity(self, u: Array | None, v: Array | None) -> Array:
@@ -68,7 +68,7 @@ class FixedPoints:
         return np.zeros_like(self.reference)
 
     def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
-        """What holds them takes the forces."""
+        """Leave the unknowns alone: reactions of fixed points are not computed."""
 
 
 class NodePoints:
@@ -102,7 +102,7 @@ class NodePoints:
         return nodes if self._all else nodes[self.chosen]
 
     def observe(self, u: Array | None) -> PointState:
-        """Where the nodes are for the owned unknowns u."""
+        """Positions of the nodes for the owned unknowns u."""
         assert u is not None
         return PointState(self.reference + self._gather(u))
 
@@ -131,7 +131,7 @@ class RigidPoints:
         self.size = float(np.max(np.ptp(points, axis=0)))
 
     def observe(self, u: Array | None) -> PointState:
-        """Where the points are for the owned unknowns u."""
+        """Positions of the points for the owned unknowns u."""
         assert u is not None
         pose = self.body.replicate(u)
         return PointState(self.body.material_positions(self.reference, pose), pose)

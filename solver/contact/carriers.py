@@ -16,11 +16,11 @@ import numpy as np
 from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, FixedPoints, RigidPoints, SurfaceState
 from solver.contact.kernels.facets import (
+    ClosestPoints,
     FacetShapes,
-    Feet,
-    StandArrays,
+    FootPointArrays,
     forces_in_space,
-    stand_on_facets,
+    project_onto_facets,
     work_defect,
 )
 from solver.contact.kinematics import ContactKinematics, Projection, in_space, spread
@@ -28,10 +28,10 @@ from solver.types import Array, Indices, Mask
 
 
 class Carrier(Protocol):
-    """What carries contact points."""
+    """A surface that carries contact points."""
 
     turns: bool
-    """Whether its frame turns with its body."""
+    """True if its frame turns with its body."""
 
     @property
     def frame(self) -> Array:
@@ -56,7 +56,7 @@ class Carrier(Protocol):
         """Forces on the carrier's own points."""
 
     def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
-        """What vectors of the carrier's points are at the contact points, or at all, (1, d)."""
+        """Vectors of the carrier's points, interpolated at the contact points; (1, d) on planes."""
 
     def rotate_frame(self, rotation: Array) -> None:
         """Let the frame of the coming step be that of the turned body."""
@@ -113,7 +113,7 @@ class Plane:
         return None if self.points is None else -vectors.sum(axis=0)[None, :]
 
     def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
-        """What vectors of the carrier's points are at all contact points alike, (1, d)."""
+        """Vectors of the carrier's point, the same for all contact points, (1, d)."""
         return values[:1]
 
 
@@ -130,13 +130,13 @@ class FacetCarrier:
         """Forces on the nodes: half at the places before, half at those after."""
         if not vectors.any():
             return None
-        assert old.foot is not None and new.foot is not None
-        return spread(old.foot, new.foot, -vectors, self.points.count)
+        assert old.projection is not None and new.projection is not None
+        return spread(old.projection, new.projection, -vectors, self.points.count)
 
     def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
-        """What vectors of the nodes are at the contact points."""
-        assert kinematics.foot is not None
-        return kinematics.foot.carried(values)
+        """Vectors of the nodes, interpolated at the contact points."""
+        assert kinematics.projection is not None
+        return kinematics.projection.carried(values)
 
 
 CAME_ROUND = 0.05
@@ -197,7 +197,7 @@ class Face(FacetCarrier):
         """Gaps and tangential positions of points in space."""
         assert carrier is not None
         (count, d), k = position.shape, self.facets.shape[1]
-        feet = Feet(
+        closest = ClosestPoints(
             nodes=np.empty((count, k), dtype=np.int64),
             weights=np.empty((count, k)),
             slope=np.empty((count, d - 1)),
@@ -206,19 +206,21 @@ class Face(FacetCarrier):
         )
         place = np.empty((count, d))
         where = position, carrier.position, self.frame
-        stand_on_facets(tuple(self._shapes), self._room, *where, place, tuple(feet))
-        return ContactKinematics(place, place, self.frame, carrier, Projection(feet))
+        project_onto_facets(tuple(self._shapes), self._room, *where, place, tuple(closest))
+        return ContactKinematics(place, place, self.frame, carrier, Projection(closest))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
         vectors = np.empty(force.shape)
-        stands = stand_arrays(old), stand_arrays(new)
-        forces_in_space(*stands, self.frame, self.facet, force, vectors)
+        ends = foot_point_arrays(old), foot_point_arrays(new)
+        forces_in_space(*ends, self.frame, self.facet, force, vectors)
         return vectors
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Work of the vectors of point forces less that of the forces on (g, s), J."""
-        return work_defect(stand_arrays(old), stand_arrays(new), self.frame, self.facet, force)
+        return work_defect(
+            foot_point_arrays(old), foot_point_arrays(new), self.frame, self.facet, force
+        )
 
     def can_touch(self, kinematics: ContactKinematics) -> Mask:
         """Points not so far behind the face that they can only have come there round its edge."""
@@ -227,14 +229,14 @@ class Face(FacetCarrier):
 
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the face."""
-        assert isinstance(kinematics.foot, Projection)
-        return kinematics.foot.beyond_edge
+        assert isinstance(kinematics.projection, Projection)
+        return kinematics.projection.beyond_edge
 
 
-def stand_arrays(kinematics: ContactKinematics) -> StandArrays:
-    """Where points stand on a face, as arrays."""
-    assert isinstance(kinematics.foot, Projection) and kinematics.carrier is not None
-    return *kinematics.foot.feet[:4], kinematics.place, kinematics.carrier.position
+def foot_point_arrays(kinematics: ContactKinematics) -> FootPointArrays:
+    """Foot points on a face as arrays, the fields of `FootPoints`."""
+    assert isinstance(kinematics.projection, Projection) and kinematics.carrier is not None
+    return *kinematics.projection.closest[:4], kinematics.place, kinematics.carrier.position
 
 
 def facet_shapes(

@@ -7,7 +7,7 @@ lie on one line along n. With shape functions N at these places on the edges bef
 step, bars for means and d for increments over the step,
 
     D = mean N_u dx_u - mean N_l dx_l         how far the one material place moved over the other
-    a = dN_u . mean x_u,  b = dN_l . mean x_l     the ways of the crossing along the mean edges
+    a = dN_u . mean x_u,  b = dN_l . mean x_l     increments of the crossing along the mean edges
     dg = m . D,  m = (a x b)/(n . (a x b))        since a and b are at right angles to m
     ds = t . D                                    slip, counted from the begin of each step
 
@@ -121,14 +121,14 @@ FAR_INSIDE = 0.01
 edge."""
 
 SHORT_WAY = 1e-7
-"""Part of a segment: a way from one segment to the next that is shorter has the direction of the
+"""Part of a segment: a shorter increment from one segment to the next has the direction of the
 segment on which it begins."""
 
 CARRIED_SHARE = 0.9
 """Part of its margin up to which the lower face is taken to carry a corner beyond its edge."""
 
 CROSSING_ROUNDS = 6
-"""How often a crossing is looked for on the segments where the last round left it, at most."""
+"""Rounds of Newton's method for a crossing, at most."""
 
 CROSSING_SETTLED = 1e-13
 """Part of a segment that a round has to move a crossing by for another round."""
@@ -139,8 +139,8 @@ NEXT, LAST = [1, 2, 0], [2, 0, 1]
 
 
 @dataclass(frozen=True, slots=True)
-class Meeting:
-    """What is settled for a step: which pairs of edges cross, and in which frames.
+class EdgeEdgeContacts:
+    """Contacts between edges in a step: pairs that cross, and their frames.
 
     Attributes:
         frame: Normal and tangents of each pair, (16, 3, 3).
@@ -157,13 +157,13 @@ class Meeting:
 
 
 class Crossings(FacetCarrier):
-    """Where the four edges of a lower face are crossed by those of an upper one, all 16 pairs.
+    """Contacts between the four edges of a lower face and those of an upper one, 16 pairs.
 
     Attributes:
         upper: Outline of the face that looks down.
         lower: Outline of the face that looks up.
         points: The nodes of the lower outline.
-        meeting: What is settled for the present step; `meet` settles it anew.
+        detected: What is settled for the present step; `detect` settles it anew.
     """
 
     count = 16
@@ -185,7 +185,7 @@ class Crossings(FacetCarrier):
         self._nowhere = tuple(
             self._for_all(none, line.nowhere(line.points.reference)) for line in (lower, upper)
         )
-        self.meeting = Meeting(
+        self.detected = EdgeEdgeContacts(
             frame=np.tile(np.eye(3), (self.count, 1, 1)),
             present=np.zeros(self.count, dtype=np.bool_),
             rest=np.zeros(self.count),
@@ -194,19 +194,19 @@ class Crossings(FacetCarrier):
     @property
     def frame(self) -> Array:
         """Normal and tangents of each pair, (16, 3, 3)."""
-        return self.meeting.frame
+        return self.detected.frame
 
     @property
     def present(self) -> Mask:
         """Pairs that cross, (16,)."""
-        return self.meeting.present
+        return self.detected.present
 
     @property
     def rest(self) -> Array:
         """Gaps from which pairs that have sunk in are not pushed out, (16,), m."""
-        return self.meeting.rest
+        return self.detected.rest
 
-    def meet(
+    def detect(
         self, edge: Array, face: SurfaceState, middle: tuple[Array, Array], compression: Array
     ) -> ContactKinematics:
         """Settle frames and pairs of the coming step; returns from which kinematics slip counts.
@@ -222,18 +222,18 @@ class Crossings(FacetCarrier):
         nothing = np.zeros(self.count)
         if self.depth_inside(*middle) <= 0.0:
             frame, framed = self._turned(*middle)
-            self.meeting = Meeting(frame, framed, nothing)
+            self.detected = EdgeEdgeContacts(frame, framed, nothing)
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
             present = self.within(edge, face.position) | self.within(*end)
-        self.meeting = Meeting(frame, present, nothing)
+        self.detected = EdgeEdgeContacts(frame, present, nothing)
         kinematics = self.kinematics(edge, face)
         present = present & (kinematics.place[:, 0] > -CAME_ROUND * self._length)
         rest = np.minimum(kinematics.place[:, 0] + compression, 0.0)
-        self.meeting = Meeting(frame, present, rest, kinematics)
+        self.detected = EdgeEdgeContacts(frame, present, rest, kinematics)
         return self._from_rest(kinematics)
 
     def depth_inside(self, edge: Array, face: Array) -> float:
-        """How much farther than need be the upper face is within the lower one, as on a plate, m.
+        """Depth by which the upper face lies within the lower one, beyond `FAR_INSIDE`, m.
 
         By positions of the nodes of both outlines; nothing crosses where that is positive.
         """
@@ -278,7 +278,7 @@ class Crossings(FacetCarrier):
         return self.present & (beyond[0] > self._carried) & (beyond[1] > -self._reaches)
 
     def _fractions(self, pairs: Indices, edge: Array, face: Array) -> tuple[Array, Array]:
-        """Where edges cross, as fractions of their chords."""
+        """Crossings as fractions of the chords of both edges."""
         i, j = (which[pairs] for which in self._edges)
         over, under = self.upper.chords(edge)[i], self.lower.chords(face)[j]
         apart = face[self.lower.corners[j]] - edge[self.upper.corners[i]]
@@ -308,7 +308,7 @@ class Crossings(FacetCarrier):
             place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
             foot, own = self._for_all(pairs, lower), self._for_all(pairs, upper)
         kinematics = ContactKinematics(place, place, self.frame, carrier, foot, own)
-        start = self.meeting.start
+        start = self.detected.start
         if start is not None and len(pairs):
             slip = in_frames(self._moved(start, kinematics), self.frame)
             place[pairs, 1:] = slip[pairs, 1:]
@@ -323,7 +323,7 @@ class Crossings(FacetCarrier):
     def _places(
         self, pairs: Indices, edge: Array, face: Array
     ) -> tuple[EdgeInterpolation, EdgeInterpolation]:
-        """Where the pairs cross on their edges: first on straight ones, then on the segments."""
+        """Crossings of the pairs on their edges: first of straight ones, then of segments."""
         i, j = (which[pairs] for which in self._edges)
         t, s = self._fractions(pairs, edge, face)
         for _ in range(CROSSING_ROUNDS):
@@ -360,7 +360,7 @@ class Crossings(FacetCarrier):
         old: ContactKinematics, new: ContactKinematics
     ) -> list[tuple[EdgeInterpolation, EdgeInterpolation, Array]]:
         """On the upper edges and on the lower ones: places before and after, motion of nodes."""
-        pairs = (old.own_projection, new.own_projection), (old.foot, new.foot)
+        pairs = (old.own_projection, new.own_projection), (old.projection, new.projection)
         found = []
         for first, last in pairs:
             assert isinstance(first, EdgeInterpolation) and isinstance(last, EdgeInterpolation)
@@ -382,7 +382,7 @@ class Crossings(FacetCarrier):
         return vectors
 
     def rotate_frame(self, rotation: Array) -> None:
-        """Leave the frames as they are: they are those of the edges, and `meet` turns them."""
+        """Leave the frames as they are: they are those of the edges, and `detect` turns them."""
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Zero: the work of the vectors is exact."""
@@ -438,7 +438,7 @@ class CrossingInterface(Interface):
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of pairs without contact forces."""
         surface, carried = self._observed(u, carrier_u)
-        kinematics = self.crossings.meet(
+        kinematics = self.crossings.detect(
             surface.position, carried, (surface.position, carried.position), np.zeros(self.count)
         )
         return Memory(
@@ -455,7 +455,7 @@ class CrossingInterface(Interface):
     def _observed(
         self, u: Array | None, carrier_u: Array | None
     ) -> tuple[SurfaceState, SurfaceState]:
-        """Where the nodes of both outlines are."""
+        """Positions of the nodes of both outlines."""
         return self.points.observe(u), self.crossings.points.observe(carrier_u)
 
     def prepare(self, memory: Memory, u: Array | None, carrier_u: Array | None) -> Memory:
@@ -471,7 +471,7 @@ class CrossingInterface(Interface):
         """
         assert memory.kinematics.carrier is not None
         upper, lower = self._observed(u, carrier_u)
-        kinematics = self.crossings.meet(
+        kinematics = self.crossings.detect(
             memory.surface.position,
             memory.kinematics.carrier,
             (upper.position, lower.position),
@@ -487,7 +487,7 @@ class CrossingInterface(Interface):
         )
 
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
-        """How far the one outline is within the other, m; negative where it is not."""
+        """Depth of the one outline within the other, m; negative where it is not."""
         assert kinematics.carrier is not None
         return self.crossings.depth_inside(surface.position, kinematics.carrier.position)
 

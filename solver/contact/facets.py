@@ -76,7 +76,7 @@ def tagged_sides(domain: mesh.Mesh, facet_tags: mesh.MeshTags) -> Sides:
 
 
 def facet_frames(cell: basix.CellType) -> tuple[Array, Array]:
-    """Where the reference facets lie in the reference cell.
+    """Frames of the reference facets in the reference cell.
 
     Returns:
         Origins (facets, d) and edges (facets, d - 1, d): xi -> origin + xi @ edges. The first three
@@ -149,13 +149,13 @@ def evaluate_facets(
 
 
 def _places(mapping: Any, at: Array, x: Array) -> Array:
-    """Where one reference point for each cell with corners x is, (cells, d)."""
+    """Places of one reference point for each cell with corners x, (cells, d)."""
     places: Array = np.einsum("fk,fki->fi", tabulated(mapping, 0, at)[0], x)
     return places
 
 
 def tabulated(element: Any, order: int, at: Array) -> Array:
-    """An element's functions and derivatives at points (n, d); also at none, as a rank may ask.
+    """An element's functions and derivatives at points (n, d), which may be none on a rank.
 
     Asked for derivatives at no point at all, basix ends the program.
     """
@@ -264,7 +264,7 @@ class Facets:
     nodes: Indices
     """Nodes of each facet, as places in `positions`, (facets, k)."""
     positions: Array
-    """Where the nodes of the face are in the undeformed body, (nodes, d), m."""
+    """Places of the nodes of the face in the undeformed body, (nodes, d), m."""
     layer: Layer
     """The exchange of their values between ranks, in the same order."""
     degree: int

@@ -95,7 +95,7 @@ class Interface:
             bed: Springs and dashpots between points and carrier.
             corner_area: What points without an area count for in it, m2.
             of_edge: Whether the points are the edge of what carries a block, which presses on the
-                bottom of that: far from there nobody asks where they are.
+                bottom of that.
         """
         self.points, self.carrier, self.law = points, carrier, law
         self._laws = FrictionLaws.of([law])
@@ -145,12 +145,12 @@ class Interface:
         return self._keys
 
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
-        """Where the points and their carrier are for the unknowns of both bodies."""
+        """The points, and their kinematics over the carrier, for the unknowns of both bodies."""
         surface, carrier = self.points.observe(u), self.carrier.points
         return surface, self.over(surface, None if carrier is None else carrier.observe(carrier_u))
 
     def over(self, surface: SurfaceState, carrier: SurfaceState | None) -> ContactKinematics:
-        """Where points are over a carrier, of which `carrier` says where its own points are.
+        """Kinematics of points over a carrier whose own points are at `carrier`.
 
         None for the ground.
         """
@@ -209,7 +209,7 @@ class Interface:
         return bounds_followed(self._laws, past, self.area, mu, speed, slips)
 
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
-        """At least how far an edge is from the face that it may press on, m; 0 for other points."""
+        """Least distance of an edge from the face that may touch it, m; 0 for other points."""
         if not self._of_edge or kinematics.carrier is None:
             return 0.0
         nodes, x = kinematics.carrier.position, surface.position
@@ -234,10 +234,10 @@ class Interface:
             on_points = spread(*places, vectors, self.points.count)
         return on_points, self.carrier.reaction(old, new, vectors)
 
-    def press(
+    def evaluate_forces(
         self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
     ) -> Observed:
-        """Look where the points are, and add forces on both bodies; returns what is seen.
+        """Observe the points and add forces on both bodies; returns the observation.
 
         Args:
             before: The interface at t_n, in the frame of the step; None in equilibrium: what is
@@ -267,7 +267,7 @@ class Interface:
             self.carrier.points.add_forces(on_carrier, old.carrier, new.carrier, reaction)
 
     def traction_pull(self, force: Array, weights: ForceWeights) -> TractionPull:
-        """What the discrete gradient of the traction is multiplied by.
+        """The factor of the discrete gradient of the traction in the theta term.
 
         By weighted point forces w_c f at t_{n+1}, with their sign, (points, d), N.
         """
@@ -352,7 +352,7 @@ def _work(force: Array, moved: Array, kinematics: ContactKinematics) -> float:
     return float(np.vdot(force, moved @ kinematics.frame.T))
 
 
-SUNK_IN = 1e-9
+PENETRATION_TOLERANCE = 1e-9
 """Part of a face's length: points deeper than closed ones by more have sunk in elsewhere."""
 
 HELD_DEPTH = 1e-3
@@ -384,7 +384,7 @@ def _rest(interface: Interface, memory: Memory, beyond: Mask | None) -> Array:
     return np.where(beyond, np.where(below, level, 0.0), rest)
 
 
-def _ignored_until_open(interface: Interface, memory: Memory, beyond: Mask | None) -> Mask | None:
+def _initial_penetration(interface: Interface, memory: Memory, beyond: Mask | None) -> Mask | None:
     """Points that sank in elsewhere: until they are out again contact would throw them out.
 
     They did so far below a face and beside it, or before the face that they are on joined: Gauss
@@ -410,7 +410,7 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
     pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
     pressed += float(np.max(memory.compression, initial=0.0))
     depth = memory.kinematics.place[:, 0] - memory.rest
-    deeper: Mask = depth < -pressed - SUNK_IN * _length(interface)
+    deeper: Mask = depth < -pressed - PENETRATION_TOLERANCE * _length(interface)
     return deeper
 
 
@@ -440,7 +440,7 @@ def rotate_frame(
     if rest is not memory.rest:
         memory = memory._replace(rest=rest)
     may_touch = interface.may_touch(rotation, memory.kinematics)
-    ignored = _ignored_until_open(interface, memory, beyond)
+    ignored = _initial_penetration(interface, memory, beyond)
     if ignored is not None:
         may_touch &= ~ignored
     if may_touch.tobytes() == memory.may_touch.tobytes():
@@ -468,7 +468,7 @@ def _turn_face(
     face.rotate_frame(rotation)
     kinematics = interface.over(memory.surface, memory.kinematics.carrier)
     apart, anchor = memory.force[:, 0] <= 0, memory.anchor
-    if apart.any():  # the foot of a point that is away from the face moves as the face turns
+    if apart.any():  # closest points of open points move as the face turns
         anchor = np.where(apart[:, None], kinematics.augmented[:, 1:], anchor)
     turned = memory._replace(kinematics=kinematics, anchor=anchor)
     return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(

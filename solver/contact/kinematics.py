@@ -1,4 +1,4 @@
-"""Where contact points are over what carries them, at one instant and over a step."""
+"""Kinematics of contact points over their carrier, at one instant and over a step."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.kernels.facets import Feet, add_spread, interpolated
+from solver.contact.kernels.facets import ClosestPoints, add_spread, interpolated
 from solver.types import Array, Indices, Mask
 
 
@@ -33,18 +33,18 @@ class Interpolation:
 
 @dataclass(slots=True, init=False, eq=False)
 class Projection(Interpolation):
-    """Where points stand on the facets of a face: their feet."""
+    """Closest points on the facets of a face."""
 
-    feet: Feet
+    closest: ClosestPoints
 
-    def __init__(self, feet: Feet):
-        """Take the feet as arrays."""
-        self.nodes, self.weights, self.feet = feet.nodes, feet.weights, feet
+    def __init__(self, closest: ClosestPoints):
+        """Take the closest points as arrays."""
+        self.nodes, self.weights, self.closest = closest.nodes, closest.weights, closest
 
     @property
     def beyond_edge(self) -> Mask:
-        """Feet beyond the edge of the face, (m,)."""
-        return self.feet.beyond_edge
+        """Points beyond the edge of the face, (m,)."""
+        return self.closest.beyond_edge
 
 
 @dataclass(slots=True, eq=False)
@@ -82,11 +82,11 @@ class ContactKinematics(NamedTuple):
     """Rows normal and tangents that they are given in: one for all points, (d, d), or one for each
     of them, (m, d, d)."""
     carrier: SurfaceState | None = None
-    """Where the carrier's own points are; None for the ground."""
-    foot: Projection | EdgeInterpolation | None = None
-    """Where the points stand; None on a plane."""
+    """Positions of the carrier's own points; None for the ground."""
+    projection: Projection | EdgeInterpolation | None = None
+    """Closest points on the carrier; None on a plane."""
     own_projection: EdgeInterpolation | None = None
-    """Where they are among the nodes of their own body; None where they are those nodes."""
+    """Places between nodes of their own body; None where they are those nodes."""
 
 
 def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int) -> Array:
@@ -134,7 +134,7 @@ class ContactIncrement(NamedTuple):
 
 
 class ForceWeights(NamedTuple):
-    """How the forces of an interface count, with their sign.
+    """Weights of the forces of an interface, with their sign.
 
     Attributes:
         points: Point forces: w_c.

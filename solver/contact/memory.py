@@ -28,8 +28,8 @@ class Memory(NamedTuple):
         compression: Of the bed below them, (points,), m; 0 where there is none.
         rest: Gaps from which points that were below their carrier's surface beyond its edge are not
             pushed out, since that would gain energy; 0 for others, (points,), m.
-        clear: How far the points and their carrier may move, together, before anybody has to look
-            where they are, m: an interface far from contact. Until then all else stays as it was
+        clear: How far the points and their carrier may move, together, before they have to be
+            observed, m: an interface far from contact. Until then all else stays as it was
             when that was done last. 0 where every step looks.
     """
 
@@ -78,7 +78,7 @@ REMEMBERED = tuple(name for name in Memory._fields if name not in KINEMATICS)
 
 
 class Dissipation(NamedTuple):
-    """What a step lost in an interface, J; `damping` in the dashpots of its bed."""
+    """Energy lost in an interface in a step, J; `damping` in the dashpots of its bed."""
 
     friction: float
     contact: float
@@ -86,7 +86,7 @@ class Dissipation(NamedTuple):
 
 
 NOTHING_LOST = Dissipation(friction=0.0, contact=0.0, damping=0.0)
-"""What a step loses where nothing touches."""
+"""Loss of a step in which nothing touches."""
 
 
 INTERFACE_SHARE = 1e-3
@@ -98,7 +98,7 @@ compared with."""
 
 
 def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequence[bool]) -> bool:
-    """Whether points that carry something changed their state of contact in a step.
+    """True if points that carry something changed their state of contact in a step.
 
     By the memories of all interfaces before and after it; `rigid`: neither body that touches is
     meshed.

@@ -26,7 +26,7 @@ DENSE_ENTRIES = 50_000
 
 
 def same(chosen: Indices, before: Indices) -> bool:
-    """Whether these are the same points in order; np.array_equal takes ten times as long."""
+    """True if these are the same points in order; np.array_equal takes ten times as long."""
     return chosen is before or chosen.tobytes() == before.tobytes()
 
 

@@ -28,7 +28,7 @@ FACING = -0.5
 
 
 class ContactPair(Protocol):
-    """Who may touch whom, and the interface that it takes.
+    """A pair of a body and its carrier that may touch, and their interface.
 
     Attributes:
         body: Number of the body whose points these are; None for what is fixed to the ground.

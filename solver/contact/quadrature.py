@@ -1,4 +1,4 @@
-"""Where on its facets a surface has contact points, and with which weights; on cut facets, too."""
+"""Quadrature rules of contact points on facets, whole or cut by those opposite."""
 
 from __future__ import annotations
 

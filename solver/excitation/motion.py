@@ -68,7 +68,7 @@ class GroundMotion:
 def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:
     """The motion of the ground, read and computed on rank 0, and sent to the others.
 
-    Peaks that are known only when a motion has been read are checked here.
+    The limits of the scene are checked with its peaks here.
     Collective on all ranks of `comm`; without one this process reads for itself alone.
 
     Raises:
@@ -84,7 +84,6 @@ def _read(scene: Scene) -> GroundMotion:
     found, shaking = dict[str, BaseMotion | None](), 0.0
     for where, spec in scene.motions:
         found[where] = motion = base_motion(spec, scene.time.end, where)
-        read = motion.peak if motion else 0.0
-        shaking += read if spec.known_peak is None else spec.known_peak
+        shaking += motion.peak if motion else 0.0
     scene.check_limits(shaking)
     return GroundMotion(tuple(found.get(direction) for direction in scene.directions))

@@ -93,7 +93,7 @@ def edge_forces(interface: Interface, memory: Memory, *, carries: bool) -> EdgeF
     looks_down = isinstance(carrier, Face) and carrier.reference_frame[0, -1] < 0
     if not (looks_down if carries else isinstance(carrier, Crossings)):
         return None
-    places = seen.foot if carries else seen.own_projection
+    places = seen.projection if carries else seen.own_projection
     assert places is not None
     friction = in_space(memory.force * (np.arange(memory.force.shape[1]) > 0), seen.frame)
     normal = memory.force[:, :1] * np.column_stack([np.ones(len(memory.slipped)), memory.slipped])

@@ -1,6 +1,16 @@
-"""Rocking of a rigid block on rigid ground: Housner (1963), nonlinear, with base motion.
+"""Rocking of a rigid block on ground that moves or on a platform there, without sliding.
 
-docs/reference.md has the equations.
+On firm ground it is Housner's block (1963), nonlinear and with base motion. A platform on a spring
+and a dashpot moves horizontally; M is its mass, V its velocity and A its acceleration, a_g
+included. With the block's mass m, the lean phi = alpha - |theta| of its half diagonal and s = sgn
+theta,
+
+    I_o theta'' + m R cos(phi) A = -m R s (g + a_v) sin(phi)
+    m R cos(phi) theta'' + (m + M) A = -c V - k u - m R s sin(phi) theta'^2
+
+between impacts; at an impact w+ = e w- about the new corner, and the horizontal momentum stays:
+V+ - V- = -kappa h (w+ - w-), kappa = m/(m + M), h the half height. On firm ground A is a_g.
+docs/reference.md derives the equations.
 """
 
 from __future__ import annotations
@@ -10,36 +20,50 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.block import Block
 from solver.reference.phases import (
+    EXACT,
     Acceleration,
     Recorder,
+    State,
     event,
     first_beyond,
     output_times,
     solve,
     still,
 )
+from solver.scene import Platform
+from solver.types import Array
 
 RESTING_ENERGY = 1e-10
 """Rocking ends when its energy falls below this part of what overturns the block at rest."""
 
+BEYOND = 1 + 1e-11
+"""A block on a platform uplifts where the limit is exceeded by more than round-off."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RockingReference:
-    """History of a rocking block; angles are positive when it leans towards +x."""
+    """History of a rocking block and of what it stands on; angles are positive towards +x."""
 
-    time: NDArray[np.float64]
+    time: Array
     """s."""
-    angle: NDArray[np.float64]
+    angle: Array
     """theta, rad; stays at +-pi/2 once overturned."""
-    angular_velocity: NDArray[np.float64]
+    angular_velocity: Array
     """rad/s."""
-    impacts: NDArray[np.float64]
+    angular_acceleration: Array
+    """theta'', rad/s^2; 0 at rest."""
+    drift: Array
+    """Displacement u of the platform relative to the ground, m; 0 on firm ground."""
+    drift_velocity: Array
+    """V, m/s."""
+    drift_acceleration: Array
+    """A - a_g, m/s^2."""
+    impacts: Array
     """Times of the impacts, s."""
-    peaks: NDArray[np.float64]
+    peaks: Array
     """Angles at which the block turned back, rad, signed, that of its release included."""
     overturned: bool
 
@@ -49,10 +73,16 @@ def housner_restitution(shape: Block) -> float:
     return 1 - 1.5 * math.sin(shape.slenderness) ** 2
 
 
-def rests(shape: Block, gravity: float, velocity: float) -> bool:
-    """Whether an upright block has too little angular velocity (1/s) left to go on."""
-    barrier = shape.frequency(gravity) ** 2 * (1 - math.cos(shape.slenderness))
-    return velocity**2 / 2 <= RESTING_ENERGY * barrier
+def restitution_on_platform(shape: Block, platform_mass: float) -> float:
+    """Ratio of angular velocities across an impact without rebound, on a platform that is free.
+
+    [h^2 (4/3 - kappa) - (2/3) b^2]/[h^2 (4/3 - kappa) + (4/3) b^2], b and h half of width and
+    height: the angular momentum about the new corner and the horizontal momentum stay. Housner's
+    ratio for a heavy platform.
+    """
+    kappa = shape.mass / (shape.mass + platform_mass)
+    high, wide = (4 / 3 - kappa) * (shape.height / 2) ** 2, (shape.width / 2) ** 2
+    return (high - 2 / 3 * wide) / (high + 4 / 3 * wide)
 
 
 def housner(
@@ -62,113 +92,224 @@ def housner(
     tilt: float = 0.0,
     end: float,
     step: float,
-    acceleration: Acceleration | None = None,
-    vertical: Acceleration | None = None,
+    acceleration: Acceleration = still,
+    vertical: Acceleration = still,
     restitution: float | None = None,
+    platform: Platform | None = None,
+    along: float = 0.0,
+    drift: float = 0.0,
+    longest: float | None = None,
+    tolerance: float = EXACT,
 ) -> RockingReference:
     """Rocking from a tilt or from rest, without sliding and without bouncing.
 
-    theta'' = -3/(4 R) [(g + a_v) sin(alpha sgn theta - theta) + a_g cos(alpha sgn theta - theta)]
-    between impacts and w+ = e w- at impacts; from rest the block uplifts when |a_g| > (g + a_v)
-    B/H (Yim, Chopra and Penzien 1980). On an incline of angle b the same holds with gravity g cos b
-    and acceleration a_g - g sin b.
+    On firm ground theta'' = -3/(4 R) [(g + a_v) sin(alpha sgn theta - theta) + a_g cos(alpha sgn
+    theta - theta)] between impacts and w+ = e w- at impacts; from rest the block uplifts when |a_g|
+    > (g + a_v) B/H (Yim, Chopra and Penzien 1980). On an incline of angle b the same holds with
+    gravity g cos b and acceleration a_g - g sin b.
 
     Args:
         shape: The block.
-        gravity: g, m/s^2.
+        gravity: g across the ground, m/s^2.
         tilt: Angle of release, rad, without angular velocity; 0: at rest.
         end: s.
-        step: Between output times, s; where the ground moves, also the integrator's largest.
-        acceleration: a_g of the ground, m/s^2; None: it does not move.
-        vertical: a_v of the ground upwards, m/s^2, > -g; None: it does not move so.
-        restitution: e; None: Housner's, 0 for blocks so squat that his would be negative.
+        step: Between output times, s; in such steps uplift is looked for, too.
+        acceleration: a_g of the ground, m/s^2.
+        vertical: a_v of the ground upwards, m/s^2, > -g.
+        restitution: e; None: that of an impact without rebound (Housner's on firm ground), 0 for
+            blocks so squat that it would be negative.
+        platform: Mass, stiffness and damping of the empty platform, which begins at rest; None:
+            firm ground.
+        along: Gravity along the ground, m/s^2: an incline.
+        drift: Of the platform at the start, m.
+        longest: Longest step of the integrator over ground that moves, s; None: `step`.
+        tolerance: Relative, of the integrator.
     """
-    ratio = max(0.0, housner_restitution(shape)) if restitution is None else restitution
+    if restitution is not None:
+        ratio = restitution
+    elif platform is not None:
+        ratio = max(0.0, restitution_on_platform(shape, platform.mass))
+    else:
+        ratio = max(0.0, housner_restitution(shape))
     if not 0 <= ratio <= 1 or not abs(tilt) < math.pi / 2:
         raise ValueError(f"housner: tilt={tilt}, restitution={ratio}")
-    moves = acceleration or still, vertical or still
-    block = _RigidBlock(shape, gravity, *moves, end, step)
-    recorder = Recorder(output_times(end, step))
-    impacts: list[float] = []
-    peaks: list[float] = []
-    time, angle, velocity, overturned = 0.0, tilt, 0.0, False
-    while time < end and not overturned:
-        side = math.copysign(1, angle or velocity)
-        if angle == 0 and rests(shape, gravity, velocity):
-            recorder.rest(time, 0.0)
-            time, side, velocity = *block.uplift(time), 0.0
-            if time >= end:
-                break
-        phase = block.swing(side, time, (angle, velocity))
-        recorder.move(time, phase.t[-1], phase.sol)
-        peaks.extend(state[0] for state in phase.y_events[2])
-        time, angle, velocity = float(phase.t[-1]), float(phase.y[0, -1]), float(phase.y[1, -1])
-        overturned = len(phase.t_events[1]) > 0
-        if len(phase.t_events[0]):
-            impacts.append(time)
-            angle, velocity = 0.0, ratio * velocity
-    if overturned:
-        recorder.rest(time, math.copysign(math.pi / 2, angle))
+    # Over ground that moves, no feature of its motion may be stepped over.
+    free = platform is None and acceleration is still and vertical is still
+    block = _Rocker(
+        shape=shape,
+        platform=platform,
+        gravity=gravity,
+        ground=acceleration if not along else lambda time: acceleration(time) - along,
+        vertical=vertical,
+        end=end,
+        step=step,
+        longest=math.inf if free else longest or step,
+        tolerance=tolerance,
+    )
+    recorder = Recorder(output_times(end, step), size=4)
+    impacts, peaks, overturned = block.follow(np.array([tilt, 0.0, drift, 0.0]), ratio, recorder)
+    turning, under = block.accelerations(recorder.time, recorder.states)
+    angle, velocity, drifts, drift_velocity = recorder.states.T
     return RockingReference(
         time=recorder.time,
-        angle=recorder.states[:, 0],
-        angular_velocity=recorder.states[:, 1],
+        angle=angle,
+        angular_velocity=velocity,
+        angular_acceleration=turning,
+        drift=drifts,
+        drift_velocity=drift_velocity,
+        drift_acceleration=under,
         impacts=np.array(impacts),
         peaks=np.array(peaks),
         overturned=overturned,
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _RigidBlock:
-    """The motion between two events."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Rocker:
+    """The block and what it stands on; states are theta, theta', u, V."""
 
     shape: Block
+    platform: Platform | None
     gravity: float
     ground: Acceleration
+    """a_g, an incline counted in, m/s^2."""
     vertical: Acceleration
     end: float
     step: float
+    """In which uplift on firm ground is looked for, s."""
+    longest: float
+    """Step of the integrator, s."""
+    tolerance: float
 
-    def down(self, time: float) -> float:
-        """Gravity and the ground's acceleration upwards: g + a_v, m/s^2."""
-        return self.gravity + self.vertical(time)
+    def follow(
+        self, state: Array, restitution: float, recorder: Recorder
+    ) -> tuple[list[float], list[float], bool]:
+        """Go from event to event, from a state at time 0 to the end, recording all of it.
 
-    def uplift(self, time: float) -> tuple[float, float]:
-        """When the block at rest begins to rock, and to which side; at the end if never."""
-        slope = math.tan(self.shape.slenderness)
-        start = first_beyond(
-            self.ground, lambda later: slope * self.down(later), time, self.end, self.step
-        )
-        if start is None:
-            return self.end, 1.0
-        # The block stays behind the ground: it leans against the ground's acceleration.
-        return start, -math.copysign(1, self.ground(start))
-
-    def swing(self, side: float, start: float, state: tuple[float, float]) -> Any:
-        """About one corner, side = +1 or -1, up to impact (event 0) or overturning (event 1).
-
-        Event 2, which ends nothing, is where the block turns back.
+        Returns:
+            Times of impacts (s), angles at which swings turn round (rad), True if it overturns.
         """
-        alpha, factor = self.shape.slenderness, 3 / (4 * self.shape.half_diagonal)
+        impacts, peaks, time, overturned = list[float](), list[float](), 0.0, False
+        while time < self.end:
+            side = self._side(time, state)
+            if not side and self.platform is None:
+                recorder.rest(time, state[0])
+                start = None if state[0] else self._uplift(time)
+                if start is None or start >= self.end:
+                    break
+                time, side = start, self._side(start, state)
+            phase = self._swing(side, time, state) if side else self._stand(time, state)
+            recorder.move(time, phase.t[-1], phase.sol)
+            time, state = float(phase.t[-1]), phase.y[:, -1].copy()
+            if not side:
+                continue
+            peaks.extend(found[0] for found in phase.y_events[2])
+            if len(phase.t_events[0]):
+                impacts.append(time)
+                left = restitution * state[1]
+                state = self._jump(state, 0.0, 0.0 if self._rests(left) else left)
+            elif len(phase.t_events[1]):
+                overturned, state = True, self._jump(state, side * math.pi / 2, 0.0)
+        return impacts, peaks, overturned
 
-        def rate(time: float, angle: float) -> float:
-            lean = side * alpha - angle
-            push = self.down(time) * math.sin(lean) + self.ground(time) * math.cos(lean)
-            return -factor * push
+    def _rests(self, velocity: float) -> bool:
+        """True if an upright block has too little angular velocity (1/s) left to go on."""
+        barrier = self.shape.frequency(self.gravity) ** 2 * (1 - math.cos(self.shape.slenderness))
+        return velocity**2 / 2 <= RESTING_ENERGY * barrier
+
+    def _arms(self, angle: float, side: float) -> tuple[float, float]:
+        """How far the centre moves along x, and upwards, while the block turns by a radian, m."""
+        lean, radius = self.shape.slenderness - side * angle, self.shape.half_diagonal
+        return radius * math.cos(lean), side * radius * math.sin(lean)
+
+    def _together(self, time: float, state: State) -> float:
+        """Acceleration A of what the block stands on while it stands or lies, a_g included."""
+        if self.platform is None:
+            return self.ground(time)
+        m, k, c = self.platform
+        return -(c * state[3] + k * state[2]) / (m + self.shape.mass)
+
+    def _limit(self, time: float) -> float:
+        """Acceleration A that uplifts the block, m/s^2."""
+        return (self.gravity + self.vertical(time)) * math.tan(self.shape.slenderness)
+
+    def _uplift(self, time: float) -> float | None:
+        """When the block on firm ground begins to rock, s; None: never."""
+        return first_beyond(self.ground, self._limit, time, self.end, self.step)
+
+    def _side(self, time: float, state: State) -> float:
+        """To which side the block leans from here on, +1 or -1; 0: it stands, or lies."""
+        angle, velocity = state[:2]
+        if abs(angle) >= math.pi / 2:
+            return 0.0
+        if angle or velocity:
+            return math.copysign(1.0, angle or velocity)
+        needed = self._together(time, state)
+        # The block stays behind what it stands on.
+        return -math.copysign(1.0, needed) if abs(needed) > self._limit(time) else 0.0
+
+    def _jump(self, state: Array, angle: float, velocity: float) -> Array:
+        """The state after a jump to an angular velocity that leaves the horizontal momentum."""
+        if self.platform is None:
+            return np.array([angle, velocity, 0.0, 0.0])
+        across, _ = self._arms(angle, math.copysign(1.0, angle))
+        share = self.shape.mass / (self.shape.mass + self.platform.mass)
+        jump = -share * across * (velocity - state[1])
+        return np.array([angle, velocity, state[2], state[3] + jump])
+
+    def _rates(self, time: float, state: State, side: float) -> tuple[float, float]:
+        """Angular acceleration in a swing, and A - a_g of what carries the block."""
+        angle, velocity, drift, speed = state
+        mass, inertia = self.shape.mass, self.shape.rotary_inertia_about_corner
+        across, up = self._arms(angle, side)
+        moment, coupling = -mass * up * (self.gravity + self.vertical(time)), mass * across
+        if self.platform is None:
+            return (moment - coupling * self.ground(time)) / inertia, 0.0
+        m, k, c = self.platform
+        force = -c * speed - k * drift - mass * up * velocity**2
+        whole = inertia * (m + mass) - coupling**2
+        turning = (moment * (m + mass) - coupling * force) / whole
+        return turning, (inertia * force - coupling * moment) / whole - self.ground(time)
+
+    def _swing(self, side: float, start: float, state: Array) -> Any:
+        """About one corner, up to impact (event 0) or overturning (event 1); event 2: a peak."""
+
+        def derivative(time: float, y: Array) -> tuple[float, float, float, float]:
+            turning, under = self._rates(time, y, side)
+            return y[1], turning, y[3], under
 
         events = [
             event(lambda time, y: side * y[0], falling=True, terminal=True),
             event(lambda time, y: side * y[0] - math.pi / 2, falling=False, terminal=True),
             event(lambda time, y: side * y[1], falling=True, terminal=False),
         ]
-        # Over ground that moves, no feature of its motion may be stepped over.
-        stands = self.ground is still and self.vertical is still
-        step = math.inf if stands else self.step
+        return self._solved(derivative, start, state, events)
+
+    def _stand(self, start: float, state: Array) -> Any:
+        """Block and platform as one oscillator: until the block uplifts, or, lying, to the end."""
+
+        def derivative(time: float, y: Array) -> tuple[float, float, float, float]:
+            return 0.0, 0.0, y[3], self._together(time, y) - self.ground(time)
+
+        def excess(time: float, y: Array) -> float:
+            return abs(self._together(time, y)) - BEYOND * self._limit(time)
+
+        events = [] if state[0] else [event(excess, falling=False, terminal=True)]
+        return self._solved(derivative, start, state, events)
+
+    def _solved(self, derivative: Any, start: float, state: Array, events: list[Any]) -> Any:
+        span = start, self.end
         return solve(
-            lambda time, y: (y[1], rate(time, y[0])),
-            (start, self.end),
-            state,
-            step=step,
-            events=events,
+            derivative, span, state, step=self.longest, events=events, tolerance=self.tolerance
         )
+
+    def accelerations(self, times: Array, states: Array) -> tuple[Array, Array]:
+        """Angular accelerations and the platform's without a_g, at many times."""
+        found = np.zeros((len(times), 2))
+        for row, time in enumerate(map(float, times)):
+            state = states[row]
+            if 0 < abs(state[0]) < math.pi / 2 or state[1] != 0:
+                found[row] = self._rates(time, state, math.copysign(1.0, state[0] or state[1]))
+            else:
+                found[row] = 0.0, self._together(time, state) - self.ground(time)
+        return found[:, 0], found[:, 1]

@@ -13,6 +13,13 @@ Acceleration = Callable[[float], float]
 """Acceleration of the ground, m/s^2, at a time in s; positive towards +x."""
 
 
+State = Sequence[float] | NDArray[np.float64]
+"""Positions and velocities, one after the other."""
+
+EXACT = 1e-11
+"""Relative tolerance of the integrator where nothing is said; others are those of quicker ones."""
+
+
 def still(time: float) -> float:
     """The ground that does not move."""
     return 0.0
@@ -104,10 +111,11 @@ def _first_step(span: float, step: float, velocity: float, pull: float) -> float
 def solve(
     derivative: Callable[[float, Any], Sequence[float]],
     span: tuple[float, float],
-    state: Sequence[float] | NDArray[np.float64],
+    state: State,
     *,
     step: float,
     events: list[Any],
+    tolerance: float = EXACT,
 ) -> Any:
     """Solve y' = derivative(time, y) until a terminal event; scipy's solution object.
 
@@ -117,6 +125,7 @@ def solve(
         state: y at the start, a position, its velocity, and what follows.
         step: Largest step of the integrator, s: no feature of the ground's motion is stepped over.
         events: As `scipy.integrate.solve_ivp` takes them.
+        tolerance: Relative.
     """
     from scipy.integrate import solve_ivp
 
@@ -128,11 +137,11 @@ def solve(
             derivative,
             span,
             state,
-            method="DOP853",
+            method="DOP853" if tolerance <= EXACT else "RK45",
             dense_output=True,
             events=events,
-            rtol=1e-11,
-            atol=1e-14,
+            rtol=tolerance,
+            atol=1e-3 * tolerance,
             max_step=step,
             first_step=first,
         )

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 13
+FORMAT = 14
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -38,7 +38,7 @@ TYPES = {
     "numpy._core.numeric": ("_frombuffer",),
     "solver.bodies.kinematics": ("RigidMotion",),
     "solver.contact.body_points": ("PointState",),
-    "solver.contact.kernels.facets": ("Feet",),
+    "solver.contact.kernels.facets": ("ClosestPoints",),
     "solver.contact.kernels.nitsche": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
     "solver.contact.kinematics": ("ContactKinematics", "EdgeInterpolation", "Projection"),
@@ -50,7 +50,7 @@ TYPES = {
     "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
-    "solver.stepping.state": ("State", "Turning"),
+    "solver.stepping.state": ("State", "RotationPrediction"),
 }
 """The types that runs save, by the modules that have them: a checkpoint may name no others."""
 

@@ -21,9 +21,8 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
-from solver.reference.expected import expected_mode, has_expected_mode
-from solver.reference.housner import housner_restitution
-from solver.reference.platform_rocking import restitution_on_platform
+from solver.reference.housner import housner_restitution, restitution_on_platform
+from solver.reference.initiation import expected_mode, has_expected_mode
 from solver.results.cautions import cautions_of_scene
 from solver.scene import BlockSpec, Scene
 from solver.scene.cells import box_nodes

@@ -22,7 +22,7 @@ from solver.run.files import Fields
 from solver.run.observer import Observer
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
-from solver.stepping.interfaces import Standing
+from solver.stepping.interfaces import InterfaceState
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.stepping.stepper import StepFailed
@@ -36,7 +36,7 @@ class _Ahead(NamedTuple):
     dt: float
     new: State
     exchange: Exchange
-    standing: Standing
+    standing: InterfaceState
 
 
 class MeshedRun:

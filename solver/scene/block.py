@@ -130,13 +130,6 @@ class BlockSpec(Checked):
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:
                     raise missing_key(key, f"for an elastic block ({range_}), or set {RIGID_MODEL}")
-        try:
-            representable = 0 < self.shape.mass < math.inf
-        except (ValueError, ZeroDivisionError):
-            representable = False
-        if not representable:
-            sizes = f"{self.width:g} x {self.height:g} x {self.thickness:g} m"
-            raise SceneError("width", sizes, "a block of finite volume, mass and density")
 
     def in_dimension(self, dimension: Dimension) -> BlockSpec:
         """The block in a scene of this dimension, nothing left open; SceneError if it cannot be."""

@@ -82,14 +82,6 @@ class Motion(Checked):
                 raise not_applicable(f"{direction}.{below}", "[motion] itself only")
 
     @property
-    def known_peak(self) -> float | None:
-        """Largest |a_g| along this direction, m/s^2, as far as the keys alone have it.
-
-        None where it takes reading a file or computing the motion.
-        """
-        return None
-
-    @property
     def shortest_period(self) -> float:
         """Period of the fastest part of the motion that moves blocks, s; infinite without one."""
         return SHORTEST_PERIOD_OF_RECORDS
@@ -121,27 +113,9 @@ class StillSpec(Motion):
         """No motion has no period."""
         return math.inf
 
-    @property
-    def known_peak(self) -> float | None:
-        """No motion has no peak: 0."""
-        return 0.0
-
-
-class _Peaked(Motion):
-    """Base of the kinds whose largest acceleration is their amplitude."""
-
-    __slots__ = ()
-
-    amplitude_g: float
-
-    @property
-    def known_peak(self) -> float | None:
-        """The amplitude, m/s^2."""
-        return abs(self.amplitude_g) * G_UNIT
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SineSpec(_Peaked):
+class SineSpec(Motion):
     """A sine of the ground's acceleration: `[motion]` with kind = "sine"."""
 
     kind: Literal["sine"] = "sine"
@@ -161,7 +135,7 @@ class SineSpec(_Peaked):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Pulse(_Peaked):
+class _Pulse(Motion):
     """A motion that is over after a while."""
 
     amplitude_g: Amplitude
@@ -199,7 +173,7 @@ class RectangularSpec(_Pulse):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RickerSpec(_Peaked):
+class RickerSpec(Motion):
     """A Ricker wavelet, its largest acceleration in the middle: kind = "ricker"."""
 
     kind: Literal["ricker"] = "ricker"

@@ -97,7 +97,7 @@ class Scene(Checked):
             from solver.scene.places import refuse_overlaps  # needs numpy, other scenes do not
 
             refuse_overlaps(self.order, self.dimension, pairs)
-        self.check_limits(self.known_shaking)
+        self.check_limits(shaking=0.0)
 
     def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:
         """The blocks, each changed; errors are those of the block."""
@@ -198,8 +198,8 @@ class Scene(Checked):
     def check_limits(self, shaking: float) -> None:
         """Refuse bodies too soft for what they carry or too stiff for the steps, and the like.
 
-        Checked when a scene is made, with the peaks that the keys of its motions tell, and again
-        when the other motions have been read.
+        Checked without the motion of the ground when a scene is made, and again when that has been
+        read.
 
         Args:
             shaking: Peaks of the ground's acceleration in all directions, added up, m/s2.
@@ -282,14 +282,6 @@ class Scene(Checked):
         """Paths of the tables of motions along x, in space y, and upwards."""
         second = ("motion.second",) if self.dimension == 3 else ()
         return ("motion", *second, "motion.vertical")
-
-    @property
-    def known_shaking(self) -> float:
-        """Peaks of the ground's acceleration in all directions, added up, m/s2.
-
-        Of those motions whose keys have it.
-        """
-        return sum(motion.known_peak or 0.0 for _, motion in self.motions)
 
     @property
     def carried_mass(self) -> float:

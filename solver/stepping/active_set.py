@@ -1,10 +1,10 @@
-"""What a step looks at: points near their carriers, or beyond an edge; interfaces far away.
+"""The active set of a step: points near contact, points beyond edges, interfaces left out.
 
 Each point that is looked at needs its columns of the contact compliance, which large bodies take
 long to solve for. So points that were never near count only where they would sink in; those that
 once were, for which the columns are there, count from some way off: the set stays the same then,
 and what other points press into the carrier is there when it is. Interfaces far from contact are
-left out of a step, and many steps do not even look at them.
+inactive; while bodies move by less than their clearance, they need not even be observed.
 """
 
 from __future__ import annotations
@@ -24,50 +24,50 @@ from solver.stepping.point_table import PointTable
 from solver.stepping.system import Body, System
 from solver.types import Array, Indices, Mask
 
-REACH = 0.002
+MARGIN = 0.002
 """Part of a body's size: points farther from their carrier after the free step are not pressed into
 it by the others."""
 
-FIRST_REACH = 1e-6
+FIRST_MARGIN = 1e-6
 """Part of a body's size from which points count that were never near before; if others sink in all
 the same, the step is solved on with them."""
 
 
-class Reach:
+class ContactMargin:
     """The gaps below which points may come into contact in a correction.
 
     Attributes:
         distance: The gaps, (points,), m.
         met: Points that were near in a correction before, (points,).
-        holding: Whether some points count wherever they are.
+        keeps_touching: True if all points that touched at the start count wherever they are.
     """
 
     def __init__(self, size: Array):
         """Begin with points that were never near, by the sizes of their bodies, (points,), m."""
-        self._size, self.holding = size, False
-        self.meet_again(np.zeros(len(size), dtype=np.bool_))
+        self._size, self.keeps_touching = size, False
+        self.reset(np.zeros(len(size), dtype=np.bool_))
 
-    def meet_again(self, met: Mask) -> None:
-        """Let these points, and no others, have been near before, (points,)."""
-        self.met, self.holding = met.copy(), False
-        self.distance: Array = np.where(met, REACH, FIRST_REACH) * self._size
+    def reset(self, seen: Mask) -> None:
+        """Take these points, and no others, for points that were near before, (points,)."""
+        self.seen, self.keeps_touching = seen.copy(), False
+        self.distance: Array = np.where(seen, MARGIN, FIRST_MARGIN) * self._size
 
-    def hold(self, gaps: Array, may_touch: Mask) -> None:
+    def keep_active(self, gaps: Array, may_touch: Mask) -> None:
         """Let all points that touch by these gaps (m) count, wherever corrections lead them."""
-        touching = may_touch & (gaps <= FIRST_REACH * self._size)
-        self.holding = True
+        touching = may_touch & (gaps <= FIRST_MARGIN * self._size)
+        self.keeps_touching = True
         self.distance = np.where(touching, np.inf, self.distance)
 
-    def meet(self, near: Indices) -> None:
-        """Take note that points are near, by their numbers."""
-        if self.met.take(near).all():
+    def mark_seen(self, near: Indices) -> None:
+        """Mark points, by their numbers, as points that have been near."""
+        if self.seen.take(near).all():
             return
-        self.met[near] = True
-        self.distance[near] = np.maximum(self.distance[near], REACH * self._size[near])
+        self.seen[near] = True
+        self.distance[near] = np.maximum(self.distance[near], MARGIN * self._size[near])
 
 
 MOST_CROSSED = 8
-"""How often a point may cross an edge in the corrections of a step."""
+"""Times that a point may cross an edge in the corrections of a step, at most."""
 
 
 class CarrierEdges:
@@ -135,55 +135,55 @@ class EdgeWatch:
         return self._last
 
 
-ASLEEP_REACHES = 5
+INACTIVE_MARGINS = 5
 """An interface farther from contact than this many times the reach of its points is left out."""
 
 STEPS_AHEAD = 2
-"""Nobody looks at an interface that the next step leaves far from contact even if bodies move this
-many times as far in it as in the last one."""
+"""An interface is not observed if the next step leaves it far from contact even where bodies move
+this many times as far in it as in the last one."""
 
 
-class Sleepers:
-    """The interfaces that a step leaves out.
+class ActiveSet:
+    """The interfaces that are active in a step, and those far from contact that it leaves out.
 
     Attributes:
-        asleep: Whether each interface is one of them.
-        points: Their points, (points,); None where there are none.
-        overran: Whether bodies moved so far in the step that it says nothing of interfaces nobody
-            looked at.
+        inactive: True for each interface that is left out.
+        points: The points of inactive interfaces, (points,); None if there are none.
+        overran: True if bodies moved farther in the step than interfaces that were not observed
+            were clear.
     """
 
     def __init__(self, system: System, points: PointTable, balance: Balance, edges: CarrierEdges):
         """Leave out what is far from contact at the start of the step; nothing in equilibrium."""
         self._system, self._points, self._start = system, points, balance.start
         self._memories, self._edges = balance.contact, edges
-        self._looked: dict[int, Observed] = {}  # at the end of the step
+        self._observed: dict[int, Observed] = {}  # at the end of the step
         self._clear: dict[int, float] = {}  # likewise
-        self.asleep = [
+        self.inactive = [
             not balance.static and (memory.clear > 0.0 or self._far(number, memory))
             for number, memory in enumerate(balance.contact)
         ]
-        self.points = self._of_sleeping()
+        self.points = self._inactive_points()
         self.overran = False
 
-    def _of_sleeping(self) -> Mask | None:
-        """The points of interfaces that sleep; None where there are none."""
-        if not any(self.asleep):
+    def _inactive_points(self) -> Mask | None:
+        """The points of inactive interfaces; None if there are none."""
+        if not any(self.inactive):
             return None
-        return self._points.of_interfaces(tuple(self.asleep))
+        return self._points.of_interfaces(tuple(self.inactive))
 
-    def _reach(self, number: int) -> float:
-        """How far from contact an interface has to be to be left out, m."""
-        return ASLEEP_REACHES * REACH * self._points.links[number].interface.size
+    def _margin(self, number: int) -> float:
+        """Distance from contact beyond which an interface is inactive, m."""
+        return INACTIVE_MARGINS * MARGIN * self._points.links[number].interface.size
 
     def _far(self, number: int, memory: Memory) -> bool:
-        """Whether an interface is far from contact at the start of the step.
+        """True if an interface is far from contact at the start of the step.
 
-        Only those without tractions can sleep: the theta term acts on open points, too.
+        Only those without tractions can be inactive: the theta term acts on open points, too.
         """
         if self._points.links[number].interface.theta or memory.force.any():
             return False
-        return self._clearance(number, memory.kinematics) > self._reach(number)
+        return self._clearance(number, memory.kinematics) > self._margin(number)
 
     def _clearance(self, number: int, kinematics: ContactKinematics) -> float:
         """Smallest gap of an interface's points that may touch, m."""
@@ -193,54 +193,54 @@ class Sleepers:
         gaps = kinematics.place[may, 0]
         return float(gaps.min()) if len(gaps) else np.inf
 
-    def wake(self, u: Array) -> bool:
-        """Whether interfaces have come into contact at the solution u after all."""
+    def activate(self, u: Array) -> bool:
+        """Activate interfaces that are in contact at the solution u; True if there are any."""
         if self.points is None:
             return False
-        ways = ways_of(self._system, u, self._start)
-        woken = False
-        for number, asleep in enumerate(self.asleep):
-            if asleep and self._wakes(number, u, ways):
-                self.asleep[number], woken = False, True
-        if woken:
-            self.points = self._of_sleeping()
-        return woken
+        moved = largest_displacements(self._system, u, self._start)
+        activated = False
+        for number, inactive in enumerate(self.inactive):
+            if inactive and self._has_contact(number, u, moved):
+                self.inactive[number], activated = False, True
+        if activated:
+            self.points = self._inactive_points()
+        return activated
 
-    def _wakes(self, number: int, u: Array, ways: list[float]) -> bool:
-        """Whether an interface has come into contact at u, where bodies moved so far, m."""
+    def _has_contact(self, number: int, u: Array, moved: Sequence[float]) -> bool:
+        """True if an inactive interface is in contact at u; bodies moved by at most so much, m."""
         link, before = self._points.links[number], self._memories[number].clear
-        way = sum(ways[body] for body in (link.body, link.carrier) if body is not None)
-        self._looked.pop(number, None)
-        clear = before - way
-        if clear <= STEPS_AHEAD * way:
-            self.overran |= before > 0.0 and clear + self._reach(number) <= 0.0
-            seen = self._looked[number] = self._points.observe(number, u)
+        moved_by = sum(moved[body] for body in (link.body, link.carrier) if body is not None)
+        self._observed.pop(number, None)
+        clear = before - moved_by
+        if clear <= STEPS_AHEAD * moved_by:
+            self.overran |= before > 0.0 and clear + self._margin(number) <= 0.0
+            seen = self._observed[number] = self._points.observe(number, u)
             if not before and self._clearance(number, seen[1]) < 0:
                 return True
-            clear = link.interface.apart(*seen) - self._reach(number)
-        self._clear[number] = clear if clear > STEPS_AHEAD * way else 0.0
+            clear = link.interface.apart(*seen) - self._margin(number)
+        self._clear[number] = clear if clear > STEPS_AHEAD * moved_by else 0.0
         return False
 
     def seen(self, number: int) -> Observed:
-        """A sleeping interface at the end of the step, or where anybody looked at it last."""
+        """An inactive interface when it was observed last."""
         memory = self._memories[number]
-        return self._looked.get(number, memory.seen)
+        return self._observed.get(number, memory.seen)
 
     def clear(self, number: int) -> float:
-        """How far an interface may still move before anybody has to look at it, m."""
-        return self._clear[number] if self.asleep[number] else 0.0
+        """Distance by which an interface may still move before it has to be observed, m."""
+        return self._clear[number] if self.inactive[number] else 0.0
 
 
-def ways_of(system: System, now: Array, before: Array) -> list[float]:
+def largest_displacements(system: System, now: Array, before: Array) -> list[float]:
     """At most how far a point of each body moves between owned unknowns, m; collective.
 
     By positions relative to the ground.
     """
-    ways = [_way(body, now[own], before[own]) for body, own in system.members]
-    return global_max(system.comm, ways)
+    moved = [_largest_displacement(body, now[own], before[own]) for body, own in system.members]
+    return global_max(system.comm, moved)
 
 
-def _way(body: Body, now: Array, before: Array) -> float:
+def _largest_displacement(body: Body, now: Array, before: Array) -> float:
     """At most how far a point moves that this rank knows of, m."""
     if isinstance(body, DenseBody):
         return body.way(now - before)

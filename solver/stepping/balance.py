@@ -23,7 +23,7 @@ from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.point_table import joined
-from solver.stepping.state import State, Turning
+from solver.stepping.state import RotationPrediction, State
 from solver.stepping.system import Body, Link, System
 from solver.types import Array
 
@@ -166,7 +166,7 @@ class Contact(NamedTuple):
         """Its points, and where they are."""
         return self.surface, self.kinematics
 
-    def is_unseen(self, before: Memory) -> bool:
+    def was_skipped(self, before: Memory) -> bool:
         """Whether the step did not even look where it is: it stays as it was remembered before."""
         return self.surface is before.surface
 
@@ -205,7 +205,7 @@ class Step(NamedTuple):
     scheme: GeneralizedAlpha
     start: StepStart
     load: Array
-    turning: Turning
+    turning: RotationPrediction
     p: Array
     rotations: Sequence[Array]
 
@@ -238,7 +238,7 @@ def balance_of(
     )
 
 
-def extrapolated(system: System, state: State, turning: Turning) -> Array:
+def extrapolated(system: System, state: State, turning: RotationPrediction) -> Array:
     """The displacement after a step in which bodies turn as they did, and nothing else acts."""
     bodies = zip(system.bodies, system.slices, turning.angles, strict=True)
     return joined(
@@ -299,7 +299,7 @@ def inertia_force(
     p -= impulse * step.load
     weights = ForceWeights.of(contact=1.0, traction=0.0, sign=-impulse)
     for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
-        if c.is_unseen(memory):
+        if c.was_skipped(memory):
             continue
         increment = ContactIncrement(memory.seen, c.seen, c.force)
         link.interface.add_forces(increment, system.parts(p, link), weights)
@@ -312,7 +312,7 @@ def remembered(
     """Memories of all interfaces after a step of length dt (s), and what it lost in all of them."""
     memories, lost = [], []
     for link, before, c in zip(links, old, contacts, strict=True):
-        if c.is_unseen(before):
+        if c.was_skipped(before):
             memories.append(before.until(c.clear))
             continue
         after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)

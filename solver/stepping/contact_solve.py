@@ -24,7 +24,13 @@ from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.active_set import CarrierEdges, EdgeWatch, Reach, Sleepers, points_beyond
+from solver.stepping.active_set import (
+    ActiveSet,
+    CarrierEdges,
+    ContactMargin,
+    EdgeWatch,
+    points_beyond,
+)
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
     Delassus,
@@ -36,7 +42,7 @@ from solver.stepping.delassus import (
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
 from solver.stepping.response import CandidateSet, Kinematics, repeat_compliances, saved_compliances
-from solver.stepping.step_contact import ContactModel, OthersNear, StepContact, compile_law
+from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
 from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array, Indices, Mask
 
@@ -51,7 +57,7 @@ class Iterate(NamedTuple):
     seen: Sequence[Observed]
 
 
-class Pressing(NamedTuple):
+class ActivePair(NamedTuple):
     """An interface that residuals look at: what stays the same from one to the next.
 
     Attributes:
@@ -90,9 +96,9 @@ class StepProblem:
         self._edges = CarrierEdges(model.points, balance.contact)
         self._watch = EdgeWatch()
         self._beyond: Mask | None = None
-        self.sleepers = Sleepers(model.system, model.points, balance, self._edges)
+        self.active_set = ActiveSet(model.system, model.points, balance, self._edges)
         self._remembered = [memory.seen for memory in balance.contact]
-        self._awake = self._pressing()
+        self._active = self._pairs()
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
@@ -117,9 +123,9 @@ class StepProblem:
         residual, self.inertia = self._balance.smooth_residual(self._system, u)
         seen, parts = self._remembered.copy(), self._system.parts
         kinematics: list[ContactKinematics | None] = [None] * len(seen)
-        for number, link, before, force, weights in self._awake:
+        for number, link, before, force, weights in self._active:
             at, on = parts(u, link), parts(residual, link)
-            seen[number] = found = link.interface.press(before, at, force, on, weights)
+            seen[number] = found = link.interface.evaluate_forces(before, at, force, on, weights)
             kinematics[number] = found[1]
         fixed = self._system.fixed
         if len(fixed):
@@ -129,16 +135,16 @@ class StepProblem:
         self._residual = residual
         return residual
 
-    def _pressing(self) -> list[Pressing]:
+    def _pairs(self) -> list[ActivePair]:
         """The interfaces that residuals look at."""
         balance, points, found = self._balance, self._points, []
-        for number, asleep in enumerate(self.sleepers.asleep):
-            if not asleep:
+        for number, inactive in enumerate(self.active_set.inactive):
+            if not inactive:
                 link, force = points.links[number], self.contact.force[points.own[number]]
                 before = None if self._static else self._remembered[number]
                 tangent = balance.weights[link.body or 0]
                 weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
-                found.append(Pressing(number, link, before, force, weights))
+                found.append(ActivePair(number, link, before, force, weights))
         return found
 
     def acceleration(self) -> float:
@@ -207,7 +213,7 @@ class StepProblem:
 
     def _points_beyond(self) -> Mask | None:
         """Points beyond an edge at the iterate, with all of interfaces that sleep; None: none."""
-        points, beyond = self._points, self.sleepers.points
+        points, beyond = self._points, self.active_set.points
         for number in self._edges.numbers:
             kinematics, off = self._kinematics[number], None
             if kinematics is not None:
@@ -225,13 +231,13 @@ class StepProblem:
         beyond an edge goes to and fro with the face. Returns the operator of the points that are
         near, and the change of their forces, (m, d), N; None where no point is near.
         """
-        self._put_away(y)
+        self._deactivate(y)
         self.contact.tell_slips(y)
         operator = self._tangents.operator
         if operator is None or not operator.fits(self._tangents.responses, self._configurations):
             operator = of_no_points(self._system.dimension)
         while isinstance(change := self.contact.settle(y, operator), OthersNear):
-            self._model.reach.meet(change.number)
+            self._model.margin.mark_seen(change.number)
             operator = self._tangents.operator = self._delassus(change.number)
         return operator, change
 
@@ -250,30 +256,32 @@ class StepProblem:
 
     def continues(self, u: Array) -> bool:
         """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
-        if self.sleepers.wake(u):
-            self._awake = self._pressing()
+        if self.active_set.activate(u):
+            self._active = self._pairs()
             return True
         return self._sinks_in() or self.contact.friction.break_loose(self.contact.force)
 
     def _sinks_in(self) -> bool:
         """Whether points sink in at the iterate that no correction has looked at."""
         y = self._positions()
-        self._put_away(y)
+        self._deactivate(y)
         return self.contact.sinks_in(y)
 
-    def _put_away(self, y: Array) -> None:
+    def _deactivate(self, y: Array) -> None:
         """Put points beyond an edge as far from their carrier as their body is large, in y."""
         if self._beyond is not None:
             y[self._beyond, 0] = self._points.size[self._beyond]
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues` was asked."""
-        found, sleepers = [], self.sleepers
+        found, active_set = [], self.active_set
         for number, own in enumerate(self._points.own):
-            asleep = sleepers.asleep[number]
-            surface, kinematics = sleepers.seen(number) if asleep else self._iterate.seen[number]
+            inactive = active_set.inactive[number]
+            surface, kinematics = (
+                active_set.seen(number) if inactive else self._iterate.seen[number]
+            )
             force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
-            found.append(Contact(surface, kinematics, force, bounds, sleepers.clear(number)))
+            found.append(Contact(surface, kinematics, force, bounds, active_set.clear(number)))
         return found
 
 
@@ -290,12 +298,11 @@ class ContactSolve:
     ):
         """Set SNES up for the bodies and their interfaces."""
         points = PointTable(system, links)
-        compile_law(system.dimension, in_rounds=points.decays)
         self._model = ContactModel(
             system=system,
             points=points,
             local=local,
-            reach=Reach(points.size),
+            margin=ContactMargin(points.size),
             softening=Softening.of(system, links, points.softness),
         )
         self._solver = NonlinearSolver(system.comm, system.size, NoContactSolution, options)
@@ -314,7 +321,7 @@ class ContactSolve:
                 (weights, saved_compliances(tangents.responses), tangents.operator)
                 for weights, tangents in self._tangents.items()
             ],
-            "met": self._model.reach.met,
+            "seen": self._model.margin.seen,
             "strained_at": self._strained_at,
         }
 
@@ -326,15 +333,15 @@ class ContactSolve:
             tangents = self._tangents_for(weights)
             repeat_compliances(tangents.responses, compliances)
             tangents.operator = operator
-        self._model.reach.meet_again(saved["met"])
+        self._model.margin.reset(saved["seen"])
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
         """Solve a balance from a guess of the displacement and the last point forces."""
-        reach = self._model.reach
+        margin = self._model.margin
         if balance.static:
             self._hold_touching(balance)
-        elif reach.holding:
-            reach.meet_again(reach.met)
+        elif margin.keeps_touching:
+            margin.reset(margin.seen)
         tangents = self._tangents_for(tuple(balance.weights))
         problem = StepProblem(self._model, tangents, balance, guess)
         tolerance = balance.tolerance(self._model.system, guess)
@@ -345,7 +352,7 @@ class ContactSolve:
             before = outcome.iterations
             u, outcome = self._solver.solve(problem, u, tolerance)
             outcome = outcome._replace(iterations=outcome.iterations + before)
-        if outcome.converged and problem.sleepers.overran:
+        if outcome.converged and problem.active_set.overran:
             outcome = outcome._replace(converged=False, reason="bodies move too far in one step")
         contacts = problem.contacts() if outcome.converged else []
         residual = self._solver.residual
@@ -375,7 +382,7 @@ class ContactSolve:
             if beyond is not None:
                 may_touch[own] &= ~beyond
         gaps = joined([memory.kinematics.place[:, 0] for memory in memories])
-        self._model.reach.hold(gaps, may_touch)
+        self._model.margin.keep_active(gaps, may_touch)
 
     def _was_strained_at(self, start: Array) -> bool:
         """Whether the stiffness was made anew at this very displacement; collective."""

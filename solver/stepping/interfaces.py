@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.interface import carry_over, rotate_frame
-from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.memory import Memory
 from solver.contact.pairs import ContactPair
-from solver.law.compiled import runs_machine_code
 from solver.stepping.state import State
 from solver.stepping.system import Link, System
 from solver.types import Array
@@ -37,40 +33,40 @@ class StepStart(NamedTuple):
     exchanged: float
 
 
-class Standing(NamedTuple):
-    """How interfaces stand in a step.
+class InterfaceState(NamedTuple):
+    """Frames of carriers and crossings of edges in a step.
 
     Attributes:
         faces: Tags of the faces that take part.
-        settled: For each interface the frame of its carrier, or where edges meet.
+        settled: For each interface the frame of its carrier, or the contacts of its edges.
     """
 
     faces: Faces
     settled: tuple[Any, ...]
 
     @classmethod
-    def of(cls, faces: Faces, links: Sequence[Link]) -> Standing:
-        """How these interfaces stand now."""
+    def of(cls, faces: Faces, links: Sequence[Link]) -> InterfaceState:
+        """The state of these interfaces now."""
         carriers = [link.interface.carrier for link in links]
         return cls(
-            faces, tuple(c.meeting if isinstance(c, Crossings) else c.frame for c in carriers)
+            faces, tuple(c.detected if isinstance(c, Crossings) else c.frame for c in carriers)
         )
 
     def restore(self, links: Sequence[Link]) -> None:
-        """Let the interfaces of the same faces stand as they did."""
+        """Set the interfaces of the same faces to this state."""
         for link, settled in zip(links, self.settled, strict=True):
             carrier = link.interface.carrier
             if isinstance(carrier, Crossings):
-                carrier.meeting = settled
+                carrier.detected = settled
             elif isinstance(carrier, Face):
                 carrier.frame = settled
 
 
 class Interfaces:
-    """Who may touch whom, with which of its faces; each interface is made once and kept."""
+    """Candidate pairs and their active faces; each interface is made once and kept."""
 
     def __init__(self, system: System, contacts: Sequence[ContactPair]):
-        """Take the bodies, and who may touch whom."""
+        """Take the bodies and the pairs that may touch."""
         self._system, self._contacts = system, tuple(contacts)
         self._links: dict[tuple[int, frozenset[int]], Link] = {}
         self._last: tuple[Faces, tuple[Link, ...]] | None = None
@@ -82,10 +78,8 @@ class Interfaces:
         for number, contact in enumerate(self._contacts):
             key = number, faces[number]
             if key not in self._links:
-                link = Link(contact.join(faces[number]), contact.body, contact.carrier)
-                self._links[key] = link
-                if runs_machine_code():
-                    _compile(self._system, link)
+                joined = contact.join(faces[number])
+                self._links[key] = Link(joined, contact.body, contact.carrier)
         self._last = faces, tuple(self._links[key] for key in enumerate(faces))
         return self._last[1]
 
@@ -137,7 +131,7 @@ class Interfaces:
         return sum(link.interface.energy(memory) for link, memory in pairs)
 
     def start(self, state: State, faces: Faces, dt: float) -> StepStart:
-        """What a step of length `dt` (s) starts from; the state is left as it is.
+        """Contact at the start of a step of length `dt` (s); the state is left as it is.
 
         Faces that have joined by now take part from now on, frames are those of the middle of the
         step, and points of corners are chosen anew.
@@ -185,12 +179,3 @@ class Interfaces:
                 strict=True,
             )
         ]
-
-
-def _compile(system: System, link: Link) -> None:
-    """Let what is compiled of an interface be compiled, or read back, before time counts."""
-    at, on = (system.parts(np.zeros(system.size), link) for _ in range(2))
-    force = np.zeros((link.interface.count, link.interface.dimension))
-    weights = ForceWeights.of(contact=1.0, traction=0.5, sign=1.0)
-    seen = link.interface.press(None, at, force, on, weights)
-    link.interface.add_forces(ContactIncrement(seen, seen, force), on, weights)

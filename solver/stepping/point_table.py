@@ -54,7 +54,7 @@ class JoinedBounds(NamedTuple):
 
 
 class PointTable:
-    """What stays the same of all contact points while no face joins.
+    """All contact points of a scene, the same while no face joins.
 
     Attributes:
         links: The interfaces.

@@ -24,7 +24,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfacePoints
-from solver.contact.kernels.turned import (
+from solver.contact.kernels.corotational import (
     add_compliance,
     add_loads,
     add_places,
@@ -90,7 +90,7 @@ class BodyRole:
         own = kinematics[self.interface]
         if own is None:
             return None
-        return own.foot if self.carries else own.own_projection
+        return own.projection if self.carries else own.own_projection
 
 
 class CandidateSet(NamedTuple):

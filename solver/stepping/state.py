@@ -1,4 +1,4 @@
-"""What a step starts from, and what it exchanges."""
+"""The state that a step starts from, and the energy that it exchanges."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from solver.stepping.system import System
 from solver.types import Array
 
 
-class Turning(NamedTuple):
-    """How all bodies turn at the start of a step.
+class RotationPrediction(NamedTuple):
+    """Predicted rotations of all bodies in a step.
 
     Attributes:
         step: Length of the step, s.
@@ -31,7 +31,9 @@ class Turning(NamedTuple):
     halves: Sequence[Array]
 
     @classmethod
-    def of(cls, spins: Sequence[Array], step: float, last: Turning | None) -> Turning:
+    def of(
+        cls, spins: Sequence[Array], step: float, last: RotationPrediction | None
+    ) -> RotationPrediction:
         """The turning of a step of a length (s), after the last step."""
         ahead = []
         for number, spin in enumerate(spins):
@@ -82,17 +84,17 @@ class State(NamedTuple):
     kinetic: float = 0.0
     strain: float = 0.0
     spring: float = 0.0
-    turning: Turning | None = None
+    turning: RotationPrediction | None = None
     changed: bool = False
     reversal: float = 0.0
     damped_until: float = 0.0
 
     def is_damped(self, dt: float) -> bool:
-        """Whether a step of length `dt` (s) from here is taken with rho_inf = 0."""
+        """True if a step of length `dt` (s) from here is taken with rho_inf = 0."""
         return self.damped_until - self.time > 1e-6 * dt
 
     def rigid_motion(self, system: System, number: int) -> RigidMotion:
-        """The motion of a body as a whole; asked for by several, and worked out once."""
+        """The motion of a body as a whole; computed once."""
         if number not in self.motions:
             own = system.slices[number]
             self.motions[number] = system.bodies[number].rigid_motion(self.u[own], self.v[own])

@@ -19,11 +19,10 @@ from solver.contact.kernels.candidates import (
     take_over,
 )
 from solver.contact.memory import Memory
-from solver.law.compiled import runs_machine_code
 from solver.law.friction import Bounds, points_at_bound
-from solver.law.local_problem import LocalProblem, NoContactSolution, image, new_counts
+from solver.law.local_problem import LocalProblem, NoContactSolution, image
 from solver.law.many_points import MANY_ROWS
-from solver.stepping.active_set import Reach
+from solver.stepping.active_set import ContactMargin
 from solver.stepping.balance import Balance
 from solver.stepping.delassus import Delassus, Softening
 from solver.stepping.point_table import JoinedBounds, PointTable, copied, joined
@@ -33,7 +32,7 @@ from solver.types import Array, Indices
 
 @dataclass(frozen=True, slots=True)
 class ContactModel:
-    """What all steps share while no face joins."""
+    """Bodies, contact points and tangents, the same for all steps while no face joins."""
 
     system: System
     """All bodies."""
@@ -41,13 +40,13 @@ class ContactModel:
     """All contact points."""
     local: LocalProblem
     """Solver of local problems."""
-    reach: Reach
+    margin: ContactMargin
     """How near points have to be to be looked at."""
     softening: Softening | None
     """How rigid points give way; None where there are none."""
 
 
-GLUE = 1e6
+STICKING_MU = 1e6
 """Coefficient of friction that holds anything."""
 
 SAME_FRICTION = 1e-9
@@ -58,8 +57,8 @@ class FrictionBounds:
     """Bounds of friction in one step.
 
     Attributes:
-        bounds: Bounds of each interface, by the slip that was told last.
-        steady: Whether friction depends on neither speed nor the past, and need not be told.
+        bounds: Bounds of each interface, by the last slip.
+        steady: True if friction depends on neither speed nor the past: it is constant.
     """
 
     def __init__(self, points: PointTable, memories: Sequence[Memory], *, step: float, glued: bool):
@@ -72,10 +71,10 @@ class FrictionBounds:
         self._joined = points.bounds
         if self._joined is not None and not glued:
             self.bounds: Sequence[Bounds] = self._joined.each
-            return  # nobody tells speeds, and no point breaks loose
+            return  # friction is constant in this step
         self._pasts = [memory.past for memory in memories]
         laws = [link.interface.law for link in points.links]
-        # Asked of the points only where a law needs it.
+        # Only where a law needs it.
         self._slips = [
             np.zeros(0, dtype=bool) if law.constant else memory.slipped
             for law, memory in zip(laws, memories, strict=True)
@@ -83,7 +82,7 @@ class FrictionBounds:
         self._speed: Array = np.zeros(points.count)
         pairs = zip(points.links, self._pasts, strict=True)
         self.bounds = [link.interface.bounds(past) for link, past in pairs]
-        # The coefficients follow the speed that is told, not that of the last step.
+        # The coefficients follow the speed of this step, not that of the last one.
         self.bounds = self._at_speed(self._speed)
 
     def at(self, near: Indices) -> Bounds:
@@ -151,7 +150,7 @@ class FrictionBounds:
         """Bounds of each interface, by the speed of slip of all points, m/s."""
         points = self._points
         if self._glued:
-            return [Bounds.uniform(GLUE, link.interface.count) for link in points.links]
+            return [Bounds.uniform(STICKING_MU, link.interface.count) for link in points.links]
         parts = zip(points.links, points.own, self._pasts, self._slips, self.bounds, strict=True)
         return [
             link.interface.bounds_followed(past, before.mu, speed[own], slips)
@@ -160,31 +159,12 @@ class FrictionBounds:
 
 
 MOST_FRICTION_ROUNDS = 50
-"""How often a correction looks at the speeds that friction of these speeds leads to."""
+"""Times that friction may follow the speeds that it leads to in a correction, at most."""
 
 STEADYING = 0.99
 """Part of their difference that forces of rigid points keep from step to step where no motion tells
 it (two corners that push against each other): with nothing to hold them back such forces grow until
 their round-off shows, so they become even step by step."""
-
-
-def compile_law(d: int, *, in_rounds: bool) -> None:
-    """Let what is compiled of the contact law be compiled, or read back, before time counts.
-
-    `in_rounds`: friction follows the motion in rounds of its own.
-    """
-    if not runs_machine_code():
-        return
-    y, near, W = np.zeros((1, d)), np.array([0]), np.eye(d).reshape(1, d, 1, d)
-    mask, nothing, reach = np.ones(1, dtype=np.bool_), np.zeros(1), np.ones(1)
-    force, q, change = y.copy(), y.copy(), y.copy()
-    of_points = reach, mask, y[:, 1:].copy(), nothing, y, nothing, nothing
-    filled, bounds = (force, near.copy()), (nothing, nothing)
-    how = not in_rounds, new_counts()
-    settle(y, near, W, nothing, *of_points, *filled, *bounds, *how, q, change)
-    if in_rounds:
-        LocalProblem().solve(W, y, y, Bounds.uniform(0.5, 1))
-        take_over(force, near, y, change)
 
 
 class OthersNear(NamedTuple):
@@ -214,7 +194,7 @@ class StepContact:
         """Start from what contact remembers."""
         points, memories = model.points, balance.contact
         self._points, self._local, self._weight = points, model.local, balance.contact_weight
-        self._reach = model.reach
+        self._margin = model.margin
         self.force: Array = copied([memory.force for memory in memories])
         self._anchor = joined([memory.anchor for memory in memories])
         self._may_touch = joined([memory.may_touch for memory in memories])
@@ -230,7 +210,7 @@ class StepContact:
         bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0
         self._near = np.empty(points.count, dtype=np.int64)  # filled in with near points
-        of_points = self._reach.distance, self._may_touch, self._anchor, points.softness
+        of_points = self._margin.distance, self._may_touch, self._anchor, points.softness
         # What `settle` is given of all points, in its order.
         self._of_points = *of_points, held, bed, points.round_off, self.force, self._near
 
@@ -269,9 +249,9 @@ class StepContact:
         return change
 
     def sinks_in(self, y: Array) -> bool:
-        """Whether points sink in that no correction has looked at, at augmented positions y."""
+        """True if points that were never near sink in at augmented positions y."""
         points = self._points
-        return sinks_in(y, points.round_off, self._may_touch, self._reach.met)
+        return sinks_in(y, points.round_off, self._may_touch, self._margin.seen)
 
     def _settle_in_rounds(self, operator: Delassus, q: Array, change: Array) -> float:
         """Settle a problem of many points, or one whose friction follows the motion.

@@ -31,7 +31,7 @@ from solver.stepping.balance import (
 )
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Faces, Interfaces, Standing, StepStart
+from solver.stepping.interfaces import Faces, Interfaces, InterfaceState, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.reactions import (
@@ -40,7 +40,7 @@ from solver.stepping.reactions import (
     standing_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, State, Turning
+from solver.stepping.state import Exchange, GroundForces, RotationPrediction, State
 from solver.stepping.system import Link, System
 from solver.types import Array
 
@@ -120,12 +120,12 @@ class Stepper:
         self._join(faces)
         return self._interfaces.start(state, faces, dt)
 
-    def standing(self) -> Standing:
+    def standing(self) -> InterfaceState:
         """How the interfaces stand in the step that was prepared last, for `stand`."""
         assert self._faces is not None
-        return Standing.of(self._faces, self.links)
+        return InterfaceState.of(self._faces, self.links)
 
-    def stand(self, standing: Standing) -> None:
+    def stand(self, standing: InterfaceState) -> None:
         """Let the interfaces stand as in an earlier step."""
         self._join(standing.faces)
         standing.restore(self.links)
@@ -270,7 +270,7 @@ class Stepper:
         start = self.prepare(state, dt)
         bodies = range(len(self.system.bodies))
         motions = [state.rigid_motion(self.system, number) for number in bodies]
-        turning = Turning.of([motion.spin for motion in motions], dt, state.turning)
+        turning = RotationPrediction.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
             dt=dt,
             scheme=self.scheme.damped if state.is_damped(dt) else self.scheme,

@@ -1,14 +1,21 @@
-"""The page of a study, whatever its kind: what it says, its pictures, settings and scene."""
+"""The command `rockslip report DIR`: one HTML page about a run or a study.
+
+That of a study, whatever its kind, has what it says, its pictures, settings and scene.
+"""
 
 from __future__ import annotations
 
+import argparse
 import csv
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from solver.errors import SceneError
+from solver.errors import SceneError, not_installed
+from solver.parallel import launched_rank
 from solver.pictures.page.html import (
     cautions,
     document,
@@ -19,7 +26,8 @@ from solver.pictures.page.html import (
     table,
     verbatim,
 )
-from solver.study.folder import FILES, SETTINGS
+from solver.run.folders import REPORT, refuse_unwritable
+from solver.run.streams import say
 
 KINDS = (
     "suite",
@@ -41,22 +49,67 @@ LONGEST = 60
 """Characters of a setting that stand on the page."""
 
 
-def is_study(folder: Path) -> bool:
-    """Whether a folder is that of a study."""
-    return _kind(folder) is not None
+PAGES = (".html", ".htm")
+"""Endings of a page."""
+
+AddCommand = Callable[[str, Callable[[argparse.Namespace], int], str], Any]
+"""Adds a command by its name, what it does, and its help; returns its parser."""
 
 
-def _kind(folder: Path) -> str | None:
-    """The name of the table that a folder has; None: it has none."""
-    return next((kind for kind in KINDS if (folder / f"{kind}.csv").is_file()), None)
+def add_report(command: AddCommand) -> None:
+    """Add the command."""
+    parser = command("report", report, "one HTML page about a run or a study, with its pictures")
+    parser.add_argument("folder", metavar="DIR", type=Path, help="folder of a run or of a study")
+    where = f"default {REPORT} in the folder"
+    parser.add_argument("-o", "--output", metavar="FILE", type=Path, help=where)
+    parser.add_argument("--no-film", action="store_true", help="without a film of a run")
 
 
-def study_page(folder: Path) -> str:
-    """The page of the study in a folder."""
-    kind = _kind(folder)
-    if kind is None:
-        raise SceneError(str(folder), "no table of a study", "the folder of a run or of a study")
-    settings = _settings(folder)
+def report(options: argparse.Namespace) -> int:
+    """`rockslip report`."""
+    if launched_rank() != 0:
+        return 0
+    from solver.results.summary import write_whole
+
+    folder: Path = options.folder
+    file: Path = options.output or folder / REPORT
+    if file.suffix.lower() not in PAGES:
+        raise SceneError("-o", f"{file}", f"a file that ends in {' or '.join(PAGES)}")
+    if options.output or folder.is_dir():
+        refuse_unwritable(file.parent)
+    kind = next((kind for kind in KINDS if (folder / f"{kind}.csv").is_file()), None)
+    if kind is not None:
+        page = study_page(folder, kind)
+    else:
+        with TemporaryDirectory() as beside:
+            drawn = folder if os.access(folder, os.W_OK) else Path(beside)
+            page = _page_of_run(folder, drawn, filmed=not options.no_film)
+    write_whole(file, page)
+    say(f"{file}\n")
+    return 0
+
+
+def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
+    """The page of a run, with its pictures and the film, which are drawn into a folder."""
+    from solver.pictures.command import read_runs
+
+    (run,) = read_runs([folder])
+    try:
+        from solver.pictures.page.run_page import run_page
+
+        if filmed:
+            import pyvista  # noqa: F401  (imported when it draws, and missed before that)
+            from PIL import Image  # noqa: F401
+    except ImportError as error:
+        raise not_installed(error) from error
+    return run_page(run, drawn, filmed=filmed)
+
+
+def study_page(folder: Path, kind: str) -> str:
+    """The page of the study in a folder, by the name of its table."""
+    from solver.study.study import FILES, SETTINGS, read_mapping
+
+    settings = read_mapping(folder / SETTINGS)
     rows = _rows(folder / f"{kind}.csv")
     parts = cautions(_failures(rows))
     for ending in ("txt", "md"):
@@ -75,15 +128,6 @@ def study_page(folder: Path) -> str:
     parts += _repetition(folder, kind, settings)
     title = scene.get("title", "") if isinstance(scene, dict) else ""
     return document(f"{kind.capitalize()}: {title or folder.resolve().name}", parts)
-
-
-def _settings(folder: Path) -> dict[str, Any]:
-    """What the study was made from; empty where it says nothing."""
-    try:
-        found = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return dict(found) if isinstance(found, dict) else {}
 
 
 def _rows(file: Path) -> list[list[str]]:
@@ -144,7 +188,9 @@ def _repetition(folder: Path, kind: str, settings: Mapping[str, Any]) -> list[st
     parts = [heading("How to repeat"), verbatim(f"rockslip study {study} scene.toml -o again")]
     rows = [(key, _words(value)) for key, value in settings.items()]
     if rows:
-        parts += paragraphs([f"with these options, as in {SETTINGS} of {folder.resolve().name}:"])
+        parts += paragraphs(
+            [f"with these options, as in settings.json of {folder.resolve().name}:"]
+        )
         parts.append(named(rows))
     return parts
 

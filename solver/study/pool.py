@@ -2,10 +2,10 @@
 
 There is one process for each processor, each with a pipe of its own. Where a task takes its process
 down (a fault in a library, no memory left), that task is known, fails alone, and the next one gets
-a new process. An executor of `concurrent.futures` would give up all tasks. So may the pool of
-`pebble` 5.1, whose processes share one pipe: a process that ends before the pool has read which
-task it took leaves the pool broken and all further tasks waiting for ever (measured: after 380 of
-2000 tasks that end their process at once), as do tasks that cannot be unpickled.
+a new process; Ctrl-C ends all processes at once. These are the promises for which there is a pool
+of our own: the executors of `concurrent.futures` and `loky` give up all tasks where one process
+dies, and wait for the tasks that run when they are left; `multiprocessing.Pool` waits for ever for
+the task of a process that died; `pebble` 5.1 may do so, too.
 """
 
 from __future__ import annotations
@@ -14,17 +14,30 @@ import os
 import pickle
 import signal
 import threading
+import time as clock
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from functools import partial
+from importlib import import_module
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from types import FrameType
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
-from solver.errors import RockslipError
+from solver.errors import RockslipError, SceneError, not_installed
+from solver.run.progress import ProgressDisplay
+
+
+class Named(Protocol):
+    """A task with a name."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
 
 Task = TypeVar("Task")
+NamedTask = TypeVar("NamedTask", bound=Named)
 Value = TypeVar("Value")
 
 #: Time that a process is given to end by itself before it is killed, s.
@@ -236,3 +249,76 @@ def _termination_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+# ---------------------------------------------------------------- with a tally
+
+
+def finished_cases(
+    function: Callable[[NamedTask], Value],
+    cases: Sequence[NamedTask],
+    *,
+    done: int = 0,
+    processes: int | None = None,
+    quiet: bool = False,
+) -> Generator[tuple[NamedTask, Value | Exception], None, None]:
+    """Cases as they finish, not in their order, while a tally is shown; as `side_by_side`.
+
+    `done` is how many other cases had been done before. With each case comes what the function
+    returned or the exception that it raised.
+    """
+    from mpi4py import MPI
+
+    if MPI.COMM_WORLD.size > 1:
+        # PETSc starts on all ranks together, also on the first one, which runs nothing. Where it is
+        # missing, cases that need it say so.
+        with suppress(ImportError):
+            import_module("petsc4py.PETSc")
+    tally = Tally(done + len(cases), done=done, quiet=quiet, rank=MPI.COMM_WORLD.rank)
+    outcomes = side_by_side(function, cases, processes=processes)
+    with closing(tally), closing(outcomes):
+        for number, outcome in outcomes:
+            yield cases[number], outcome
+            tally.add(cases[number].name)
+
+
+def reason_of(error: Exception) -> str:
+    """Why a case failed, in one line: what a refused scene says, else kind and text of the error.
+
+    Raises:
+        EnvironmentTrouble: Where a package is missing: then no case can be run.
+    """
+    if isinstance(error, ImportError):
+        raise not_installed(error) from error
+    if isinstance(error, SceneError):
+        return str(error)
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+
+
+class Tally(ProgressDisplay):
+    """Finished cases of a study, and the time that is left; shown on rank 0 only."""
+
+    def __init__(self, total: int, *, done: int = 0, quiet: bool = False, rank: int = 0):
+        """Start, where `done` of all cases had been done before; shows nothing but on rank 0."""
+        layout = "{percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} {elapsed}<{remaining}{postfix}"
+        share = done / max(total, 1)
+        super().__init__(
+            quiet=quiet, rank=rank, done=share, total=total, initial=done, bar_format=layout
+        )
+        self._total, self._before, self._done = total, done, done
+
+    def add(self, name: str) -> None:
+        """Count a finished case of this name."""
+        self._done += 1
+        if self._silent:
+            return
+        now = clock.monotonic()
+        if self._bar is not None:
+            self._bar.set_postfix_str(name, refresh=False)
+            self._bar.update()
+        elif self._line_is_due(now, self._done / self._total) or self._done == self._total:
+            spent = now - self._began
+            left = spent * (self._total - self._done) / (self._done - self._before)
+            self._write(
+                f"{self._done} of {self._total} ({name}), {spent:.0f} s spent, {left:.0f} s left"
+            )

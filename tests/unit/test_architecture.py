@@ -49,7 +49,7 @@ def test_the_program_runs_without_benchmarks(drawing: ModuleType) -> None:
         for name, file in drawing.modules().items()
         if any(word in file.read_text() for word in words)
     ]
-    assert users == ["solver.study.repository"]
+    assert users == ["solver.study.command"]
 
 
 def test_few_files_stand_at_the_root_of_the_solver() -> None:

@@ -1,4 +1,4 @@
-"""The Kelvin-Voigt element below a contact point, alone and under a mass that falls on it."""
+"""The Kelvin-Voigt element below a contact point: its energy, in steps and in equilibrium."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from rebounds import rebound_of_a_mass
 
 from solver.contact.bed import PointBeds
 from solver.scene import Bed
@@ -19,40 +18,6 @@ OMEGA = math.sqrt(STIFFNESS / MASS)
 def beds(ratio: float) -> PointBeds:
     """One point of 1 m2."""
     return PointBeds(Bed.damped(STIFFNESS, ratio, MASS), np.ones(1))
-
-
-def landed(ratio: float, dt: float) -> tuple[float, float, float]:
-    """A mass that falls on the bed with 1 m/s: rebound, and the energies lost and taken, J.
-
-    It moves by the trapezoidal rule under the mean force, as rigid bodies do in a step.
-    """
-    bed, before, y, v, taken = beds(ratio), np.zeros(1), 0.3 * dt, -1.0, 0.0
-    for _ in range(int(8 / (OMEGA * dt))):
-        give = bed.yielding(before, dt)
-        free = y + dt * v + float(give.offset[0])
-        force = max(0.0, -free / (dt**2 / (2 * MASS) + float(give.softness[0])))
-        y += dt * v + dt**2 * force / (2 * MASS)
-        v += dt * force / MASS
-        before, damping = bed.after(before, np.array([force]), dt)
-        taken += damping
-        assert before[0] >= 0.0
-    return v, MASS / 2 * (1 - v**2), taken
-
-
-@pytest.mark.parametrize("ratio", [0.0, 0.02, 0.1, 0.5, 0.9])
-def test_a_mass_rebounds_as_a_damped_oscillator_that_is_not_pulled(ratio: float) -> None:
-    """A thousand steps a radian; the error is of first order where the dashpot is hit."""
-    rebound, lost, taken = landed(ratio, 1e-3 / OMEGA)
-    assert rebound == pytest.approx(rebound_of_a_mass(ratio), abs=1e-3)
-    assert taken == pytest.approx(lost, abs=2e-3 * MASS / 2)
-
-
-def test_the_spring_alone_gives_back_what_it_took() -> None:
-    """At any step that resolves the landing at all, but for the closing within a step."""
-    errors = [1 - landed(0.0, part / OMEGA)[0] for part in (0.2, 0.1, 0.05)]
-    assert errors[0] < 0.01
-    assert errors[2] < errors[0] / 8
-    assert min(errors) > -1e-12
 
 
 def test_spring_and_dashpot_take_the_work_of_the_force() -> None:

@@ -1,7 +1,7 @@
 """`rockslip check`: the meaning of a scene, without solving it.
 
-The text of the first case below stands in check.txt, of the others the lines that differ. To write
-it anew and look at the difference:
+The text of the first case below stands in check.txt, of the others the lines that differ; the
+memory of linear solvers is left to their own tests. To write it anew and look at the difference:
 `./in-env env ROCKSLIP_WRITE=1 python3 -m pytest tests/unit/test_check.py`.
 """
 
@@ -101,6 +101,7 @@ def test_the_texts_are_those_of_the_page(granite: Path, capsys: Captured) -> Non
         scene = "stack.toml" if name == "a stack" else "granite.toml"
         assert main(["check", scene, *(["--set", *words] if words else [])]) == 0
         lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+        lines = [line for line in lines if not line.startswith("linear solver")]
         first = first or lines
         changed = [line for line in ndiff(first, lines) if line[0] in "+-"]
         found += "\n".join([f"# {name}", *(changed if words else lines), "\n"])

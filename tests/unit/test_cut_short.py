@@ -12,7 +12,7 @@ from solver.pictures.page.run_page import run_page
 from solver.results.endings import cut_short
 from solver.results.report import report
 from solver.results.runs import read_run
-from solver.study.damping.table import markdown, plain_text
+from solver.study.damping.numbers import markdown, plain_text
 from solver.study.tables import early_ends
 
 pytestmark = pytest.mark.serial

@@ -1,4 +1,4 @@
-"""Feet of points on a face whose facets have been drawn out of their shape, in space."""
+"""ClosestPoints of points on a face whose facets have been drawn out of their shape, in space."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
 from solver.contact.facets import carrier_surface
 from solver.contact.nitsche_points import contact_points
-from solver.contact.quadrature import facet_rule, on_pieces
+from solver.contact.quadrature import facet_rule
 from solver.scene.material import Material
 
 COMM = MPI.COMM_WORLD
@@ -54,43 +54,6 @@ def test_rules_are_positive_and_exact(facet, points, degree):
     if points == "nodes":
         count = {1: 2, 2: 4}[places.shape[1]] if degree == 1 else 3 ** places.shape[1]
         assert len(weights) == (3 if triangle else count)
-
-
-@pytest.mark.parametrize("degree", [1, 2])
-def test_pieces_integrate_what_breaks_at_the_cuts(degree):
-    start, leg = np.array([[0.0, 0.0], [1.0, 0.5]]), np.array([[1.0, 0.5], [1.0, 0.5]])
-    ends = [0.3, 1.6]
-    off_the_line, at_a_joint = [0.4, 0.3], [1.0, 0.5]
-    cuts = np.array([*([[x, 0.5 * x] for x in ends]), off_the_line, at_a_joint])
-    row, local, weight = on_pieces(start, leg, cuts, degree)
-    assert np.bincount(row).tolist() == [2 * (degree + 1)] * 2
-    x = (start[row] + local * leg[row])[:, 0]
-    breaks = [0.0, 0.3, 1.0, 1.6, 2.0]
-    jumping = np.select([x < 0.3, x < 1.0, x < 1.6], [1.0, -2.0, 3.0], 5.0)
-    exact = sum(
-        height * (b ** (2 * degree + 1) - a ** (2 * degree + 1)) / (2 * degree + 1)
-        for height, a, b in zip([1.0, -2.0, 3.0, 5.0], breaks[:-1], breaks[1:], strict=True)
-    )
-    assert weight @ (jumping * x ** (2 * degree)) == pytest.approx(exact, rel=1e-13)
-
-
-@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-def test_cut_facets_of_a_turned_body(cell):
-    made = block_mesh(SHAPE, cells=(3, 2), cell=cell, comm=COMM)
-    turn = np.array([[0.8, 0.6], [-0.6, 0.8]])
-    move(made.mesh, lambda points: points @ turn.T + [2.0, 1.0])
-    V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
-    places = np.array([[-0.11, 0.0], [0.0, 0.0], [0.02, 0.0]]) @ turn.T + [2.0, 1.0]
-    options = {"points": "gauss", "gamma": 100.0}
-    whole = contact_points(V, made.facet_tags, MATERIAL, **options)
-    cut = contact_points(V, made.facet_tags, MATERIAL, cuts=places, **options)
-    below = cut.tag == FacetTag.BOTTOM
-    assert below.sum() == (whole.tag == FacetTag.BOTTOM).sum() + 2 * 3
-    np.testing.assert_allclose(cut.reference[~below], whole.reference[whole.tag != 1], atol=1e-14)
-    along = (cut.reference[below] - [2.0, 1.0]) @ turn[:, 0]
-    # Pressure that begins at a cut: integrated exactly, which whole facets do not.
-    assert cut.weight[below] @ (along > 0.02) == pytest.approx(0.15 - 0.02, rel=1e-13)
-    assert cut.weight[below] @ along**2 == pytest.approx(0.3**3 / 12, rel=1e-12)
 
 
 TURN = np.array([[0.8, 0.0, 0.6], [0.36, 0.8, -0.48], [-0.48, 0.6, 0.64]])  # orthogonal

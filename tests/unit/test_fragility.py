@@ -6,14 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import ks_2samp, norm
+from scipy.stats import norm
 
 from solver.errors import SceneError
 from solver.excitation.sampled import SampledMotion
-from solver.study.suite.ensemble import Ensemble
-from solver.study.suite.findings import Sample, as_text, distances
-from solver.study.suite.fragility import distance, fitted, interval
 from solver.study.suite.intensity import Intensity
+from solver.study.suite.numbers import Sample, distances, fitted, fragility_text, interval
 
 
 def samples(
@@ -64,15 +62,10 @@ def test_samples_that_no_curve_goes_through() -> None:
         fitted([0.1, 0.2, 0.3], [0, 4, 9], [9, 9, 9]) is None
     )  # any steep enough curve is as good
     assert fitted([0.1, 0.2, 0.3], [8, 4, 1], [9, 9, 9]) is None
-    assert fitted([0.1, 0.2, 0.3], [1, 4, 8], [9, 9, 9]) is not None
-
-
-def test_as_many_overturn_at_all_levels() -> None:
-    """The slope is round-off then, of either sign, and no median is to be told."""
-    assert fitted([0.3, 0.4], [1, 1], [2, 2]) is None
+    # As many at all levels: the slope is round-off then, of either sign.
     assert fitted([0.3, 0.4, 0.5], [5, 5, 5], [10, 10, 10]) is None
-    assert fitted([0.3, 0.4, 0.5], [2, 2, 2], [10, 10, 10]) is None
     assert fitted([0.2, 0.4], [3, 3], [30, 30]) is None
+    assert fitted([0.1, 0.2, 0.3], [1, 4, 8], [9, 9, 9]) is not None
 
 
 def test_intervals_of_probabilities() -> None:
@@ -82,14 +75,6 @@ def test_intervals_of_probabilities() -> None:
     assert interval(20, 20) == pytest.approx((0.025 ** (1 / 20), 1.0))
     low, high = interval(10, 100)
     assert (low, high) == pytest.approx((0.0490, 0.1762), abs=1e-4)
-
-
-def test_distances() -> None:
-    rng = np.random.default_rng(3)
-    one, other = rng.normal(size=100), rng.normal(0.5, size=80)
-    assert distance(one, other) == pytest.approx(ks_2samp(one, other).statistic)
-    assert distance([0.1, 0.2, math.inf, math.inf], [0.1, 0.2, 0.3, math.inf]) == 0.25
-    assert distance([1.0], [1.0]) == 0.0
 
 
 def test_intensities() -> None:
@@ -145,15 +130,7 @@ def test_the_second_engine_that_overturns_more_has_points_more() -> None:
         (row,) = distances(pair)
         assert row["engines"] == [sample.engine for sample in pair]
         assert row["overturned"] == pytest.approx(points / 100)
-        assert f"overturned {points:+d} points" in as_text([], [], [row], Ensemble())
-
-
-def test_the_largest_velocity_may_be_a_negative_one() -> None:
-    """Of -2 m/s^2 sin(2 pi t/0.5): it goes to -a T/pi and back, never forwards."""
-    time = np.arange(0.0, 2.0005, 0.001)
-    motion = SampledMotion(time=time, value=-2.0 * np.sin(4 * math.pi * time), step=0.001)
-    assert Intensity.read("PGV").of(motion) == pytest.approx(2 * 0.5 / math.pi, rel=1e-4)
-    assert Intensity.read("PGA").of(motion) == pytest.approx(2 / 9.81)
+        assert f"overturned {points:+d} points" in fragility_text([], [], [row], "")
 
 
 def test_the_row_of_a_sample_has_quantiles_that_are_values_of_it() -> None:
@@ -166,7 +143,7 @@ def test_the_row_of_a_sample_has_quantiles_that_are_values_of_it() -> None:
     found = [row[f"angle_over_alpha_{q}"] for q in (16, 50, 84)]
     assert found == [0.2, 0.5, None]
     assert [row[f"slip_m_{q}"] for q in (16, 50, 84)] == pytest.approx([0.002, 0.005, 0.009])
-    words = as_text([sample], [], [], Ensemble()).splitlines()[1].split()
+    words = fragility_text([sample], [], [], "").splitlines()[1].split()
     assert words[:4] == ["contact.friction", "0.3,", "a", "rigid"]
     assert words[4:8] == ["0.5", "10", "2", "0.200"]
     assert words[-5:] == ["0.200", "0.500", "over", "5.000", "9.000"]
@@ -180,11 +157,12 @@ def test_engines_are_compared_at_the_same_level_and_block_only() -> None:
         Sample(b, "rigid", 0.5, (0.1, 0.2), (0.01, 0.02)),
         Sample(a, "ode", 0.5, (0.1, 0.3), ()),
         Sample(a, "elastic", 0.5, (0.3, 0.4), (0.02, 0.03)),
-        Sample(a, "ode", 0.7, (0.1, 0.3), ()),
+        Sample(a, "ode", 0.7, (0.1, 0.2, math.inf, math.inf), ()),
+        Sample(a, "rigid", 0.7, (0.1, 0.2, 0.3, math.inf), ()),
     ])  # fmt: skip
     assert [row["engines"] for row in found] == [
-        ["rigid", "ode"], ["rigid", "elastic"], ["ode", "elastic"]
+        ["rigid", "ode"], ["rigid", "elastic"], ["ode", "elastic"], ["ode", "rigid"]
     ]  # fmt: skip
-    assert [row["angle"] for row in found] == pytest.approx([0.5, 1.0, 0.5])
-    assert [row["slip"] for row in found] == [None, pytest.approx(0.5), None]
+    assert [row["angle"] for row in found] == pytest.approx([0.5, 1.0, 0.5, 0.25])
+    assert [row["slip"] for row in found] == [None, pytest.approx(0.5), None, None]
     assert {row["block"] for row in found} == {"a"}

@@ -412,157 +412,114 @@ def test_numbers_and_intervals_in_words(folder: Path, header: str, step: float) 
     assert f"got {step:g} s between samples, allowed 0.04 s as in its times" in message
 
 
-class TestColumns:
-    """Plain text and CSV."""
+TIMES = [STEP * i for i in range(COUNT)]
+MANY = "t (s), x (g), y (g), z (g)\n" + rows(TIMES, *WAVES, form="12.3f")
+OWN_UNITS = "t (s)  acc (g)  vel (cm/s)  acc_gal  note\n" + rows(
+    TIMES, *WAVES, WAVES[0], form="12.3f"
+)
+HEADED = "   N-S   E-W   U-D\n" + rows(*WAVES)
+PLAIN = "\n".join(map(str, WAVES[0]))
+QUOTED = "\n".join(f'"{STEP * i:.2f}","{v}"' for i, v in enumerate(WAVES[0]))
+UNQUOTED = QUOTED.replace('"', "")
+NUMBERED = "no, value (g)\n" + "\n".join(f"{i},{v}" for i, v in enumerate(WAVES[0], start=1))
+GAL: dict[str, Any] = {"dt": STEP, "units": "cm/s2"}
+TENTHS = "UNITS ARE SECONDS AND G/10\n" + PLAIN
+OLD = (
+    "ACCELERATION TIME HISTORY (G'S): NIT = 2\n  16384 DT = .0050 SEC\nNPTS= 3, DT= 1\n"
+    f"NPTS=  {COUNT}, DT= .01000 SEC, SCALED FACTOR = 1.0\n"
+)
+IN_G = afad().partition("U-D\n")[0] + "U-D\n" + rows(
+    *[[value / 981 for value in wave] for wave in WAVES], form="13.6f"
+)  # fmt: skip
+UNEVEN = usc().replace("   .010", "   .012").replace("  0.010", "  0.012")
 
-    def test_components_side_by_side(self, folder: Path) -> None:
-        text = "   N-S   E-W   U-D\n" + rows(*WAVES)
-        options: dict[str, Any] = {"dt": STEP, "units": "cm/s2"}
-        assert refusal(folder, text, **options) == (
-            "m.txt: line 2: got 3 columns (N-S, E-W, U-D), allowed one accelerogram: "
-            "motion.column, 1 to 3 or a name"
-        )
-        for column in (3, "U-D"):
-            motion = record(folder, text, column=column, **options)
-            np.testing.assert_allclose(motion.value, 0.01 * np.array(WAVES[2]))
-            assert len(motion.value) == COUNT
-        assert "got 3 columns, allowed" in refusal(folder, rows(*WAVES), **options)
-
-    def test_times_and_components(self, folder: Path) -> None:
-        """A column of times is counted, and is no component."""
-        times = [STEP * i for i in range(COUNT)]
-        text = "t (s), x (g), y (g), z (g)\n" + rows(times, *WAVES, form="12.3f")
-        assert "motion.column, 2 to 4 or a name" in refusal(folder, text)
-        for column in (3, "y"):
-            motion = record(folder, text, column=column)
-            np.testing.assert_allclose(motion.value, G * np.array(WAVES[1]))
-            assert motion.step == pytest.approx(STEP)
-        assert refusal(folder, text, column=1).startswith(
-            "motion.column: got 1, allowed 2, 3, 4 or"
-        )
-
-    def test_a_unit_of_each_column(self, folder: Path) -> None:
-        """Each heading speaks of its own column."""
-        times = [STEP * i for i in range(COUNT)]
-        text = "t (s)  acc (g)  vel (cm/s)  acc_gal  note\n" + rows(
-            times, *WAVES, WAVES[0], form="12.3f"
-        )
-        assert record(folder, text, column=2).peak == pytest.approx(G * max(map(abs, WAVES[0])))
-        assert record(folder, text, column="acc_gal").peak == pytest.approx(
-            0.01 * max(map(abs, WAVES[2]))
-        )
-        assert "got units of cm/s, allowed accelerations" in refusal(folder, text, column="vel")
-        assert refusal(folder, text, column=5).startswith("motion.units is required")
-        assert record(folder, "recording unit: K2\n" + text, column=2).step == pytest.approx(STEP)
-
-    def test_values_in_reading_order(self, folder: Path) -> None:
-        text = fixed(WAVES[0], 8, "10.3f")
-        message = refusal(folder, text, units="g", dt=STEP)
-        assert message.endswith("; values in reading order go one to a line")
-
-    def test_row_numbers(self, folder: Path) -> None:
-        for heading in ("sample,acc (g)\n", "acc (g)\n", "no, value (g)\n"):
-            text = heading + "\n".join(f"{i},{v}" for i, v in enumerate(WAVES[0], start=1))
-            assert "got row numbers in the first column" in refusal(folder, text)
-            motion = record(folder, text, column=2, dt=STEP)
-            np.testing.assert_allclose(motion.value, G * np.array(WAVES[0]))
-        assert record(folder, text.replace("no,", "time (s),")).step == 1.0
-
-    def test_quotes_and_decimal_commas(self, folder: Path) -> None:
-        quoted = "\n".join(f'"{STEP * i:.2f}","{v}"' for i, v in enumerate(WAVES[0]))
-        motion = record(folder, '"t","acc (g)"\n' + quoted, "m.csv")
-        np.testing.assert_allclose(motion.value, G * np.array(WAVES[0]))
-        for separator in (";", " ", "\t"):
-            text = quoted.replace('"', "").replace(",", separator).replace(".", ",")
-            assert "decimals with a point" in refusal(folder, text, "m.csv", units="g")
-        both = quoted.replace('","', '";"').replace(".", ",").replace(";", ",")
-        assert "without quotes" in refusal(folder, both, "m.csv", units="g")
-
-    def test_tables_say_their_unit_or_have_none(self, folder: Path) -> None:
-        """Without a word of units it is g, as the key says; any other word has to be clear."""
-        file = folder / "table.csv"
-        body = "\n".join(f"{0.1 * i * i:.1f},{v}" for i, v in enumerate(WAVES[0]))
-        for header, unit in (("", G), ("t,a\n", G), ("t,a (gal)\n", 0.01)):
-            file.write_text(header + body)
-            motion = read_table(TableSpec(file=file))
-            np.testing.assert_allclose(motion.value, unit * np.array(WAVES[0]))
-            assert motion.step is None
-        file.write_text("Trigger level (gal): 4\n" + body)
-        with pytest.raises(SceneError, match="units is required"):
-            read_table(TableSpec(file=file))
-        with pytest.raises(SceneError, match="equally far apart"):
-            read_record(RecordSpec(file=file, units="g"))
+RULES: list[tuple[str, dict[str, Any], str | tuple[int, float]]] = [
+    # columns: components side by side, with times, with headings of their own
+    (HEADED, GAL, "m.txt: line 2: got 3 columns (N-S, E-W, U-D), allowed one accelerogram: "
+                  "motion.column, 1 to 3 or a name"),
+    (HEADED, GAL | {"column": 3}, (2, 0.01)),
+    (HEADED, GAL | {"column": "U-D"}, (2, 0.01)),
+    (rows(*WAVES), GAL, "got 3 columns, allowed"),
+    (fixed(WAVES[0], 8, "10.3f"), GAL, "; values in reading order go one to a line"),
+    (MANY, {}, "motion.column, 2 to 4 or a name"),
+    (MANY, {"column": 3}, (1, G)),
+    (MANY, {"column": "y"}, (1, G)),
+    (MANY, {"column": 1}, "motion.column: got 1, allowed 2, 3, 4 or"),
+    (OWN_UNITS, {"column": 2}, (0, G)),
+    (OWN_UNITS, {"column": "acc_gal"}, (2, 0.01)),
+    (OWN_UNITS, {"column": "vel"}, "got units of cm/s, allowed accelerations"),
+    (OWN_UNITS, {"column": 5}, "motion.units is required"),
+    ("recording unit: K2\n" + OWN_UNITS, {"column": 2}, (0, G)),
+    # row numbers, quotes, decimal commas
+    (NUMBERED, {}, "got row numbers in the first column"),
+    (NUMBERED.replace("no, ", ""), {}, "got row numbers in the first column"),
+    (NUMBERED, {"column": 2, "dt": STEP}, (0, G)),
+    ('"t","acc (g)"\n' + QUOTED, {}, (0, G)),
+    *((UNQUOTED.replace(",", sign).replace(".", ","), {"units": "g"}, "decimals with a point")
+      for sign in (";", " ", "\t")),
+    (QUOTED.replace(".", ","), {"units": "g"}, "without quotes"),
+    # units that layouts and plain text state; digitised film has its own times
+    (usc(), {"units": "g"}, 'got "g", allowed "g/10"'),
+    (TENTHS, {"units": "g", "dt": STEP}, 'got "g", allowed "g/10"'),
+    (TENTHS, {"dt": STEP}, (0, 0.1 * G)),
+    (UNEVEN, {}, 'samples equally far apart, or kind = "table"'),
+    (cosmos("cm/sec2 (2)"), {"column": 1}, "code 2"),
+    (cosmos("counts (50)"), {"column": 1}, "units of counts"),
+    (esm().replace("DATA_TYPE: ACC", "DATA_TYPE: NO ACC"), {}, 'got data of "NO", allowed ACC'),
+    (esm().replace("UNITS: cm/s^2", "UNITS: cm/s"), {}, "got units of cm/s, allowed acceler"),
+    # PEER: the last line with NPTS counts; numbers that touch
+    (OLD + fixed(WAVES[0], 5, "15.6E"), {}, (0, G)),
+    (peer().replace(peer().splitlines()[5], "  1.25-100.5 3.50-2.125 -1.0"), {},
+     "finite numbers that do not touch"),
+    # digits that are missing from a scale or a unit show in the peak, counts in lengths
+    (knet().replace("/6182761", "/618276"), {}, "got a peak of 2.806, allowed 28.06, the largest"),
+    (esm().replace("2: 19.9", "2: 9.9"), {}, "got a peak of 9.9, allowed 23.37, the largest of"),
+    (IN_G, {"column": 1}, "the largest of the values"),
+    (esm().replace("DURATION_S: 0.4", "DURATION_S: 0.8"), {}, ": line "),
+    (geonet().replace("points  40", "points  44"), {"column": 1}, ": line "),
+    (geonet().replace("of 0.010", "of 0.005"), {"column": 1}, ": line "),
+]  # fmt: skip
+"""Text, keys of the scene, and the words of the refusal, or which wave in which unit it is."""
 
 
-class TestRulesOfLayouts:
-    """What single layouts refuse."""
+@pytest.mark.parametrize(("text", "options", "right"), RULES)
+def test_rules(
+    folder: Path, text: str, options: dict[str, Any], right: str | tuple[int, float]
+) -> None:
+    if isinstance(right, str):
+        assert right in refusal(folder, text, **options)
+    else:
+        motion = record(folder, text, **options)
+        expected = np.array(WAVES[right[0]]) * right[1]
+        np.testing.assert_allclose(motion.value, expected, rtol=1e-6, atol=1e-9)
+        assert motion.step == pytest.approx(STEP)
 
-    def test_g_over_ten(self, folder: Path) -> None:
-        """Held against the key, in its layout and in plain text."""
-        assert 'got "g", allowed "g/10"' in refusal(folder, usc(), units="g")
-        text = "UNITS ARE SECONDS AND G/10\n" + "\n".join(map(str, WAVES[0]))
-        assert 'got "g", allowed "g/10"' in refusal(folder, text, units="g", dt=STEP)
-        assert record(folder, text, dt=STEP).peak == pytest.approx(0.981 * max(map(abs, WAVES[0])))
 
-    def test_uneven_film(self, folder: Path) -> None:
-        """Digitised film has its own times: a table takes them, a record refuses."""
-        text = usc().replace("   .010", "   .012").replace("  0.010", "  0.012")
-        assert text != usc()
-        assert 'samples equally far apart, or kind = "table"' in refusal(folder, text)
-        motion = read_table(TableSpec(file=folder / "m.txt"))
-        assert motion.step is None and motion.time[1] == pytest.approx(0.012)
-        np.testing.assert_allclose(motion.value, 0.981 * np.array(WAVES[0]), atol=1e-12)
+@pytest.mark.parametrize("offset", [0.0, -200.0, 200.0])
+def test_numbers_that_touch(folder: Path, offset: float) -> None:
+    values = [value + offset for value in WAVES[0]]
+    text = peer().partition("NPTS")[0] + f"NPTS= {COUNT}, DT= .01\n" + fixed(values, 8, "10.5f")
+    assert offset != -200 or ("-19" in text and " " not in text.splitlines()[4].strip())
+    motion = record(folder, text, "m.AT2")
+    np.testing.assert_allclose(motion.value, G * np.array(values), rtol=1e-7)
 
-    def test_older_headers_of_peer(self, folder: Path) -> None:
-        """Of matched files the last line with NPTS counts; their unit is (G'S)."""
-        old = "ACCELERATION TIME HISTORY (G'S): NIT = 2\n  16384 DT = .0050 SEC\nNPTS= 3, DT= 1\n"
-        text = old + f"NPTS=  {COUNT}, DT= .01000 SEC, SCALED FACTOR = 1.0\n"
-        motion = record(folder, text + fixed(WAVES[0], 5, "15.6E"), "m.AT2")
-        np.testing.assert_allclose(motion.value, G * np.array(WAVES[0]), rtol=1e-6)
-        assert motion.step == 0.01
 
-    @pytest.mark.parametrize("offset", [0.0, -200.0, 200.0])
-    def test_numbers_that_touch(self, folder: Path, offset: float) -> None:
-        values = [value + offset for value in WAVES[0]]
-        text = peer().partition("NPTS")[0] + f"NPTS= {COUNT}, DT= .01\n" + fixed(values, 8, "10.5f")
-        assert offset != -200 or ("-19" in text and " " not in text.splitlines()[4].strip())
-        motion = record(folder, text, "m.AT2")
-        np.testing.assert_allclose(motion.value, G * np.array(values), rtol=1e-7)
-
-    def test_numbers_that_touch_without_a_grid(self, folder: Path) -> None:
-        text = peer().replace(peer().splitlines()[5], "  1.25-100.5 3.50-2.125 -1.0")
-        assert "finite numbers that do not touch" in refusal(folder, text, "m.AT2")
-
-    def test_a_unit_that_its_code_denies(self, folder: Path) -> None:
-        assert "code 2" in refusal(folder, cosmos("cm/sec2 (2)"), column=1)
-        assert "units of counts" in refusal(folder, cosmos("counts (50)"), column=1)
-
-    def test_a_scale_that_the_peak_denies(self, folder: Path) -> None:
-        """Digits that are missing from the scale of counts, or from a unit, show in the peak."""
-        spoilt = knet().replace("/6182761", "/618276")
-        assert "got a peak of 2.806, allowed 28.06, the largest of" in refusal(folder, spoilt)
-        spoilt = esm().replace("PGA_CM/S^2: 19.9", "PGA_CM/S^2: 9.9")
-        assert "got a peak of 9.9, allowed 23.37, the largest of" in refusal(folder, spoilt)
-
-    def test_peaks_of_the_turkish_header(self, folder: Path) -> None:
-        """Values in g below a header in gal are not taken for gal."""
-        text = afad().partition("U-D\n")
-        smaller = [[value / 981 for value in wave] for wave in WAVES]
-        message = refusal(folder, text[0] + text[1] + rows(*smaller, form="13.6f"), column=1)
-        assert "a peak of" in message and "the largest of the values" in message
-
-    def test_velocities_of_esm(self, folder: Path) -> None:
-        text = esm().replace("DATA_TYPE: ACCELERATION", "DATA_TYPE: VELOCITY")
-        assert 'got data of "VELOCITY", allowed ACCELERATION' in refusal(folder, text)
-        text = esm().replace("UNITS: cm/s^2", "UNITS: cm/s")
-        assert "got units of cm/s, allowed accelerations in" in refusal(folder, text)
-
-    def test_a_count_that_the_header_denies(self, folder: Path) -> None:
-        for text in (esm().replace("DURATION_S: 0.4", "DURATION_S: 0.8"),
-                     geonet().replace("Number of points  40", "Number of points  44"),
-                     geonet().replace("intervals of 0.010", "intervals of 0.005")):  # fmt: skip
-            assert text not in (esm(), geonet())
-            assert ": line " in refusal(folder, text, column=1)
+def test_tables(folder: Path) -> None:
+    """Uneven times are theirs; without a word of units they are g, another word has to be clear."""
+    file = folder / "table.csv"
+    body = "\n".join(f"{0.1 * i * i:.1f},{v}" for i, v in enumerate(WAVES[0]))
+    for header, unit in (("", G), ("t,a\n", G), ("t,a (gal)\n", 0.01)):
+        file.write_text(header + body)
+        motion = read_table(TableSpec(file=file))
+        np.testing.assert_allclose(motion.value, unit * np.array(WAVES[0]))
+        assert motion.step is None
+    file.write_text("Trigger level (gal): 4\n" + body)
+    with pytest.raises(SceneError, match="units is required"):
+        read_table(TableSpec(file=file))
+    file.write_text(UNEVEN)
+    motion = read_table(TableSpec(file=file))
+    assert motion.step is None and motion.time[1] == pytest.approx(0.012)
+    np.testing.assert_allclose(motion.value, 0.1 * G * np.array(WAVES[0]), atol=1e-12)
 
 
 class TestObspy:

@@ -9,16 +9,13 @@ import numpy as np
 import pytest
 
 from solver.study.damping.axes import AXES
-from solver.study.damping.findings import Line as DampingLine
-from solver.study.damping.limit import Limit
-from solver.study.damping.restitution import Restitution
-from solver.study.damping.search import Search, Trial
-from solver.study.damping.target import Target
+from solver.study.damping.calibration import Search, Target, Trial
+from solver.study.damping.numbers import Limit, Restitution
+from solver.study.damping.numbers import Line as DampingLine
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.inertia.findings import CLOSED, Finding
-from solver.study.inertia.portion import Portion
+from solver.study.inertia.numbers import SLIDING, Finding, Portion
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
-from solver.study.suite.findings import Sample
+from solver.study.suite.numbers import Sample
 from solver.types import Array
 
 pytest.importorskip("matplotlib")
@@ -44,7 +41,7 @@ def of_inertia(period: float, friction: float, found: tuple[float, float, float]
             values=(("period", period), ("friction", friction)), structure=structure,
             friction=friction, aspect=None,
         ),
-        by=CLOSED, motions=4, arithmetic=portion, geometric=portion, insensitive=False,
+        by=SLIDING, motions=4, arithmetic=portion, geometric=portion, insensitive=False,
         drift=0.01, drift_over_fixed=0.9, drift_over_bare=1.4, shear_over_fixed=0.8,
         shear_over_bare=1.6,
     )  # fmt: skip
@@ -98,7 +95,7 @@ def sample(level: float | None, angles: tuple[float, ...]) -> Sample:
 
 def test_bars_of_probabilities_are_intervals_of_confidence() -> None:
     """Of none and of all of ten (Clopper and Pearson 1934): 0.025^(1/10) is their other end."""
-    from solver.study.suite.fragility_picture import _curves
+    from solver.study.suite.picture import _curves
 
     own = [sample(0.5, (0.3,) * 10), sample(1.0, (math.inf,) * 10)]
     (axes,) = _curves([(own, None)], "PGA").axes
@@ -109,7 +106,7 @@ def test_bars_of_probabilities_are_intervals_of_confidence() -> None:
 
 def test_a_distribution_of_peaks_ends_at_the_part_that_stood() -> None:
     """Two of five overturned: the curve ends at 0.6, and jumps by 0.2 at each of the others."""
-    from solver.study.suite.fragility_picture import _distributions
+    from solver.study.suite.picture import _distributions
 
     angles = _distributions([sample(None, (math.inf, 0.5, 0.2, math.inf, 0.3))], "PGA").axes[0]
     (line,) = angles.lines
@@ -143,7 +140,7 @@ def test_a_measured_history_leans_to_the_side_of_the_calibrated_run(
     own: float, measured: float
 ) -> None:
     """Whatever side it was released to, and its clock starts with the run's."""
-    from solver.study.damping.calibration_picture import _figure
+    from solver.study.damping.picture import _figure
 
     time = np.linspace(0.0, 2.0, 101)
     swing: Array = 0.05 * np.exp(-time) * np.cos(4 * time)

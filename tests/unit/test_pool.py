@@ -105,10 +105,6 @@ def test_a_task_that_cannot_be_read_fails_alone(tasks: Path) -> None:
     assert isinstance(outcomes[1], ProcessEnded) and "exit code 1" in str(outcomes[1])
 
 
-def test_no_task_needs_no_process() -> None:
-    assert list(side_by_side(len, [])) == []
-
-
 def test_two_processes_work_at_the_same_time(tasks: Path) -> None:
     """Both sleep at once: results come as they finish, the short one first."""
     import pool_tasks

@@ -20,7 +20,7 @@ from solver.scene.motion import (
     RickerSpec,
     SineSpec,
 )
-from solver.study.overturning.pulses import PULSES
+from solver.study.overturning.blocks import PULSES
 
 PULSE = {"amplitude_g": 0.5, "duration": 0.5, "start": 0.2}
 SPECS = {

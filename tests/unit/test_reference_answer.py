@@ -14,8 +14,7 @@ from rockslip import History, Scene, parse_scene
 from solver.errors import SceneError
 from solver.excitation.motion import read_ground
 from solver.reference import answer
-from solver.reference.expected import demand
-from solver.reference.shenton import release_friction, rocking_friction
+from solver.reference.initiation import demand, release_friction, rocking_friction
 
 BLOCK = {
     "width": 0.25,
@@ -101,18 +100,6 @@ def test_sliding_keeps_its_ledger() -> None:
     np.testing.assert_allclose(change, history["energy.input_J"] - lost, atol=2e-4 * lost[-1])
 
 
-def test_incline_slides_as_galileo_says() -> None:
-    """Down s = g (sin b - mu cos b) t^2/2; the gravity that is lost is kinetic or friction."""
-    tilt = math.radians(10)
-    history = answer.reference_history(scene(gravity_tilt_deg=10.0, friction=0.1))
-    rate = 9.81 * (math.sin(tilt) - 0.1 * math.cos(tilt))
-    np.testing.assert_allclose(
-        history["block.slip_m"], rate * history["time_s"] ** 2 / 2, atol=1e-9
-    )
-    change = history["energy.total_J"] - history["energy.total_J"][0]
-    np.testing.assert_allclose(change, -history["energy.friction_J"], atol=1e-6)
-
-
 def test_only_what_closed_forms_do_not_have_is_unknown() -> None:
     push = {"kind": "sine", "amplitude_g": 0.4, "period": 1.0}
     platform = {"kind": "oscillator", "mass_ratio": 1.0, "period": 0.5}
@@ -174,17 +161,11 @@ def test_it_stops_where_the_block_has_overturned() -> None:
     assert history["block.angle_rad"][-1] == pytest.approx(2 * math.atan(0.25), abs=5e-3)
 
 
-def test_the_file_has_every_so_many_steps(tmp_path: Path) -> None:
-    asked = scene(block={"tilt_deg": 3.0}, output={"history_every": 10})
+def test_the_file_has_every_so_many_steps_and_the_last(tmp_path: Path) -> None:
+    asked = scene(block={"tilt_deg": 3.0}, output={"history_every": 300})
     answer.reference_history(asked, tmp_path / "history.csv")
     again = History.read(tmp_path / "history.csv")
-    np.testing.assert_allclose(again["time_s"], np.arange(101) * 0.01)
-
-
-def test_the_last_row_is_there_whatever_its_number() -> None:
-    """As in a run."""
-    asked = scene(block={"tilt_deg": 3.0}, output={"history_every": 700})
-    assert answer.reference_history(asked)["time_s"] == pytest.approx([0.0, 0.7, 1.0])
+    np.testing.assert_allclose(again["time_s"], [0.0, 0.3, 0.6, 0.9, 1.0])
 
 
 PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
@@ -233,14 +214,6 @@ def test_sloped_platform_with_a_thrown_block(initial: str) -> None:
     lost = history["energy.friction_J"] + history["energy.damping_J"]
     np.testing.assert_allclose(change, -lost, atol=1e-4 * lost[-1])
     assert history["energy.friction_J"][-1] > 10
-
-
-def test_thrown_block_stops_as_newton_says() -> None:
-    block = SQUAT | {"velocity": [-1.0, 0.0], "offset": 0.5}
-    history = answer.reference_history(scene(block=block, friction=0.25))
-    assert history["block.slip_m"][-1] == pytest.approx(-1 / (2 * 0.25 * 9.81))
-    assert history["energy.kinetic_J"][0] == pytest.approx(503.0 / 2)
-    assert history["energy.friction_J"][-1] == pytest.approx(503.0 / 2)
 
 
 def test_friction_laws_and_vertical_motion() -> None:
@@ -301,12 +274,6 @@ def test_stacks_and_frames_have_no_reference() -> None:
     }
     with pytest.raises(SceneError, match=r'^foundation.kind: got "frame", allowed any other'):
         answer.reference_history(scene(foundation=frame))
-
-
-def test_squat_block_at_rest_has_a_reference() -> None:
-    """Housner's restitution would be negative: it stays where it lands."""
-    history = answer.reference_history(scene(block=SQUAT))
-    assert not history["block.angle_rad"].any()
 
 
 @pytest.mark.parametrize("tilt", [0.0, 4.0, -4.0])

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from solver.reference import shenton
+from solver.reference import initiation as shenton
 
 TABLE = {
     2: {0.6: 0.5243, 0.8: 0.5688, 1.0: 0.6087, 2.0: 0.7586},

@@ -13,32 +13,22 @@ import pytest
 from scenes import BLOCK
 
 from rockslip import parse_scene
-from solver.run import simulate as running
 from solver.scene import Scene
 from solver.scene.foundation import PlateSpec
-from solver.study.damping.axes import AXES, Axis
-from solver.study.damping.case import BaseScene, watched
-from solver.study.damping.findings import Line as DampingLine
-from solver.study.damping.findings import lines, sentence
-from solver.study.damping.limit import limit
-from solver.study.damping.restitution import Restitution
-from solver.study.damping.sweep import Sweep, SweptValue
-from solver.study.damping.table import words as damping_words
-from solver.study.damping.target import measured_peaks
-from solver.study.horizon.table import as_text as horizons_as_text
-from solver.study.horizon.table import growth
-from solver.study.inertia import runs
+from solver.study.damping.axes import AXES, Axis, BaseScene, Sweep, SweptValue, watched
+from solver.study.damping.calibration import measured_peaks
+from solver.study.damping.numbers import limit, lines
+from solver.study.horizon.numbers import as_text as horizons_as_text
+from solver.study.horizon.numbers import growth
+from solver.study.inertia import cases as inertia
+from solver.study.inertia.cases import BlockCase, SlidingCase
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.inertia.findings import CLOSED, Finding, Line
-from solver.study.inertia.portion import Curve, Portion, grid, resampled
-from solver.study.inertia.runs import BlockTask, ClosedTask, run_task
-from solver.study.inertia.table import words as inertia_words
-from solver.study.modes.table import maps_of
+from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid, resampled
+from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
-from solver.study.overturning.table import boundary_rows, differences
-from solver.study.suite.case import SuiteCase
+from solver.study.overturning.numbers import boundary_rows, differences
+from solver.study.suite.cases import SuiteCase
 from solver.study.suite.motions import SuiteMotion
-from solver.study.suite.table import as_text as suite_as_text
 from solver.types import Array
 
 STRUCTURE = Structure(
@@ -69,20 +59,20 @@ def finding(friction: float, by: str, value: float | None, drift: float = 0.01) 
 # --- inertia
 
 
-def test_an_engine_that_differs_from_the_closed_form_has_its_own_portion() -> None:
+def test_an_engine_that_differs_from_the_sliding_block_has_its_own_portion() -> None:
     """D = c (1 + lambda) of four motions; the run of the third failed, so that it does not count.
 
     Sliding blocks have lambda 0.5 and the engine's runs 0.25, with the base shears of the others.
     """
     size = np.array([1.0, 2.0, 7.0, 3.0])
-    fixed = np.stack([2 * size, [1.0, 2.0, 30.0, 6.0], 0 * size], axis=1)
-    slides = np.stack([1.5 * size, [1.0, 1.0, 9.0, 1.0], 0.1 * size], axis=1)
+    fixed = np.stack([2 * size, [1.0, 2.0, 30.0, 6.0]], axis=1)
+    slides = np.stack([1.5 * size, [1.0, 1.0, 9.0, 1.0]], axis=1)
     line = Line(
         structure=STRUCTURE,
         frictions=[math.inf, 0.1],
         drifts=size[:, None] * (1 + grid()),
         peaks=np.stack([fixed, slides], axis=1),
-        bare=np.stack([size, [0.5, 1.0, 9.0, 0.0], 0 * size], axis=1),
+        bare=np.stack([size, [0.5, 1.0, 9.0, 0.0]], axis=1),
         weights=resampled(4),
     )
     fell = (0.0, 1.0, 0.0, 0.0)
@@ -98,21 +88,6 @@ def test_an_engine_that_differs_from_the_closed_form_has_its_own_portion() -> No
     assert found.shear_over_bare == pytest.approx(2.0 / ((0.5 + 1 + 0) / 3))
 
 
-def closed_task(tmp_path: Path, structure: Structure, friction: float, peak: float) -> ClosedTask:
-    """A sliding block on ground whose acceleration grows slowly to a peak and stays there."""
-    file = tmp_path / "motion.csv"
-    file.write_text(f"0 0\n1 {peak / 2}\n2 {peak}\n3 {peak}\n")
-    table = {"kind": "record", "file": str(file), "units": "m/s2"}
-    tables = {
-        "block": [{"width": 0.4, "height": 0.3, "thickness": 1.0, "mass": 1.0, "model": "rigid"}],
-        "time": {"end": 3.0, "step": 1e-3},
-    }
-    return ClosedTask(
-        name="", structure=structure, tables=tables, folder=tmp_path,
-        wanted=((SuiteMotion(name="ramp", table=table), (("key", friction),)),),
-    )  # fmt: skip
-
-
 @pytest.mark.parametrize("dynamic", [1.0, 0.5])
 def test_a_block_that_slides_drags_by_dynamic_friction(tmp_path: Path, dynamic: float) -> None:
     """On a stiff structure under slowly growing ground: k u = m_P (a + r mu_d g)."""
@@ -120,7 +95,18 @@ def test_a_block_that_slides_drags_by_dynamic_friction(tmp_path: Path, dynamic: 
         mass_ratio=1.0, period=0.05, damping_ratio=0.5, gravity=10.0, dynamic=dynamic,
         unit_pga=False,
     )  # fmt: skip
-    found = run_task(closed_task(tmp_path, structure, 0.4, 9.0))["runs"]["key"]
+    file = tmp_path / "motion.csv"
+    file.write_text("0 0\n1 4.5\n2 9.0\n3 9.0\n")
+    table = {"kind": "record", "file": str(file), "units": "m/s2"}
+    tables = {
+        "block": [{"width": 0.4, "height": 0.3, "thickness": 1.0, "mass": 1.0, "model": "rigid"}],
+        "time": {"end": 3.0, "step": 1e-3},
+    }
+    case = SlidingCase(
+        structure=structure, frictions=(0.4,), motions=(SuiteMotion(name="ramp", table=table),),
+        tables=tables, folder=tmp_path,
+    )  # fmt: skip
+    ((found,),) = case.run()["peaks"]
     shear = 9.0 + 0.4 * dynamic * 10.0
     assert found[0] == pytest.approx(shear / (2 * math.pi / 0.05) ** 2, rel=0.01)
     assert found[1] == pytest.approx(shear, rel=0.01)
@@ -143,11 +129,12 @@ def test_a_block_that_falls_counts_as_one_that_overturns(
         },
         summary={"platform": {"peak_drift_m": 0.1}, "blocks": {"a": stays, "b": goes}},
     )
-    monkeypatch.setattr(runs, "scene_of", lambda case: (scene, None))
-    monkeypatch.setattr(running, "simulate", lambda scene, **rest: result)
-    task = BlockTask(name="", key="key", case=cast(SuiteCase, None), unit_pga=False)
-    (numbers,) = run_task(task)["runs"].values()
-    assert numbers == pytest.approx([0.1, (100 * 0.1 - 3 * 2.0) / 2.0, 0.2, 0.3, lost])
+    monkeypatch.setattr(inertia, "scene_of", lambda case: (scene, None))
+    monkeypatch.setattr(inertia, "simulate", lambda scene, **rest: result)
+    case = BlockCase(name="", key="key", case=cast(SuiteCase, None), unit_pga=False)
+    assert case.run()["numbers"] == pytest.approx(
+        [0.1, (100 * 0.1 - 3 * 2.0) / 2.0, 0.2, 0.3, lost]
+    )
 
 
 def test_a_root_is_followed_from_where_the_last_one_was() -> None:
@@ -158,21 +145,16 @@ def test_a_root_is_followed_from_where_the_last_one_was() -> None:
     assert found == pytest.approx([1.1, 0.35, -0.25, 0.44])
 
 
-def test_the_largest_difference_from_the_closed_form_is_told() -> None:
+def test_the_largest_difference_from_the_sliding_block_is_told() -> None:
     pytest.importorskip("matplotlib")
-    from solver.study.inertia.report import _difference
+    from solver.study.inertia.page import _difference
 
     found = [
-        *(finding(mu, CLOSED, value) for mu, value in ((0.1, 0.5), (0.2, 0.6), (0.3, None))),
+        *(finding(mu, SLIDING, value) for mu, value in ((0.1, 0.5), (0.2, 0.6), (0.3, None))),
         *(finding(mu, "rigid blocks", v) for mu, v in ((0.1, 0.51), (0.2, 0.57), (0.3, 0.9))),
     ]
-    assert _difference(found) == "λ by rigid blocks is within 0.0300 of the closed form."
+    assert _difference(found) == "λ by rigid blocks is within 0.0300 of the sliding block."
     assert _difference(found[:3]) == ""
-
-
-def test_the_table_of_inertia_has_drifts_in_millimetres() -> None:
-    heading, row = inertia_words([finding(0.1, CLOSED, 0.5, drift=0.01234)])
-    assert dict(zip(heading, row, strict=True))["drift mm"] == "12.34"
 
 
 # --- horizon, modes, overturning, suite
@@ -248,16 +230,6 @@ def test_a_boundary_of_overturning_is_compared_with_the_rigid_one(
     assert differences(edges) == {"ode": pytest.approx(abs(difference))}
 
 
-def test_the_table_of_a_suite_has_drifts_in_millimetres() -> None:
-    row = {
-        "motion": "a", "status": "completed", "reason": "", "platform.peak_drift_m": 0.0123,
-        "reference.platform.peak_drift_m": 0.0124,
-    }  # fmt: skip
-    heading, told = suite_as_text([row], ())[:-1].splitlines()
-    assert heading.split() == ["motion", "status", "drift", "mm", "reference"]
-    assert told.split() == ["a", "completed", "12.300", "12.400"]
-
-
 # --- damping
 
 GRANITE = BLOCK.replace('"', "'") + "\ncells = [5, 20]\n"
@@ -330,23 +302,3 @@ def test_a_peak_between_measured_rows_is_that_of_its_parabola() -> None:
     angle: Array = np.concatenate([-0.05 * np.cos(math.pi / 0.6 * first), swing])
     found = measured_peaks(np.concatenate([first, time]), angle)
     assert found == pytest.approx([0.05, top], abs=1e-12)
-
-
-def test_what_is_unresolved_is_what_contact_and_time_integration_lose() -> None:
-    row = {
-        "axis": "", "value": None, "loss.damping": 0.55, "loss.friction": 0.15,
-        "loss.contact": 0.2, "loss.numerical": 0.1,
-    }  # fmt: skip
-    nothing = Sweep(base="", values=(), at=None, cases=(), left_out=())
-    heading, told = damping_words([row], nothing, 1)
-    shown = dict(zip(heading, told, strict=True))
-    assert (shown["damping"], shown["unresolved"]) == ("55%", "30%")
-
-
-def test_the_largest_standard_error_of_an_axis_is_told() -> None:
-    """Of two impacts it is half of their difference."""
-    found = (Restitution((0.90, 0.92), 2), Restitution((0.90, 0.96), 2))
-    line = DampingLine(
-        axis=AXES["gamma"], at=None, values=(30.0, 100.0), found=found, limit=None, limits=()
-    )
-    assert sentence(line, None).endswith("standard error of a mean at most 0.0300")

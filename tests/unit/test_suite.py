@@ -19,13 +19,10 @@ import pytest
 from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
-from solver.study.folder import finished, store
-from solver.study.suite.case import variations
-from solver.study.suite.command import prepare
-from solver.study.suite.folder import FOLDER
+from solver.study.pool import Tally
+from solver.study.suite.cases import SuiteStudy, variations
 from solver.study.suite.motions import find_motions
-from solver.study.suite.table import as_csv, as_text, ratios
-from solver.study.tally import Tally
+from solver.study.suite.numbers import as_text, ratios
 
 pytestmark = pytest.mark.serial
 
@@ -173,21 +170,15 @@ def _resumes(here: Path, rows: dict[tuple[str, str], dict[str, str]], words: Any
     ("words", "said"),
     [
         ((), "-o: got out, which is not empty, allowed an empty folder, --force, or --resume"),
-        (("--resume", "--set", "block.height=0.4"), "made with another scene.block"),
         (("--resume", "--set", "contact.friction=0.3"), "another scene.contact.friction,"),
         (("--resume", "--motions", "motions/weak.csv"), "made with another motions.weak_2,"),
-        (("--resume", "--tail", "1"), "made with another tail,"),
-        (("--set", "block.widht=1"), "block.widht: unknown key, did you mean 'width'?"),
         (("--vary", "contact.friction=0.1,-1"), "contact.friction: got -1"),
         (("--vary", "contact.friction"), '--vary: got "contact.friction", allowed KEY='),
         (("--vary", "contact.friction=1", "contact.friction=2"), "--vary: got one key twice"),
-        (("--motions", "nowhere"), "--motions: got nowhere, allowed a file, a folder"),
         (("--motions", "@nowhere"), "--motions: got @nowhere (no such file"),
         (("--motions", "empty"), "--motions: got empty without any, allowed files .at2"),
         (("--count", "3"), "--count: got 3, allowed nothing without --motions synthetic"),
         (("--tail", "-1"), "--tail: got -1, allowed 0 <= tail"),
-        (("-j", "0"), "-j: got 0, allowed a whole number > 0"),
-        (("--resume", "--reference"), "another reference,"),
         (("--reference", "--set", "dimension=3"), "dimension: got 3, allowed 2 where a rigid"),
     ],
 )
@@ -211,27 +202,8 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         words = ["study", "suite", "scene.toml", "--motions", "motions", "-o", "out"]
-        prepare(build_parser().parse_args(words))
+        SuiteStudy(build_parser().parse_args(words)).claimed()
     return folder
-
-
-def test_force_begins_anew_and_spares_what_is_not_its_own(done: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "out"
-    FOLDER.claim(folder, {"one": 1}, force=False, resume=False)
-    store(folder, "case", {"status": "completed", "value": 1.0})
-    store(folder, "other", {"status": "failed"})
-    (folder / "notes.txt").write_text("mine")
-    assert finished(folder) == {"case": {"status": "completed", "value": 1.0}}
-    FOLDER.claim(folder, {"one": 1}, force=False, resume=True)
-    assert list(finished(folder)) == ["case"]
-    for damaged in ('{"status": "comp', "[]"):
-        (folder / "cases" / "damaged.json").write_text(damaged)
-        assert list(finished(folder)) == ["case"]
-    FOLDER.claim(folder, {"one": 2}, force=True, resume=False)
-    assert finished(folder) == {}
-    assert sorted(file.name for file in folder.iterdir()) == [
-        "cases", "notes.txt", "settings.json"
-    ]  # fmt: skip
 
 
 def command(folder: Path, *words: str) -> list[str]:
@@ -335,16 +307,13 @@ def test_means_of_ratios_by_hand() -> None:
     doubtful = [{**rows[0], "cautions": f"odd {number}"} for number in range(12)]
     lines = as_text(doubtful, ["mu"]).splitlines()
     assert lines[-2:] == ["a, mu 0.1: caution: odd 9", "2 more cases have cautions: see suite.csv"]
-    lines = as_csv(rows).splitlines()
-    assert lines[0] == "motion,mu,status,platform.peak_drift_ratio,reason"
-    assert lines[3] == "c,0.1,failed,,broken"
 
 
 def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) -> None:
     now = iter([0.0, 1.0, 3.0, 4.0, 4.0, 4.0])
     shared = SimpleNamespace(monotonic=lambda: next(now))
     monkeypatch.setattr("solver.run.progress.clock", shared)
-    monkeypatch.setattr("solver.study.tally.clock", shared)
+    monkeypatch.setattr("solver.study.pool.clock", shared)
     tally = Tally(5, done=2)
     for name in ("c", "d", "e"):
         tally.add(name)
@@ -355,15 +324,3 @@ def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) ->
     Tally(1, rank=1).add("a")
     Tally(1, quiet=True).add("a")
     assert capsys.readouterr().err == ""
-
-
-def test_a_folder_gives_its_horizontal_components(tmp_path: Path) -> None:
-    """As the names of databases have them; a file that is named itself is taken as it is."""
-    names = ("RSN1_A_B-UP.csv", "DLTDWN.csv", "x_V.csv", "q-UD.csv", "startup.csv", "B090.csv")
-    for name in names:
-        write_motion(tmp_path / name, 0.1)
-    found, notes = find_motions([str(tmp_path)], None, count=None, seed=None)
-    assert [motion.name for motion in found] == ["B090", "startup"]
-    assert notes[1].startswith("left out, for the scene has no [motion.vertical]: DLTDWN.csv, RSN1")
-    (named,), _ = find_motions([str(tmp_path / names[0])], None, count=None, seed=None)
-    assert named.name == "RSN1_A_B-UP"

@@ -9,9 +9,8 @@ import pytest
 
 from solver.cli import build_parser, main
 from solver.errors import SceneError
-from solver.study.suite.command import prepare
-from solver.study.suite.events import Component
-from solver.study.suite.motions import SuiteMotion, find_motions
+from solver.study.suite.cases import SuiteStudy
+from solver.study.suite.motions import Component, SuiteMotion, find_motions
 
 pytestmark = pytest.mark.serial
 
@@ -192,8 +191,8 @@ def test_a_suite_that_is_resumed_compares_all_components(
     (tmp_path / "scene.toml").write_text(SCENE)
     words = ["study", "suite", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")]
     words += ["--motions", *(str(file) for file in sorted(tmp_path.glob("A_*.txt")))]
-    prepare(build_parser().parse_args(words))
-    prepare(build_parser().parse_args([*words, "--resume"]))
+    for again in ([], ["--resume"]):
+        SuiteStudy(build_parser().parse_args([*words, *again])).claimed()
     (tmp_path / changed).write_text("0.0 0.0\n0.01 0.9\n0.02 0.0\n")
     assert main([*words, "--resume"]) == 2
     assert "made with another motions.A." in capsys.readouterr().err

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solver.study.suite.numbers import as_text
 from solver.study.suite.picture import _panels
-from solver.study.suite.table import as_text
 
 pytest.importorskip("matplotlib")
 

@@ -1,72 +1,119 @@
-"""Demos of studies on two ranks: the same tables as on one, and the verdict of one rank."""
+"""Demos of studies, with few motions and points: their checks hold, can fail, and know ranks."""
 
 from __future__ import annotations
 
+import importlib
+import json
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import pytest
 from processes import ROOT, outside_mpirun
 
 from demos.study import read_table
 
-pytestmark = [pytest.mark.serial, pytest.mark.slow, pytest.mark.mpi]
+pytestmark = pytest.mark.serial
 
-#: Script, options of its short form, its tables, number of checks that hold.
-SHORT = {
-    "inertia": ("live_load.py", "--count 3", ["map/inertia.csv", "blocks/inertia.csv"], 7),
-    "modes": ("modes.py", "--engines rigid --points 4", ["modes.csv"], 2),
-    "overturning": (
-        "overturning.py",
-        "--frequencies 2 --ode 2 --amplitudes 1:5:8 --rounds 0",
-        ["overturning.csv"],
-        3,
+
+class Demo(NamedTuple):
+    """A demo in its short form.
+
+    Attributes:
+        script: Its module.
+        words: Options of the short form.
+        holds: Number of checks that hold.
+        engines: In its table.
+        spoiled: Keys of a number in its summary, and another one,
+        fails: with which the check of this number fails.
+    """
+
+    script: str
+    words: str
+    holds: int
+    engines: set[str]
+    spoiled: tuple[tuple[Any, ...], Any]
+    fails: int
+
+
+DEMOS = {
+    "modes": Demo(
+        "modes", "--engines rigid --points 6", 2, {"rigid"}, (("maps", 0, "agree"), 0), 0
     ),
-    "ensemble": (
-        "ensemble.py",
-        "--count 2 --levels 0.2,0.5 --set time.step=4e-3",
-        ["suite.csv", "fragility.csv"],
-        3,
+    "overturning": Demo(
+        "overturning", "--frequencies 2,4 --ode 2 --amplitudes 1:5:16 --rounds 0", 3,
+        {"rigid", "ode"}, (("largest_difference", "ode"), 1e-3), 2,
     ),
-    "suite": (
-        "platform_suite.py",
-        "--count 1 --set block.model=rigid time.step=4e-3 time.adaptive=false",
-        ["suite.csv"],
-        9,
+    "ensemble": Demo(
+        "ensemble", "--count 4 --levels 0.2,0.5,1.5 --set time.step=2e-3", 4,
+        {"rigid", "ode"}, (("distances", 1, "angle"), 1.2), 2,
     ),
-}
+}  # fmt: skip
 
 
-def run(name: str, folder: Path, *launch: str) -> subprocess.CompletedProcess[str]:
-    """The short form of a demo by its script, into a folder."""
-    script, words, _, _ = SHORT[name]
-    return subprocess.run(
-        [*launch, sys.executable, str(ROOT / "demos" / name / script), "-q", "-o", str(folder),
-         *words.split()],
-        cwd=folder.parent,
-        env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )  # fmt: skip
+def module_of(name: str, script: str) -> ModuleType:
+    return importlib.import_module(f"demos.{name}.{script}")
 
 
-def rows_of(file: Path) -> list[dict[str, str]]:
-    """The rows of a table without the time that they took."""
-    return [{k: v for k, v in row.items() if k != "wall_s"} for row in read_table(file)]
-
-
-@pytest.mark.parametrize("name", list(SHORT))
-def test_it_does_the_same_on_two_ranks(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", list(DEMOS))
+def test_its_checks_hold_and_can_fail(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     pytest.importorskip("matplotlib")
-    _, _, tables, count = SHORT[name]
+    demo, folder = DEMOS[name], tmp_path / "out"
+    module = module_of(name, demo.script)
+    assert module.main([*demo.words.split(), "-q", "-j", "1", "-o", str(folder)]) == 0
+    assert capsys.readouterr().out.count("holds:") == demo.holds
+    table = "suite" if name == "ensemble" else name
+    assert {row["engine"] for row in read_table(folder / f"{table}.csv")} == demo.engines
+    file = folder / "summary.json"
+    summary = json.loads(file.read_text())
+    (*keys, last), value = demo.spoiled
+    place = summary
+    for key in keys:
+        place = place[key]
+    place[last] = value
+    file.write_text(json.dumps(summary))
+    results = [good for good, _ in module.checks(folder)]
+    assert [number for number, good in enumerate(results) if not good] == [demo.fails]
+
+
+@pytest.mark.slow
+def test_the_live_load(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    demo = module_of("inertia", "live_load")
+    assert demo.main(["-o", str(tmp_path / "output"), "--count", "4", "-q", "-j", "2"]) == 0
+    output = capsys.readouterr()
+    assert output.err == ""
+    assert output.out.count("holds:") == 4 + 3
+    assert (tmp_path / "output" / "map" / "inertia.html").stat().st_size > 100_000
+    row = {"period_s": "1", "friction": "0.1", "by": "sliding block", "lambda": "0.5",
+           "lambda_low": "0.4"}  # fmt: skip
+    rigid = row | {"by": "rigid blocks", "lambda": "0.504"}
+    results = demo.checks([row | {"lambda": "0.6", "lambda_low": "0.55"}, row], [row, rigid])
+    assert demo.verdict("live_load", results) == 1
+    error = capsys.readouterr().err
+    assert "T 1 s: 0.600, 0.500, growing" in error
+    assert "friction 0.1: 0.5040 by rigid blocks, 0.5000 by the sliding block" in error
+
+
+@pytest.mark.slow
+@pytest.mark.mpi
+def test_it_does_the_same_on_two_ranks(tmp_path: Path) -> None:
+    """Rounds of cases: the same tables as on one, and the verdict of one rank."""
+    pytest.importorskip("matplotlib")
+    demo, file = DEMOS["overturning"], ROOT / "demos" / "overturning" / "overturning.py"
     one, two = tmp_path / "one", tmp_path / "two"
     for folder, launch in ((one, ()), (two, ("mpirun", "--oversubscribe", "-n", "2"))):
-        done = run(name, folder, *launch)
+        done = subprocess.run(
+            [*launch, sys.executable, str(file), "-q", "-o", str(folder), *demo.words.split()],
+            cwd=tmp_path, env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
+            capture_output=True, text=True, timeout=300, check=False,
+        )  # fmt: skip
         assert done.returncode == 0, done.stderr
         assert "check failed" not in done.stderr
-        assert done.stdout.count("holds:") == count
-    for table in tables:
-        assert rows_of(one / table) == rows_of(two / table) != []
+        assert done.stdout.count("holds:") == demo.holds
+    rows = [read_table(folder / "overturning.csv") for folder in (one, two)]
+    assert rows[0] == rows[1] != []

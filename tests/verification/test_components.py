@@ -13,8 +13,7 @@ import pytest
 from solver.cli import build_parser, main
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
-from solver.study.suite.case import run_case
-from solver.study.suite.command import prepare
+from solver.study.suite.cases import SuiteStudy
 from solver.study.suite.intensity import Intensity, turned_motion
 from solver.types import Array
 
@@ -70,7 +69,7 @@ def words_of(folder: Path, scene: str, **parts: Array) -> list[str]:
 def suite(folder: Path, scene: str, *words: str, **parts: Array) -> list[dict[str, Any]]:
     """The rows of a suite, which this process runs."""
     call = [*words_of(folder, scene, **parts), *words]
-    return [run_case(case) for case in prepare(build_parser().parse_args(call)).cases]
+    return [case.run() for case in SuiteStudy(build_parser().parse_args(call)).wanted]
 
 
 def peaks(row: dict[str, Any]) -> Array:

@@ -153,18 +153,6 @@ def test_work_of_the_viscous_force(thing):
     assert viscous == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
-def test_viscous_force_of_small_strains(thing):
-    """At rest it is beta_R K v."""
-    body, dt = thing.body, 1e-6
-    v = thing.direction(5)
-    body.begin(np.zeros(body.size), StrainWeights(1.0, 0.0))
-    viscous = body.impulsive_force(dt * v, dt)
-    x, y = body.stiffness_matrix.createVecs()
-    x.array[:] = body.damping.stiffness * v
-    body.stiffness_matrix.mult(x, y)
-    assert viscous == pytest.approx(y.array, abs=1e-5 * np.abs(viscous).max())
-
-
 def test_rows_of_ports_are_those_of_the_augmented_position(thing):
     interface, points = thing.interface, thing.interface.points.points
     v = thing.layer(thing.direction(11)).ravel()

@@ -57,13 +57,13 @@ def test_far_interfaces_left_out_change_no_digit(monkeypatch: pytest.MonkeyPatch
         return observe(self, u, carrier_u)
 
     monkeypatch.setattr(Interface, "observe", counted)
-    asleep = simulate(parse_scene(scene))
+    found = simulate(parse_scene(scene))
     few, looks = looks, 0
     monkeypatch.setattr(active_set, "STEPS_AHEAD", np.inf)
-    awake = simulate(parse_scene(scene))
-    assert awake.history["block.penetration_m"].any()
-    for column in awake.history.columns:
-        np.testing.assert_array_equal(asleep.history[column], awake.history[column], column)
+    expected = simulate(parse_scene(scene))
+    assert expected.history["block.penetration_m"].any()
+    for column in expected.history.columns:
+        np.testing.assert_array_equal(found.history[column], expected.history[column], column)
     assert few < 0.8 * looks
 
 

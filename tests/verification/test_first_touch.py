@@ -10,7 +10,7 @@ import pytest
 
 from solver.build.assembly import build
 from solver.scene import parse_scene
-from solver.stepping.active_set import FIRST_REACH, REACH
+from solver.stepping.active_set import FIRST_MARGIN, MARGIN
 from solver.stepping.step_contact import StepContact
 
 SPEED, STEP, FLIGHT = 1.0, 1e-4, 20
@@ -61,15 +61,15 @@ def test_a_body_that_touches_without_loads(
     assert state.kinetic + state.strain < energy * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("reach", [FIRST_REACH, REACH], ids=["first", "later"])
+@pytest.mark.parametrize("margin", [FIRST_MARGIN, MARGIN], ids=["first", "later"])
 def test_a_corner_that_the_other_one_turns_into_the_floor_touches(
-    reach: float, monkeypatch: pytest.MonkeyPatch
+    margin: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The free step ends with one corner in the floor, contact there turns the other one into it.
 
     One correction is made to be enough: nobody has looked at the other corner by then.
     """
-    monkeypatch.setattr("solver.stepping.reach.FIRST_REACH", reach)
+    monkeypatch.setattr("solver.stepping.active_set.FIRST_MARGIN", margin)
     looked = []
     sinks_in = StepContact.sinks_in
     monkeypatch.setattr(
@@ -86,7 +86,7 @@ def test_a_corner_that_the_other_one_turns_into_the_floor_touches(
     u, v = turned - place + (0.0, low), np.zeros_like(place) - (0.0, speed)
     state, exchange = assembly.stepper.advance(assembly.stepper.start(u.ravel(), v.ravel()), 1e-3)
     assert low < speed * 1e-3 < low + np.sin(tilt)
-    expected = ([True, False], 2) if reach == FIRST_REACH else ([False], 1)
+    expected = ([True, False], 2) if margin == FIRST_MARGIN else ([False], 1)
     assert (looked, exchange.iterations) == expected
     (memory,) = state.contacts
     assert (memory.force[:, 0] > 0.0).all()

@@ -15,8 +15,7 @@ from benchmarks.verification.newmark import incline_distance, sliding_block, sli
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.law.friction import RATE
-from solver.reference.friction import Resistance
-from solver.reference.platform import sliding_on_platform
+from solver.reference.sliding import Resistance, sliding
 from solver.scene import FrictionSpec
 
 G = 9.81
@@ -225,7 +224,7 @@ def test_stick_slip_on_a_platform(model: str, tmp_path: Path) -> None:
     held = np.abs(result.history["block.friction_force_N"]).max() / (500.0 * G)
     static = 0.6 if model == "rigid" else held
     assert (0.59 if model == "rigid" else 0.4) < held < 0.6001
-    exact = sliding_on_platform(
+    exact = sliding(
         platform=case.platform(),
         mass=500.0,
         friction=Resistance(law=FrictionSpec(static=static, dynamic=0.3)),

@@ -22,7 +22,7 @@ from rockslip import Scene, parse_scene, simulate
 from solver.cli import main
 from solver.run import simulate as simulate_module
 from solver.run.twin import difference, horizon, twin_of
-from solver.study.horizon.table import as_text
+from solver.study.horizon.numbers import as_text
 
 pytestmark = pytest.mark.serial
 

@@ -14,8 +14,7 @@ import pytest
 
 from benchmarks.verification.newmark import incline_distance
 from rockslip import Result, Scene, parse_scene, simulate
-from solver.reference.platform import PlatformReference, sliding_on_platform
-from solver.reference.sliding import sliding
+from solver.reference.sliding import SlidingReference, sliding
 
 G = 9.81
 
@@ -61,13 +60,13 @@ def scene(platform: str, friction: float, end: float, *overrides: str) -> Scene:
     )
 
 
-def reference(run: Scene) -> PlatformReference:
+def reference(run: Scene) -> SlidingReference:
     """The same event by event, at the times of the run."""
 
     def ground(time: float) -> float:
         return 0.4 * G * math.sin(2 * math.pi * time / 0.6) if time <= 3.6 else 0.0
 
-    return sliding_on_platform(
+    return sliding(
         platform=run.platform(),
         mass=run.blocks[0].shape.mass,
         friction=run.friction_of(run.blocks[0]).static,

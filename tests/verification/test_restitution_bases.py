@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rockslip import Result, SceneError, parse_scene, simulate
-from solver.reference.platform_rocking import restitution_on_platform
+from solver.reference.housner import restitution_on_platform
 from solver.results.events import HOPS
 from solver.results.report import report
 

@@ -213,21 +213,6 @@ def test_stacks_account_for_their_energy(lower: str, upper: str) -> None:
         assert result.history[f"{name}.penetration_m"].max() < 1e-5
 
 
-def test_adaptive_steps() -> None:
-    """Steps that are refused and tried again lead to the motion of fixed ones.
-
-    Two corners of the box strike at once, and there are two outcomes (angle_x 0.0029 and 0.0035):
-    fixed steps of 5e-5 s and adaptive ones that begin with 1e-3 s meet the other one.
-    """
-    block = TALL | LEANING | {"angular_velocity": [0.0, 0.3, 0.0]}
-    found = run(block, PEBBLE, end=0.12, time={"end": 0.12})
-    assert found.summary["cost"]["rejected_steps"] > 0
-    fixed = run(block, PEBBLE, end=0.12, time={"end": 0.12, "step": 2e-4})
-    for column in ("angle_x_rad", "angle_y_rad", "centre_x_m", "centre_z_m"):
-        ends = [result.history[f"tall.{column}"][-1] for result in (found, fixed)]
-        assert ends[0] == pytest.approx(ends[1], abs=2e-5)
-
-
 def test_fields_show_the_box_where_it_stands(tmp_path: Path) -> None:
     """Corners and their velocities in the last snapshot are those of the last row."""
     pyvista = pytest.importorskip("pyvista")

@@ -11,8 +11,7 @@ from scipy.integrate import solve_ivp
 
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.kinds import base_motion
-from solver.reference.friction import Resistance
-from solver.reference.platform import sliding_on_platform
+from solver.reference.sliding import Resistance, sliding
 from solver.rigid.plane.system import PlaneSystem
 
 G = 9.81
@@ -59,7 +58,7 @@ def test_the_platform_follows_the_ode() -> None:
     history = simulate(given).history
     motion = base_motion(given.motion, 6.0)
     assert motion is not None
-    reference = sliding_on_platform(
+    reference = sliding(
         platform=given.platform(),
         mass=MASS,
         friction=0.1,
@@ -215,7 +214,7 @@ def test_stick_slip_neither_chatters_nor_fails(step: float, tolerance: float) ->
     outcome = system.advance(count, step, ground)
     assert outcome.failure is None and outcome.rejected == 0
     slip = outcome.rows[:, system.columns.index("block.slip_m")]
-    reference = sliding_on_platform(
+    reference = sliding(
         platform=given.platform(),
         mass=MASS,
         friction=Resistance(law=given.friction_of(given.blocks[0])),

@@ -11,7 +11,7 @@ import pytest
 
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.excitation.motion import read_ground
-from solver.reference.platform import sliding_on_platform
+from solver.reference.sliding import sliding
 
 SAMPLES, DT = 60, 0.01
 WHOLE = 0.8
@@ -110,7 +110,7 @@ def test_a_step_that_divides_and_one_that_does_not_agree(noise: Path, model: str
         motion = read_ground(run)
         assert motion is not None and motion.parts[0] is not None
         history = simulate(run).history
-        exact = sliding_on_platform(
+        exact = sliding(
             platform=run.platform(),
             mass=run.carried_mass,
             friction=0.03,

@@ -133,7 +133,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     assert len(present) >= 4
     assert (
         kinematics.own_projection is not None
-        and kinematics.foot is not None
+        and kinematics.projection is not None
         and memory.kinematics.own_projection is not None
     )
     moved = (
@@ -141,7 +141,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
         != kinematics.own_projection.segment[present]
     )
     assert moved.any() == (travel == 1.0)
-    apart = kinematics.own_projection.carried(surface.position) - kinematics.foot.carried(
+    apart = kinematics.own_projection.carried(surface.position) - kinematics.projection.carried(
         kinematics.carrier.position
     )
     normal = interface.carrier.frame[:, 0]

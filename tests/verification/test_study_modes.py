@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import json
 from pathlib import Path
@@ -9,11 +10,10 @@ from pathlib import Path
 import pytest
 
 from solver.cli import main
-from solver.reference.shenton import initial_accelerations, initial_mode, near_boundary
+from solver.reference.initiation import initial_accelerations, initial_mode, near_boundary
 from solver.scene.scaling import Scale, scaled_tables
-from solver.study.modes.case import rigid_of, scene_of
-from solver.study.modes.onset import Onset, ramped_onset, sudden_onset
-from solver.study.standing import Tables, standing_block, variant
+from solver.study.modes.cases import Onset, ramped_onset, rigid_of, scene_of, sudden_onset
+from solver.study.scenes import Tables, standing_block, variant
 
 pytestmark = pytest.mark.serial
 
@@ -33,7 +33,7 @@ POINTS = (
 
 @pytest.fixture(scope="module")
 def tables() -> Tables:
-    return standing_block(SCENE, [])
+    return standing_block(argparse.Namespace(scene=SCENE, overrides=[]))
 
 
 def with_friction(tables: Tables, friction: float) -> Tables:

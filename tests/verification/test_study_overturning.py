@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 from collections.abc import Callable
@@ -15,6 +16,7 @@ import pytest
 from rockslip import parse_scene, simulate
 from solver.cli import main
 from solver.reference import pulses
+from solver.study.overturning.blocks import PULSES, RigidUnderPulses
 from solver.study.overturning.boundaries import (
     DIRECTLY,
     LATER,
@@ -22,12 +24,10 @@ from solver.study.overturning.boundaries import (
     Boundary,
     Response,
     boundaries,
+    near,
 )
-from solver.study.overturning.case import OverturningCase, run_case, scan
-from solver.study.overturning.elastic import near
-from solver.study.overturning.pulses import PULSES
-from solver.study.overturning.rigid import RigidUnderPulses
-from solver.study.standing import Tables, standing_block, variant
+from solver.study.overturning.cases import OverturningCase, scan
+from solver.study.scenes import Tables, standing_block, variant
 
 pytestmark = pytest.mark.serial
 
@@ -43,7 +43,7 @@ AMPLITUDES = scan(1.0, 12.0, 48)
 
 @pytest.fixture(scope="module")
 def tables() -> Tables:
-    return standing_block(SCENE, [])
+    return standing_block(argparse.Namespace(scene=SCENE, overrides=[]))
 
 
 def found(
@@ -53,7 +53,7 @@ def found(
         engine="rigid", pulse=pulse, frequency=frequency, restitution=restitution,
         tables=tables, amplitudes=AMPLITUDES,
     )  # fmt: skip
-    row = run_case(case)
+    row = case.run()
     return [(edge["amplitude"], edge["below"], edge["above"]) for edge in row["boundaries"]]
 
 
@@ -78,9 +78,7 @@ def test_half_sines_without_an_impact(
     assert amplitude == pytest.approx(linear, rel=0.005)
 
 
-@pytest.mark.parametrize(
-    ("frequency", "restitution"), [(1, None), (3, None), (6, None), (6, 0.936)]
-)
+@pytest.mark.parametrize(("frequency", "restitution"), [(1, None), (3, None), (6, 0.936)])
 def test_both_modes_of_one_sine_and_the_island(
     tables: Tables, frequency: float, restitution: float | None
 ) -> None:
@@ -91,7 +89,7 @@ def test_both_modes_of_one_sine_and_the_island(
         engine="ode", pulse="one_sine", frequency=frequency, restitution=restitution,
         tables=tables, rigid=tuple(edges[-3:]),
     )  # fmt: skip
-    equation = [edge["amplitude"] for edge in run_case(case)["boundaries"]]
+    equation = [edge["amplitude"] for edge in case.run()["boundaries"]]
     assert [edge[0] for edge in edges[-3:]] == pytest.approx(equation, rel=2e-4)
     linear = pulses.one_sine_threshold(frequency)
     assert edges[-1][0] == pytest.approx(linear, rel=0.035)
@@ -152,7 +150,7 @@ def test_the_elastic_block_overturns_where_the_rigid_one_does(tables: Tables) ->
         engine="elastic", pulse="half_sine", frequency=4.0, restitution=None,
         tables=tables, rigid=((2.7973, STAYS, DIRECTLY),),
     )  # fmt: skip
-    (edge,) = run_case(case)["boundaries"]
+    (edge,) = case.run()["boundaries"]
     assert edge["amplitude"] == pytest.approx(2.7973, rel=0.01)
 
 

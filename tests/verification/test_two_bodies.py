@@ -199,7 +199,10 @@ def test_work_is_exact_and_forces_are_opposite(
     memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))
     surface, kinematics = pair.observed(u1)
     moved = kinematics.place - memory.kinematics.place
-    assert not kinematics.foot.beyond_edge.any() and not memory.kinematics.foot.beyond_edge.any()
+    assert (
+        not kinematics.projection.beyond_edge.any()
+        and not memory.kinematics.projection.beyond_edge.any()
+    )
     if travel == 1.0 and case[1] == "elastic":
         assert np.abs(moved[:, 1]).min() > 2 / 7  # two facets at least
     force = np.random.default_rng(5).uniform(0.5, 1.5, (*interface.weight.shape, d))

@@ -15,29 +15,29 @@ NOTHING_NEAR, OTHERS_NEAR, LEFT_OPEN, UNSETTLED, SETTLED = range(5)
 
 
 @compiled
-def candidates(y: Array, reach: Array, may_touch: Mask, force: Array, number: Indices) -> int:
+def candidates(y: Array, margin: Array, may_touch: Mask, force: Array, number: Indices) -> int:
     """Fill in numbers of points that may come into contact; returns how many there are.
 
     Args:
         y: Augmented positions after the free step, (points, d), m.
-        reach: Gaps below which points may come into contact, (points,), m.
+        margin: Gaps below which points may come into contact, (points,), m.
         may_touch: Points that may touch, (points,).
         force: Forces so far, (points, d), N.
         number: Filled in with the numbers, rising; it has room for all, (points,).
     """
     count = 0
     for p in range(len(y)):
-        if (y[p, 0] < reach[p] and may_touch[p]) or force[p, 0] > 0.0:
+        if (y[p, 0] < margin[p] and may_touch[p]) or force[p, 0] > 0.0:
             number[count] = p
             count += 1
     return count
 
 
 @compiled
-def sinks_in(y: Array, round_off: Array, may_touch: Mask, met: Mask) -> bool:
-    """Whether points that may touch, but were never met, are in their carrier at positions y."""
+def sinks_in(y: Array, round_off: Array, may_touch: Mask, seen: Mask) -> bool:
+    """True if points that may touch, but were never near, are in their carrier at positions y."""
     for p in range(len(y)):
-        if y[p, 0] < -round_off[p] and may_touch[p] and not met[p]:
+        if y[p, 0] < -round_off[p] and may_touch[p] and not seen[p]:
             return True
     return False
 
@@ -119,7 +119,7 @@ def settle(
     near: Indices,
     W: Array,
     softening: Array,
-    reach: Array,
+    margin: Array,
     may_touch: Mask,
     anchor: Array,
     softness: Array,
@@ -145,7 +145,7 @@ def settle(
         near: Points that W belongs to; where others are near nothing is changed.
         W: As in `free_values`.
         softening: Likewise, of the near points.
-        reach: As in `candidates`.
+        margin: As in `candidates`.
         may_touch: As in `candidates`.
         anchor: As in `free_values`, like all up to `round_off`, of all points.
         softness: Of the interface.
@@ -161,7 +161,7 @@ def settle(
         q: Free values, filled in, (m, d), m.
         change: How much the forces of near points changed, filled in, (m, d), N.
     """
-    count = candidates(y, reach, may_touch, force, number)
+    count = candidates(y, margin, may_touch, force, number)
     if count == 0:
         return NOTHING_NEAR, count, 0.0
     if count != len(near):

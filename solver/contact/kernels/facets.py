@@ -4,7 +4,7 @@ With the shape functions N at the closest points before and after a step, the no
 the frame (n, t) of the step, bars for means and d for increments over the step (docs/method.md,
 "What carries"),
 
-    e = dN . mean x_c = (e_n, e_t)                the way of the foot over the mean surface
+    e = dN . mean x_c = (e_n, e_t)                increment of the closest point on the mean surface
     dg = (n - kappa t) . (dx - mean N dx_c),      kappa = e_n/e_t        the mean slope
     ds = (t/a) . (dx - mean N dx_c),              a = e_t/ds             the mean stretch
 
@@ -23,7 +23,7 @@ from solver.types import Array, Indices, Mask
 
 
 class FacetShapes(NamedTuple):
-    """What stays the same of the facets of a face; t = d - 1 coordinates on each."""
+    """Shape functions of the facets of a face; t = d - 1 coordinates on each."""
 
     facets: Indices
     """Nodes of each facet, (facets, k)."""
@@ -160,18 +160,18 @@ def average_at(shapes: FacetShapes, node: int, placed: Array, slope: Array, stre
 
 
 EDGE_BLEND_WIDTH = 0.02
-"""Part of a facet: as near as this to its edge, a foot goes over to the slope averaged over the
-facets that meet there."""
+"""Part of a facet: as near as this to its edge, the slope at a closest point goes over to the
+mean of the facets that meet there."""
 
-FOOT_SETTLED = 1e-12
-"""Part of a facet: Newton's method for a foot ends when it moves the foot by less; what is left is
-the square of that."""
+PROJECTION_TOLERANCE = 1e-12
+"""Part of a facet: Newton's method for a closest point ends when it moves it by less; the rest
+is the square of that."""
 
-FOOT_ITERATIONS = 4
-"""Corrections of Newton's method for a foot, at most."""
+PROJECTION_ITERATIONS = 4
+"""Corrections of Newton's method for a closest point, at most."""
 
 FACETS_TRIED = 4
-"""Facets around a point, the nearest ones first, among which its foot is looked for."""
+"""Facets around a point, the nearest ones first, that are searched for its closest point."""
 
 FARTHER = 0.5
 """Part of a facet: one that is farther than the nearest one by more is not tried.
@@ -181,8 +181,8 @@ the parallelogram of the others: by strains, a few per cent of a facet.
 """
 
 
-class Feet(NamedTuple):
-    """Where m points stand on the facets of a face; t = d - 1."""
+class ClosestPoints(NamedTuple):
+    """Closest points of m points on the facets of a face; t = d - 1."""
 
     nodes: Indices
     """Nodes of the facet, (m, k)."""
@@ -194,12 +194,12 @@ class Feet(NamedTuple):
     stretch: Array
     """Current over undeformed tangential lengths, likewise, (m, t, t)."""
     beyond_edge: Mask
-    """Feet beyond the edge of the face by more than its margin, (m,)."""
+    """Those beyond the edge of the face by more than its margin, (m,)."""
 
 
 @compiled
 def outside_by(shapes: FacetShapes, where: Array) -> float:
-    """How far a point is outside of a facet, in its own coordinates; negative inside."""
+    """Distance of a point outside of a facet, in its own coordinates; negative inside."""
     total, miss = 0.0, -np.inf
     for j in range(len(where)):
         total += where[j]
@@ -240,7 +240,7 @@ def settle_on(shapes: FacetShapes, facet: int, point: Array, placed: Array, wher
     t, nodes = len(where), shapes.facets[facet]
     values, derivatives = np.empty(len(nodes)), np.empty((t, len(nodes)))
     gradient, inverse, miss = np.empty((t + 1, t)), np.empty((t, t)), np.empty(t)
-    for _ in range(FOOT_ITERATIONS):
+    for _ in range(PROJECTION_ITERATIONS):
         shape_functions(shapes, where, values, derivatives)
         gradient_of(nodes, placed, derivatives, gradient)
         inverted(gradient[1:], inverse)
@@ -255,7 +255,7 @@ def settle_on(shapes: FacetShapes, facet: int, point: Array, placed: Array, wher
                 change += inverse[i, j] * miss[j]
             where[i] += change
             largest = max(largest, abs(change))
-        if largest < FOOT_SETTLED:
+        if largest < PROJECTION_TOLERANCE:
             break
 
 
@@ -317,7 +317,7 @@ def facet_under(shapes: FacetShapes, point: Array, placed: Array, where: Array) 
 
 
 @compiled
-def stand_on_facets(
+def project_onto_facets(
     face: tuple[Any, ...],
     room: tuple[Array, Array],
     position: Array,
@@ -326,7 +326,7 @@ def stand_on_facets(
     place: Array,
     stand: tuple[Any, ...],
 ) -> None:
-    """Fill in gaps and tangential positions (m, d) of points over a face, and their feet.
+    """Fill in gaps and tangential positions (m, d) of points over a face, and their closest.
 
     Args:
         face: The fields of its `FacetShapes`; tuples without names are handed over faster.
@@ -335,9 +335,9 @@ def stand_on_facets(
         carrier: Of its nodes in space, (n, d), m.
         frame: Rows normal and tangents, (d, d).
         place: (g, s), (m, d), m.
-        stand: The fields of the `Feet` of the points.
+        stand: The fields of the `ClosestPoints` of the points.
     """
-    shapes, feet = borrowed(FacetShapes(*face)), borrowed(Feet(*stand))
+    shapes, closest = borrowed(FacetShapes(*face)), borrowed(ClosestPoints(*stand))
     placed, inverses = borrowed(room)
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
     placed[:], points = carrier @ frame.T, position @ frame.T
@@ -355,14 +355,14 @@ def stand_on_facets(
             facet = nearest_facet(shapes, point, placed, inverses, tried, where)
         nodes = shapes.facets[facet]
         shape_functions(shapes, where, values, derivatives)
-        feet.nodes[p], feet.weights[p] = nodes, values
+        closest.nodes[p], closest.weights[p] = nodes, values
         place[p, 0], place[p, 1:] = points[p, 0], 0.0
         for a in range(k):
             place[p, 0] -= values[a] * placed[nodes[a], 0]
             for j in range(1, d):
                 place[p, j] += values[a] * shapes.along[nodes[a], j - 1]
-        miss, slope, stretch = outside_by(shapes, where), feet.slope[p], feet.stretch[p]
-        feet.beyond_edge[p] = miss > shapes.margin
+        miss, slope, stretch = outside_by(shapes, where), closest.slope[p], closest.stretch[p]
+        closest.beyond_edge[p] = miss > shapes.margin
         gradient_of(nodes, shapes.along, derivatives, gradient)
         inverted(gradient, undeformed)
         slope_and_stretch(nodes, placed, derivatives, undeformed, slope, stretch)
@@ -377,12 +377,12 @@ def stand_on_facets(
 
 
 STANDING_STILL = 1e-4
-"""Part of a facet: a foot that moves by less has the local slope and stretch, one that moves by
-twice as much or more those of its way; between the two they go over from one to the other."""
+"""Part of a facet: a closest point that moves by less has the local slope and stretch, one that
+moves by twice as much or more those of its increment; in between there is a transition."""
 
 
-class Stand(NamedTuple):
-    """Where points stand on a face at one instant."""
+class FootPoints(NamedTuple):
+    """Foot points on a face at one instant."""
 
     nodes: Indices
     """Nodes of the facet of each point, (m, k)."""
@@ -395,11 +395,11 @@ class Stand(NamedTuple):
     place: Array
     """(g, s), (m, d), m."""
     position: Array
-    """Where the nodes of the face are, (n, d), m."""
+    """Positions of the nodes of the face, (n, d), m."""
 
 
-StandArrays = tuple[Indices, Array, Array, Array, Array, Array]
-"""The fields of a `Stand` as Python hands them over: without names they take half the time."""
+FootPointArrays = tuple[Indices, Array, Array, Array, Array, Array]
+"""The fields of a `FootPoints` as Python hands them over: without names they take half the time."""
 
 
 @compiled
@@ -424,28 +424,28 @@ def add_spread(
 
 
 @compiled
-def foot_way(
+def projection_increment(
     p: int,
-    old: Stand,
-    new: Stand,
+    old: FootPoints,
+    new: FootPoints,
     frame: Array,
     facet: float,
-    way: Array,
+    increment: Array,
     ds: Array,
     kappa: Array,
     a: Array,
 ) -> float:
-    """Fill in the way of the foot of point p; returns how far slope and stretch are those of it.
+    """Fill in the increment of point p's closest point; returns the share of its own slope.
 
     Args:
         p: Number of the point.
-        old: Stand at t_n.
+        old: FootPoints at t_n.
         new: At t_{n+1}.
         frame: Rows normal and tangents of the face, (d, d).
         facet: Length of the smallest facet, m.
-        way: e = (e_n, e_t), (d,), m.
-        ds: Way in the undeformed face, (d-1,), m.
-        kappa: Slope: that of the way where the foot moves, else of the surface there, (d-1,).
+        increment: e = (e_n, e_t), (d,), m.
+        ds: Increment in the undeformed face, (d-1,), m.
+        kappa: Slope of the increment where the closest point moves, else of the surface, (d-1,).
         a: Stretch likewise, (d-1, d-1).
     """
     d, moved = len(frame), np.zeros(len(frame))
@@ -455,26 +455,26 @@ def foot_way(
             before = 0.5 * (old.position[first, i] + new.position[first, i])
             after = 0.5 * (old.position[last, i] + new.position[last, i])
             moved[i] += new.weights[p, k] * after - old.weights[p, k] * before
-    way[:] = 0.0
+    increment[:] = 0.0
     for i in range(d):
         for j in range(d):
-            way[i] += frame[i, j] * moved[j]
+            increment[i] += frame[i, j] * moved[j]
     squares = along = 0.0
     for i in range(d - 1):
         ds[i] = new.place[p, 1 + i] - old.place[p, 1 + i]
         kappa[i] = 0.5 * (old.slope[p, i] + new.slope[p, i])
-        squares, along = squares + ds[i] ** 2, along + way[1 + i] ** 2
+        squares, along = squares + ds[i] ** 2, along + increment[1 + i] ** 2
         for j in range(d - 1):
             a[i, j] = 0.5 * (old.stretch[p, i, j] + new.stretch[p, i, j])
     share = min(max(math.sqrt(squares) / (STANDING_STILL * facet) - 1.0, 0.0), 1.0)
     if share > 0.0:
         # The least changes after which kappa . e_t = e_n and a ds = e_t.
-        lift = way[0]
+        lift = increment[0]
         for i in range(d - 1):
-            lift -= kappa[i] * way[1 + i]
+            lift -= kappa[i] * increment[1 + i]
         for i in range(d - 1):
-            kappa[i] += share * lift / along * way[1 + i]
-            missing = way[1 + i]
+            kappa[i] += share * lift / along * increment[1 + i]
+            missing = increment[1 + i]
             for j in range(d - 1):
                 missing -= a[i, j] * ds[j]
             for j in range(d - 1):
@@ -484,8 +484,8 @@ def foot_way(
 
 @compiled
 def forces_in_space(
-    before: StandArrays,
-    after: StandArrays,
+    before: FootPointArrays,
+    after: FootPointArrays,
     frame: Array,
     facet: float,
     force: Array,
@@ -493,10 +493,10 @@ def forces_in_space(
 ) -> None:
     """Fill in vectors in space (m, d) of normal and tangential forces, whose work is exact.
 
-    They are f_n (n - kappa t) + a^-T f_t; arguments as in `foot_way`.
+    They are f_n (n - kappa t) + a^-T f_t; arguments as in `projection_increment`.
     """
-    d, old, new = len(frame), borrowed(Stand(*before)), borrowed(Stand(*after))
-    way, ds, kappa, local = np.empty(d), np.empty(d - 1), np.empty(d - 1), np.empty(d)
+    d, old, new = len(frame), borrowed(FootPoints(*before)), borrowed(FootPoints(*after))
+    increment, ds, kappa, local = np.empty(d), np.empty(d - 1), np.empty(d - 1), np.empty(d)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     vectors[:] = 0.0
     for p in range(len(force)):
@@ -505,7 +505,7 @@ def forces_in_space(
             loaded = loaded or force[p, i] != 0.0
         if not loaded:
             continue
-        foot_way(p, old, new, frame, facet, way, ds, kappa, a)
+        projection_increment(p, old, new, frame, facet, increment, ds, kappa, a)
         inverted(a, inverse)
         local[0] = force[p, 0]
         for i in range(d - 1):
@@ -519,24 +519,32 @@ def forces_in_space(
 
 @compiled
 def work_defect(
-    before: StandArrays, after: StandArrays, frame: Array, facet: float, force: Array
+    before: FootPointArrays, after: FootPointArrays, frame: Array, facet: float, force: Array
 ) -> float:
     """Work of these vectors less that of the forces (m, d), N, on (g, s), J.
 
-    Only feet of closed points that hardly move have any: kappa . e_t is not e_n there,
-    nor a^-1 e_t ds. Arguments as in `foot_way`.
+    Only closest points of closed points that hardly move have any: kappa . e_t is not e_n there,
+    nor a^-1 e_t ds. Arguments as in `projection_increment`.
     """
-    d, total, old, new = len(frame), 0.0, borrowed(Stand(*before)), borrowed(Stand(*after))
-    way, ds, kappa = np.empty(d), np.empty(d - 1), np.empty(d - 1)
+    d, total, old, new = (
+        len(frame),
+        0.0,
+        borrowed(FootPoints(*before)),
+        borrowed(FootPoints(*after)),
+    )
+    increment, ds, kappa = np.empty(d), np.empty(d - 1), np.empty(d - 1)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     for p in range(len(force)):
-        if not force[p, 0] > 0.0 or foot_way(p, old, new, frame, facet, way, ds, kappa, a) >= 1.0:
+        if (
+            not force[p, 0] > 0.0
+            or projection_increment(p, old, new, frame, facet, increment, ds, kappa, a) >= 1.0
+        ):
             continue
         inverted(a, inverse)
-        total += force[p, 0] * way[0]
+        total += force[p, 0] * increment[0]
         for i in range(d - 1):
             drag = -ds[i]
             for j in range(d - 1):
-                drag += inverse[i, j] * way[1 + j]
-            total += force[p, 1 + i] * drag - force[p, 0] * kappa[i] * way[1 + i]
+                drag += inverse[i, j] * increment[1 + j]
+            total += force[p, 1 + i] * drag - force[p, 0] * kappa[i] * increment[1 + i]
     return total

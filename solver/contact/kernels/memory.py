@@ -1,4 +1,4 @@
-"""What points remember of a step, and what it stored and lost in their interface; compiled."""
+"""Memory of points after a step, and the energy stored and lost in their interface; compiled."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def after_step(
     """
     laws, bounds = borrowed(FrictionLaws(*friction_laws)), borrowed(Bounds(mu, cohesion, np.inf))
     (m, d), friction, contact = force.shape, 0.0, 0.0
-    closed, way = force[:, 0] > 0.0, np.zeros(len(force))
+    closed, distance = force[:, 0] > 0.0, np.zeros(len(force))
     for p in range(m):
         for k in range(d):
             grown, both = force[p, k] - old_force[p, k], force[p, k] + old_force[p, k]
@@ -59,10 +59,10 @@ def after_step(
             anchor[p, k - 1] = y[p, k] + (softness[p] * force[p, k] if closed[p] else 0.0)
             slip = anchor[p, k - 1] - old_anchor[p, k - 1]
             friction -= force[p, k] * slip
-            way[p] += slip**2
-        way[p] = math.sqrt(way[p])
-    slipped = points_that_slip(force, way, softness, bounds)
-    past[:] = pasts_after(laws, old_past, closed, slipped, np.divide(way, step), step)
+            distance[p] += slip**2
+        distance[p] = math.sqrt(distance[p])
+    slipped = points_that_slip(force, distance, softness, bounds)
+    past[:] = pasts_after(laws, old_past, closed, slipped, np.divide(distance, step), step)
     return friction, contact - friction
 
 
@@ -100,7 +100,7 @@ def squared_change(weight: Array, old: Array, new: Array) -> float:
 
 @compiled
 def _all_slip(force: Array, past: Array) -> bool:
-    """Whether all closed points slip."""
+    """True if all closed points slip."""
     for p in range(len(force)):
         if force[p, 0] > 0.0 and not past[p, SLIPPED] > 0.0:
             return False

@@ -16,7 +16,7 @@ from solver.types import Array, Indices
 
 
 class SurfaceRows(NamedTuple):
-    """What turns displacements into positions and tractions: e evaluations that make p points."""
+    """Rows from displacements to positions and tractions: e evaluations that make p points."""
 
     numbers: Indices
     """The point that each evaluation belongs to, and the nodes that it reaches, (e, 1 + k)."""
@@ -47,7 +47,7 @@ class SurfaceRows(NamedTuple):
 
 
 class NitscheState(NamedTuple):
-    """What a surface knows of one configuration: positions and nominal tractions of its points."""
+    """Positions and nominal tractions of the points of a surface in one configuration."""
 
     values: Array
     """All of it, (2 p + e (d + 1), d): x and T of all points, and for each evaluation F and S N,
@@ -59,7 +59,7 @@ class NitscheState(NamedTuple):
 
 
 def new_state(rows: SurfaceRows) -> NitscheState:
-    """Room for what a surface knows of one configuration.
+    """Room for the state of a surface.
 
     Compiled code fills it, as all arrays here: each one that it returned would cost a microsecond.
     """
@@ -189,7 +189,7 @@ def add_traction_gradient(
 
 
 class TractionPull(NamedTuple):
-    """What the gradient of the traction is multiplied by: theta/gamma_h (w T - w_c f)."""
+    """Factor of the gradient of the traction: theta/gamma_h (w T - w_c f)."""
 
     scale: Array
     """theta w/gamma_h, m2/Pa or m3/Pa, and theta/gamma_h, m/Pa, (p, 2)."""

@@ -1,1 +1,1 @@
-"""What an impact loses, as a function of physical and numerical parameters; and its calibration."""
+"""Losses of impacts over physical and numerical parameters, and the calibration of one of them."""

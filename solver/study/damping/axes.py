@@ -1,16 +1,28 @@
-"""The parameters that restitution is measured against, and how each is set in a scene."""
+"""The parameters that restitution is measured against: how each is set, and the runs they make."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from solver.errors import SceneError, not_applicable
-from solver.scene import BlockSpec, Scene
+from mpi4py import MPI
+
+import numpy as np
+
+from solver.errors import SceneError, Statement, not_applicable
+from solver.excitation.layouts.text import number_in
+from solver.reference.housner import housner
+from solver.results.endings import cut_short
+from solver.results.motion import block_motion
+from solver.run.simulate import simulate
+from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown, to_table
 from solver.scene.damping import DEFAULT_RATIO, stiffness_damping
+from solver.study.study import Row, digest
+from solver.types import Array
 
 Tables = dict[str, Any]
 """A scene as plain tables, changed in place."""
@@ -32,7 +44,13 @@ BETA_BOUNDS = (0.25, 5.0)
 lasts from impact to impact; above them more damping takes less, not more, from an impact."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+SPACING = 1e-3
+"""Least time between two rows of the angle that is kept, s."""
+
+ALLOWED = "NAME or NAME=V1,V2,..., such as beta=0,1e-5,1e-4"
+
+
+@dataclass(frozen=True, slots=True)
 class Axis:
     """A parameter that is swept.
 
@@ -41,7 +59,6 @@ class Axis:
         key: What is set, for headings: the key of the scene, or words.
         unit: Of its values; "" without one.
         meaning: "physical": a property of the blocks; "numerical": of the method.
-        text: What it is, in words.
         put: Sets it.
         values: Values that suit a scene.
         limit: Where its limit is: at zero, at infinity, or nowhere.
@@ -52,7 +69,6 @@ class Axis:
     key: str
     unit: str
     meaning: Literal["physical", "numerical"]
-    text: str
     put: Setter
     values: Chosen
     limit: Literal["zero", "infinity", ""] = ""
@@ -235,53 +251,34 @@ def _youngs(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
 AXES = {
     axis.name: axis
     for axis in (
+        Axis("step", "time.step", "s", "numerical", _put_step, _steps, "zero"),
+        Axis("tolerance", "time.tolerance", "", "numerical", _put_tolerance, _tolerances, "zero"),
         Axis(
-            name="step", key="time.step", unit="s", meaning="numerical", limit="zero",
-            text="fixed time steps", put=_put_step, values=_steps,
+            "mesh", "cells of an edge over the scene's", "", "numerical",
+            _put_mesh, _fixed(0.5, 1.0, 2.0, 4.0), "infinity",
         ),
         Axis(
-            name="tolerance", key="time.tolerance", unit="", meaning="numerical", limit="zero",
-            text="tolerance of adaptive steps", put=_put_tolerance, values=_tolerances,
+            "gamma", "contact.gamma", "", "numerical",
+            _set("contact", "gamma"), _fixed(30.0, 100.0, 300.0, 1000.0),
         ),
         Axis(
-            name="mesh", key="cells of an edge over the scene's", unit="",
-            meaning="numerical", limit="infinity", text="mesh of all bodies", put=_put_mesh,
-            values=_fixed(0.5, 1.0, 2.0, 4.0),
+            "rho_inf", "time.rho_inf", "", "numerical",
+            _set("time", "rho_inf"), _fixed(0.0, 0.5, 0.8, 1.0),
         ),
         Axis(
-            name="gamma", key="contact.gamma", unit="", meaning="numerical",
-            text="Nitsche parameter", put=_set("contact", "gamma"),
-            values=_fixed(30.0, 100.0, 300.0, 1000.0),
+            "damped_steps", "time.damped_steps", "", "numerical",
+            _put_damped_steps, _fixed(0.0, 2.0, 8.0, 32.0),
         ),
+        Axis("beta", "beta_R", "s", "physical", _put_beta, _betas, bounds=_beta_bounds),
         Axis(
-            name="rho_inf", key="time.rho_inf", unit="", meaning="numerical",
-            text="spectral radius of the time integration", put=_set("time", "rho_inf"),
-            values=_fixed(0.0, 0.5, 0.8, 1.0),
-        ),
-        Axis(
-            name="damped_steps", key="time.damped_steps", unit="", meaning="numerical",
-            text="damped steps after a change of contact", put=_put_damped_steps,
-            values=_fixed(0.0, 2.0, 8.0, 32.0),
-        ),
-        Axis(
-            name="beta", key="beta_R", unit="s", meaning="physical",
-            text="stiffness-proportional damping", put=_put_beta, values=_betas,
-            bounds=_beta_bounds,
-        ),
-        Axis(
-            name="contact", key="contact.damping", unit="", meaning="physical",
-            text="dashpots of contact over their critical value",
-            put=_set("contact", "damping"), values=_fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+            "contact", "contact.damping", "", "physical",
+            _set("contact", "damping"), _fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
             bounds=_contact_bounds,
         ),
+        Axis("young", "E", "Pa", "physical", _put_young, _youngs),
         Axis(
-            name="young", key="E", unit="Pa", meaning="physical",
-            text="Young's modulus of the block", put=_put_young, values=_youngs,
-        ),
-        Axis(
-            name="floor", key="E of floor over E of block", unit="",
-            meaning="physical", limit="infinity", text="stiffness of a meshed floor",
-            put=_put_floor, values=_fixed(1.0, 3.0, 10.0, 30.0),
+            "floor", "E of floor over E of block", "", "physical",
+            _put_floor, _fixed(1.0, 3.0, 10.0, 30.0), "infinity",
         ),
     )
 }  # fmt: skip
@@ -293,3 +290,237 @@ def axis_called(name: str, option: str = "--of") -> Axis:
     if name not in AXES:
         raise SceneError(option, shown(name), ", ".join(AXES), nearest(name, AXES))
     return AXES[name]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampingCase:
+    """Case of the study, as one process is given it.
+
+    Attributes:
+        key: Made from the scene: equal scenes have one key, and are run once.
+        name: What is set in it, for the display.
+        scene: What is run.
+        block: Name of the block whose impacts count.
+    """
+
+    key: str
+    name: str
+    scene: Scene
+    block: str
+
+    def run(self) -> Row:
+        """Run the case on one process; its row, with the angle against time under `angle`."""
+        result = simulate(self.scene, comm=MPI.COMM_SELF, many=True)
+        summary = result.summary
+        block, energy, cost = summary["blocks"][self.block], summary["energy"], summary["cost"]
+        spec = next(spec for spec in self.scene.blocks if spec.name == self.block)
+        motion = block_motion(self.scene, result.history, spec)
+        return {
+            "status": result.status,
+            "reason": summary["reason"],
+            "end_s": summary["end_s"],
+            "cut_short": cut_short(summary),
+            **{key: block[key] for key in ("mode", "impacts", "peaks")},
+            "loss_share": energy["loss_share"],
+            **{key: energy[key] for key in ("largest_gain_fraction", "ledger_error_fraction")},
+            **{key: cost[key] for key in ("steps", "rejected_steps", "wall_s")},
+            "angle": spaced(motion.time, motion.angle),
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaseScene:
+    """Base scene of a study: what is varied.
+
+    Attributes:
+        tables: As plain tables, with what the command line sets.
+        scene: The same, checked.
+        block: The block whose impacts count.
+        end: Time at which its runs end, s.
+    """
+
+    tables: Tables
+    scene: Scene
+    block: BlockSpec
+    end: float
+
+    def with_values(self, *changes: tuple[Axis, float]) -> Tables:
+        """Its tables with values set."""
+        tables = deepcopy(self.tables)
+        for axis, value in changes:
+            # Later axes start from what earlier ones made, such as cells of a floor put in.
+            axis.put(tables, parse_scene(tables), self.block, value)
+        return tables
+
+    def case(self, *changes: tuple[Axis, float]) -> DampingCase:
+        """The case in which values are set; SceneError where a scene does not take them."""
+        tables = self.with_values(*changes)
+        tables["time"]["end"] = self.end
+        scene = parse_scene(tables)
+        words = ", ".join(f"{axis.name} {value:g}" for axis, value in changes)
+        return DampingCase(
+            key=_key(scene), name=words or "the scene", scene=scene, block=self.block.name
+        )
+
+
+def _key(scene: Scene) -> str:
+    """A key made from all that a scene says but its title."""
+    return digest(replace(scene, title="").to_dict())[:12]
+
+
+def watched(scene: Scene, name: str | None) -> BlockSpec:
+    """The block whose impacts count.
+
+    Args:
+        scene: Where it stands.
+        name: Its name; None: the first one with a mesh.
+    """
+    meshed = [block for block in scene.blocks if block.model == "elastic"]
+    if not meshed:
+        what = 'has no meshed block; what impacts keep is "restitution" of a rigid one'
+        raise Statement("scene", what)
+    if name is None:
+        return meshed[0]
+    names = [block.name for block in meshed]
+    if name not in names:
+        raise SceneError("--block", shown(name), " or ".join(names), nearest(name, names))
+    return meshed[names.index(name)]
+
+
+def time_for(scene: Scene, block: BlockSpec, impacts: int) -> float:
+    """Time in which a block released from a tilt has so many impacts and the peak after them, s.
+
+    That of a rigid block that loses nothing, which takes longest, to two digits; the end of the
+    scene if that is sooner, and for all other scenes.
+    """
+    still = (
+        scene.motion is None and not scene.foundation.is_meshed and not scene.foundation.on_spring
+    )
+    free = scene.dimension == 2 and len(scene.blocks) == 1 and block.tilt and scene.gravity
+    upright = not scene.gravity_tilt_deg and not block.angular_velocity and not any(block.velocity)
+    if not (still and free and upright) or abs(block.tilt) >= block.shape.slenderness:
+        return scene.time.end
+    longest = housner(
+        block.shape,
+        gravity=scene.gravity,
+        tilt=block.tilt,
+        end=scene.time.end,
+        step=scene.time.end,
+        restitution=1.0,
+    )
+    if len(longest.impacts) <= impacts:
+        return scene.time.end
+    before, after = longest.impacts[impacts - 1 : impacts + 1]
+    time = float(before + 0.6 * (after - before))
+    power = 10.0 ** (math.floor(math.log10(time)) - 1)
+    return min(scene.time.end, float(f"{math.ceil(time / power) * power:.2g}"))
+
+
+def spaced(time: Array, angle: Array) -> list[tuple[float, float]]:
+    """Rows of time and angle, no two of them nearer than `SPACING`."""
+    number = np.floor(time / SPACING)
+    kept = np.concatenate([[True], np.diff(number) > 0])
+    return list(zip(time[kept].tolist(), angle[kept].tolist(), strict=True))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweptValue:
+    """One value of an axis, and its case.
+
+    Attributes:
+        axis: The axis.
+        value: Its value.
+        at: The value of the axis that the whole sweep is repeated for; None: there is none.
+        case: Key of its case.
+    """
+
+    axis: Axis
+    value: float
+    at: float | None
+    case: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """A study's sweeps.
+
+    Attributes:
+        base: Key of the case of the scene as it is.
+        values: All values, axis by axis.
+        at: The axis that all is repeated for; None: there is none.
+        cases: The cases to run, each once.
+        left_out: Default values that the scene does not take, in words.
+    """
+
+    base: str
+    values: tuple[SweptValue, ...]
+    at: Axis | None
+    cases: tuple[DampingCase, ...]
+    left_out: tuple[str, ...]
+
+
+def chosen_axes(words: Sequence[str], option: str) -> dict[str, tuple[float, ...]]:
+    """Axes and values of a command line; an empty tuple stands for the default values.
+
+    Args:
+        words: Such as `beta=0,1e-5`, `tolerance` or `beta,tolerance`.
+        option: What they were given to, for errors.
+    """
+    found: dict[str, tuple[float, ...]] = {}
+    for word in words:
+        names, equals, text = word.partition("=")
+        values: tuple[float, ...] = ()
+        if equals:
+            numbers = [number_in(part) for part in text.split(",")]
+            values = tuple(number for number in numbers if number is not None)
+            if len(values) < len(numbers) or len(set(values)) < len(values):
+                raise SceneError(option, shown(word), ALLOWED)
+        several = [name.strip() for name in names.split(",")]
+        for name in several:
+            axis_called(name, option)
+            if name in found or (equals and len(several) > 1):
+                raise SceneError(option, shown(word), f"{ALLOWED}, each name once")
+            found[name] = values
+    return found
+
+
+def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
+    """The sweeps of a command line.
+
+    Args:
+        base: What is varied.
+        of: Axes and values; none: all axes with their default values.
+        at: One axis with the values for which all is repeated.
+    """
+    axes = chosen_axes(of, "--of") or dict.fromkeys(AXES, ())
+    repeated = chosen_axes(at, "--at")
+    if len(repeated) > 1 or repeated.keys() & axes.keys():
+        raise SceneError("--at", shown(" ".join(at)), "one axis that is not swept itself")
+    others: list[tuple[Axis, float] | None] = [None]
+    for name, values in repeated.items():
+        others = [(AXES[name], v) for v in values or AXES[name].values(base.scene, base.block)]
+    own = base.case()
+    cases, swept, left_out = {own.key: own}, [], []
+    for axis in (axis for name, axis in AXES.items() if name in axes):
+        given = sorted(axes[axis.name])
+        for other in others:
+            for number, value in enumerate(given or axis.values(base.scene, base.block)):
+                try:
+                    case = base.case(*([other] if other else []), (axis, value))
+                except SceneError as error:
+                    # Of an axis that is asked for by name, at least the first value is possible.
+                    if given or (of and number == 0):
+                        raise
+                    left_out.append(f"{axis.name} {value:g}: {error}")
+                    continue
+                cases.setdefault(case.key, case)
+                repetition = other[1] if other else None
+                swept.append(SweptValue(axis=axis, value=value, at=repetition, case=case.key))
+    order = {name: number for number, name in enumerate(AXES)}
+    return Sweep(
+        base=own.key,
+        values=tuple(sorted(swept, key=lambda v: (order[v.axis.name], v.at or 0.0, v.value))),
+        at=others[0][0] if others[0] else None,
+        cases=tuple(cases.values()),
+        left_out=tuple(left_out),
+    )

@@ -1,219 +1,355 @@
-"""Calibration: the damping with which the impacts of a scene keep what was measured."""
+"""Calibration: its target, a restitution or a measured history, and the search for the value."""
 
 from __future__ import annotations
 
-import argparse
-from dataclasses import dataclass
+import math
+import re
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from solver.errors import NotConverged, SceneError, Statement
-from solver.run.streams import say
-from solver.study.damping.axes import AXES, Axis
-from solver.study.damping.case import BaseScene
-from solver.study.damping.command import base_scene, claimed, run_cases
-from solver.study.damping.search import Search, Trial
-from solver.study.damping.sweep import chosen_axes
-from solver.study.damping.target import Target, target_of
+import numpy as np
+from scipy.integrate import solve_ivp
 
-CLOSE = 4e-3
-"""Difference from a restitution, or from peaks over that of the release, that is good enough."""
+from geometry.block import Block
+from solver.errors import SceneError
+from solver.excitation.layouts.text import number_in, read_lines, rows_of, split_header
+from solver.scene import BlockSpec, Scene
+from solver.scene.checking import shown
+from solver.study.damping.numbers import Restitution
+from solver.types import Array
+
+ALLOWED = "restitution=NUMBER, or history=FILE with times (s) and angles (rad)"
+COLUMNS = "two columns, time (s) and angle (rad; degrees or mrad where the heading says so)"
+
+SMALLEST_PEAK = 0.05
+"""Peaks below this part of the largest are not told from noise."""
+
+RELEASE = 0.05
+"""Largest difference between the release that was measured and that of the scene, over the latter:
+how fast peaks fall off depends on the first one, also where every impact loses the same."""
+
+ANGLES = {"deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180,
+          "°": math.pi / 180, "mrad": 1e-3, "rad": 1.0, "radian": 1.0, "radians": 1.0}  # fmt: skip
+"""Units of angles, rad."""
+
+_ANGLE = re.compile(
+    r"(?<![A-Za-z])(?i:mrad|rad(?:ians?)?|deg(?:rees?)?)(?![A-Za-z])"
+    r"|(?<=[a-z])(?:Rad(?:ians?)?|Deg(?:rees?)?)(?![a-z])|°"  # angleDeg
+)
+
+NEAR_PEAK = 0.9
+"""Rows above this part of a peak, through which its parabola goes."""
+
+MOST_RUNS = 8
+"""Runs of a calibration, those that measure the reach included."""
+
+ENOUGH = 5e-4
+"""Difference from the target, root mean square, that ends the search."""
+
+NEAREST = 0.01
+"""Least difference between two values that are tried, relative."""
+
+SEARCHES_OF_REACH = 2
+"""Runs more at a turning point of the restitution before a target beyond it is refused."""
+
+ALIKE = 1e-4
+"""Differences from the target that are as good as one another: the smaller value is taken."""
+
+DIGITS = 3
+"""Significant digits of the values that are tried."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CalibrationPlan:
-    """Plan of a calibration.
+class Target:
+    """The target of a calibration.
 
     Attributes:
-        base: What is calibrated.
-        folder: Where it goes.
-        axis: The parameter.
-        bounds: Its least and largest value.
-        target: What runs are compared with.
-        rows: Rows of the cases that have been done before, by key.
+        restitution: Mean restitution, which has to be within the reach of the parameter.
+        peaks: Peaks after the release, over the angle of release; empty: restitution is compared.
+        impacts: Number of impacts that count.
+        history: Times (s) and angles (rad) that were measured; None: there are none.
     """
 
-    base: BaseScene
-    folder: Path
-    axis: Axis
-    bounds: tuple[float, float]
-    target: Target
-    rows: dict[str, dict[str, Any]]
+    restitution: float
+    peaks: tuple[float, ...]
+    impacts: int
+    history: tuple[Array, Array] | None = None
+
+    @property
+    def wanted(self) -> tuple[float, ...]:
+        """The numbers that are wanted."""
+        return self.peaks or (self.restitution,)
+
+    def of(self, row: Mapping[str, Any]) -> tuple[float, ...] | None:
+        """The numbers of a run that the target has, too; None where it has too few impacts."""
+        found = Restitution.of(row, self.impacts)
+        if found.mean is None or not found.complete:
+            return None
+        if not self.peaks:
+            return (found.mean,)
+        angles = [peak["angle_rad"] for peak in row["peaks"][: len(self.peaks) + 1]]
+        if len(angles) <= len(self.peaks):
+            return None
+        return tuple(angle / angles[0] for angle in angles[1:])
 
 
-def calibrate(options: argparse.Namespace, comm: Any) -> int:
-    """Search and write; 0 where the target was met, 3 where a run failed or nothing came near."""
-    from solver.parallel import on_first_rank
+def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target:
+    """The target that a command line names.
 
-    plan: CalibrationPlan = on_first_rank(comm, lambda: prepare(options))
-    rows = dict(plan.rows)
-    target = plan.target
-    search = Search(
-        low=plan.bounds[0],
-        high=plan.bounds[1],
-        wanted=target.wanted,
-        restitution=target.restitution,
+    Args:
+        word: `restitution=0.936` or `history=FILE`.
+        scene: What is calibrated.
+        block: The block whose impacts count.
+        impacts: Number of impacts that count.
+    """
+    kind, _, text = word.partition("=")
+    if kind == "restitution":
+        value = number_in(text)
+        if value is None or not 0 < value <= 1:
+            raise SceneError("--target", shown(word), "restitution=NUMBER, 0 < NUMBER <= 1")
+        return Target(restitution=value, peaks=(), impacts=impacts)
+    if kind != "history" or not text:
+        raise SceneError("--target", shown(word), ALLOWED)
+    moves = scene.motion is not None or scene.carrier_moves or scene.gravity_tilt_deg
+    if moves or not block.tilt:
+        # Energies between peaks mean nothing where the base, or an incline, does work.
+        allowed = "restitution=NUMBER unless a block is released from a tilt on level ground"
+        raise SceneError("--target", shown(word), allowed)
+    time, angle = read_history(Path(text))
+    peaks = measured_peaks(time, angle)
+    damping = scene.damping_of(block)
+    swing = block.shape, scene.gravity, damping.mass if damping else 0.0
+    target = _of_history(Path(text), swing, peaks, impacts, (time, angle))
+    released, tilt = math.degrees(peaks[0]), math.degrees(abs(block.tilt))
+    if abs(released - tilt) > RELEASE * tilt:
+        allowed = f"that of a release from {tilt:.3g} as in the scene, or another block.tilt_deg"
+        raise SceneError(text, f"a history that begins at {released:.3g} degrees", allowed)
+    return target
+
+
+def _of_history(
+    file: Path,
+    swing: tuple[Block, float, float],
+    peaks: Sequence[float],
+    impacts: int,
+    history: tuple[Array, Array],
+) -> Target:
+    """The target of measured peaks (rad), that of the release included.
+
+    Swings are those of a shape, under gravity (m/s2), with lambda of the scene (1/s).
+    """
+    shape, gravity, drag = swing
+    if peaks and peaks[0] >= shape.slenderness:
+        got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {shape.slenderness:.3g}"
+        raise SceneError(f"{file}", got, COLUMNS)
+    if len(peaks) < 2:
+        raise SceneError(f"{file}", f"{len(peaks)} peaks", "a release and a peak on the other side")
+    count = min(impacts, len(peaks) - 1)
+    kept = peaks[: count + 1]
+    down = [speed_at_impact(peak, shape, gravity, drag) for peak in kept[:-1]]
+    up = [speed_at_impact(peak, shape, gravity, -drag) for peak in kept[1:]]
+    ratios = [after / before for before, after in zip(down, up, strict=True)]
+    return Target(
+        restitution=statistics.geometric_mean(ratios),
+        peaks=tuple(peak / kept[0] for peak in kept[1:]),
+        impacts=count,
+        history=history,
     )
-    try:
-        while values := comm.bcast(search.ask()):
-            cases = [plan.base.case((plan.axis, value)) for value in values]
-            run_cases(cases, rows, plan.folder, options)
-            for value, case in zip(values, cases, strict=True):
-                row = comm.bcast(rows.get(case.key))
-                search.tell(_trial(plan, value, row))
-    finally:
-        if comm.rank == 0 and search.made:
-            _write(plan, search)
-    if not search.within_reach:
-        least, largest = search.reach
-        got = f"{target.restitution:.4g}"
-        raise SceneError("--target", got, _words_of_reach(plan, least, largest))
-    close = search.best_error <= CLOSE
-    if comm.rank == 0 and not options.quiet:
-        _tell(plan, search, close)
-    return 0 if close else NotConverged.exit_code
 
 
-def prepare(options: argparse.Namespace) -> CalibrationPlan:
-    """Look at everything that can be refused before anything is run, and claim the folder."""
-    from solver.study.folder import finished
+def speed_at_impact(peak: float, shape: Block, gravity: float, drag: float = 0.0) -> float:
+    """Speed with which a rigid block that is at rest at a peak (rad) comes to its impact, 1/s.
 
-    if options.at:
-        raise SceneError("--at", " ".join(options.at), "nothing with --target")
-    base = base_scene(options)
-    able = [axis for axis in AXES.values() if axis.bounds is not None]
-    chosen = chosen_axes(options.of or [able[0].name], "--of")
-    (name, values), *others = chosen.items()
-    axis = AXES[name]
-    names = " or ".join(each.name for each in able)
-    if others or axis.bounds is None:
-        raise SceneError("--of", " ".join(options.of), f"{names} with --target")
-    if values and not (len(values) == 2 and 0 < values[0] < values[1]):
-        raise SceneError("--of", " ".join(options.of), f"{name}=LEAST,LARGEST, both > 0")
-    bounds = (values[0], values[1]) if values else axis.bounds(base.scene, base.block)
-    target = target_of(options.target, base.scene, base.block, options.impacts)
-    for value in bounds:
-        base.case((axis, value))  # what the scene does not take is refused here
-    folder = claimed(options, base)
-    return CalibrationPlan(
-        base=base, folder=folder, axis=axis, bounds=bounds, target=target, rows=finished(folder)
-    )
+    By theta'' = -p^2 sin(alpha - theta) - drag theta', with the drag, 1/s, of damping that is
+    proportional to mass. With a negative drag it is the speed after an impact that leads to the
+    peak: the same swing backwards.
+    """
+    alpha, square = shape.slenderness, shape.frequency(gravity) ** 2
+    if drag == 0.0:
+        return math.sqrt(2 * square * (math.cos(alpha - peak) - math.cos(alpha)))
+
+    def slope(time: float, state: Array) -> list[float]:
+        return [state[1], -square * math.sin(alpha - state[0]) - drag * state[1]]
+
+    def lands(time: float, state: Array) -> float:
+        return float(state[0])
+
+    setattr(lands, "terminal", True)
+    found = solve_ivp(slope, (0.0, 1e3), [peak, 0.0], events=lands, rtol=1e-9, atol=1e-12)
+    return abs(float(found.y[1, -1]))
 
 
-def _trial(plan: CalibrationPlan, value: float, row: dict[str, Any]) -> Trial:
-    """The trial of a row; refused where it has too few impacts."""
-    from solver.study.damping.restitution import Restitution
-
-    where = f"{plan.axis.name} {value:g}"
-    if row is None or row["status"] != "completed":
-        raise NotConverged(f"{where}: {'interrupted' if row is None else row['reason']}")
-    known = Restitution.of(row, plan.target.impacts)
-    found = plan.target.of(row)
-    if found is None or known.mean is None:
-        missing = known.too_few(row["end_s"]) or "too few peaks"
-        raise Statement("--target", f"is out of reach: {where} has {missing}")
-    return Trial(value=value, restitution=known.mean, found=found)
-
-
-def _words_of_reach(plan: CalibrationPlan, least: float, largest: float) -> str:
-    """What can be reached, in words."""
-    low, high = plan.bounds
-    return f"{least:.4f} to {largest:.4f}, the reach of {plan.axis.name} {low:g} to {high:g}"
+def read_history(file: Path) -> tuple[Array, Array]:
+    """Times (s) and angles (rad) of a file of two columns, separated by commas or blanks."""
+    lines = read_lines(file, "--target history", COLUMNS)
+    header, rest = split_header(lines)
+    rows = rows_of(file, rest, COLUMNS, first=len(header) + 1)
+    if len(rows) < 10:
+        raise SceneError(f"{file}", f"{len(rows)} rows of numbers", "10 or more")
+    for row in rows:
+        if len(row.values) != 2:
+            raise SceneError(f"{file}: line {row.line}", f"{len(row.values)} numbers", COLUMNS)
+    found = np.array([row.values for row in rows])
+    back = np.flatnonzero(np.diff(found[:, 0]) <= 0)
+    if len(back):
+        row = rows[int(back[0]) + 1]
+        raise SceneError(f"{file}: line {row.line}", f"time {row.words[0]}", "increasing times")
+    return found[:, 0], found[:, 1] * _unit(header)
 
 
-def _write(plan: CalibrationPlan, search: Search) -> None:
-    """Write table, picture, summary and, where the target is within reach, the scene."""
-    import tomli_w
-
-    from solver.study.damping.calibration_picture import calibration_picture
-    from solver.study.damping.folder import kept_angle
-    from solver.study.tables import as_csv, column_names, write
-
-    table = _table(plan, search)
-    write(plan.folder / "calibration.csv", as_csv(table, column_names(table), digits=8))
-    write(plan.folder / "calibration.md", _markdown(plan, search))
-    best = search.best if search.within_reach else None
-    least, largest = search.reach
-    summary = {
-        "parameter": plan.axis.name,
-        "key": plan.axis.key,
-        "unit": plan.axis.unit,
-        "target_restitution": plan.target.restitution,
-        "target_peaks": list(plan.target.peaks),
-        "reach": [least, largest],
-        "runs": len(search.trials),
-        "value": best.value if best else None,
-        "restitution": best.restitution if best else None,
-        "difference": search.best_error if best else None,
-    }
-    write(plan.folder / "summary.json", summary)
-    if best is not None:
-        tables = plan.base.with_values((plan.axis, best.value))
-        write(plan.folder / "calibrated.toml", tomli_w.dumps(tables))
-    angle = None
-    if best is not None:
-        angle = kept_angle(plan.folder, plan.base.case((plan.axis, best.value)).key)
-    file = plan.folder / "calibration.png"
-    calibration_picture(search, plan.target, plan.axis.label, angle, file)
+def _unit(header: Sequence[str]) -> float:
+    """Unit of the angles, rad: that in the heading of the second column, or anywhere before it."""
+    for line in reversed(header):
+        _, *others = re.split(r"[,;\t]", line)
+        found = _ANGLE.findall(" ".join(others)) or _ANGLE.findall(line)
+        if found:
+            return ANGLES[found[0].lower()]
+    return ANGLES["rad"]
 
 
-def _table(plan: CalibrationPlan, search: Search) -> list[dict[str, Any]]:
-    """Rows of the runs, by value."""
-    return [
-        {
-            plan.axis.name: trial.value,
-            "restitution": trial.restitution,
-            "difference": search.error(trial),
-            **{f"peak_{k}": found for k, found in enumerate(trial.found, start=1) if _peaks(plan)},
-        }
-        for trial in search.trials
-    ]
+def measured_peaks(time: Array, angle: Array) -> list[float]:
+    """Largest angles of the swings of a measured history, rad, without sign.
+
+    What is noise around zero is no swing, and what stays on one side is one swing. Each peak is
+    that of the parabola that fits the rows around it best.
+
+    Args:
+        time: t, s.
+        angle: Rocking angle, rad.
+    """
+    least = SMALLEST_PEAK * float(np.max(np.abs(angle), initial=0.0))
+    large = np.flatnonzero(np.abs(angle) > least)
+    if not len(large) or not least:
+        return []
+    side = np.sign(angle[large])
+    swings = np.split(large, np.flatnonzero(np.diff(side)) + 1)
+    return [_peak(time[rows], np.abs(angle[rows])) for rows in swings]
 
 
-def _peaks(plan: CalibrationPlan) -> bool:
-    """Whether peaks are compared, not a restitution."""
-    return bool(plan.target.peaks)
+def _peak(time: Array, angle: Array) -> float:
+    """Largest angle of a swing, rad."""
+    near = np.flatnonzero(angle >= NEAR_PEAK * angle.max())
+    rows = np.arange(near[0], near[-1] + 1)
+    if len(rows) < 5 or rows[0] == 0:  # few rows; or released here, at rest
+        return float(angle.max())
+    middle = float(np.mean(time[rows]))
+    c, b, a = np.polynomial.polynomial.polyfit(time[rows] - middle, angle[rows], 2)
+    return float(c - b**2 / (4 * a)) if a < 0 else float(angle.max())
 
 
-def _cells(plan: CalibrationPlan, search: Search) -> list[list[str]]:
-    """The table in words, the heading first."""
-    kind = "difference of peaks" if _peaks(plan) else "difference"
-    rows = [[plan.axis.label, "restitution", kind]]
-    for trial in search.made:
-        mark = " *" if search.within_reach and trial is search.best else ""
-        value = f"{trial.value:g}{mark}"
-        rows.append([value, f"{trial.restitution:.4f}", f"{search.error(trial):.4f}"])
-    return rows
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """One run.
+
+    Attributes:
+        value: Of the parameter.
+        restitution: Mean restitution.
+        found: What is compared with the target.
+    """
+
+    value: float
+    restitution: float
+    found: tuple[float, ...]
 
 
-def _sentences(plan: CalibrationPlan, search: Search) -> list[str]:
-    """What came of it, in words."""
-    least, largest = search.reach
-    kind = "of the measured peaks" if _peaks(plan) else f"of the first {plan.target.impacts}"
-    wanted = f"target: restitution {plan.target.restitution:.4f}, the geometric mean {kind}"
-    reach = f"within reach: {_words_of_reach(plan, least, largest)}"
-    if not search.within_reach:
-        return [f"{wanted}; not {reach}"]
-    best = search.best
-    unit = f" {plan.axis.unit}" if plan.axis.unit else ""
-    found = f"{plan.axis.key} = {best.value:g}{unit}: restitution {best.restitution:.4f}"
-    return [wanted, reach, f"{found}, after {len(search.trials)} runs"]
+@dataclass(slots=True)
+class Search:
+    """A search between two positive values, which tries several at first and then one by one.
+
+    The first runs, at both ends and in the middle, measure what can be reached; where restitution
+    turns between them, so do one or two more at its turning point. From then on all numbers that
+    are compared are interpolated over the logarithm of the value, by cubics that overshoot nothing,
+    and the next run is made where that comes nearest to the target. Where several values do, the
+    smallest is taken.
+    """
+
+    low: float
+    high: float
+    wanted: tuple[float, ...]
+    restitution: float
+    """Restitution that has to be within reach."""
+    most: int = MOST_RUNS
+    made: list[Trial] = field(default_factory=list)
+    """Runs in the order in which they were made."""
+
+    def ask(self) -> list[float]:
+        """Values to run next; none where the search has ended."""
+        if not self.made:
+            return [self.low, _rounded(math.sqrt(self.low * self.high)), self.high]
+        if len(self.made) >= self.most or self.best_error <= ENOUGH:
+            return []
+        value = self._nearest() if self.within_reach else self._turning_point()
+        if value is None:
+            return []
+        tried = [abs(math.log(trial.value / value)) for trial in self.trials]
+        return [value] if min(tried) > NEAREST else []
+
+    def tell(self, trial: Trial) -> None:
+        """Add a run."""
+        self.made.append(trial)
+
+    @property
+    def trials(self) -> list[Trial]:
+        """The runs by their values."""
+        return sorted(self.made, key=lambda trial: trial.value)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Least and largest restitution so far."""
+        found = [trial.restitution for trial in self.trials]
+        return min(found), max(found)
+
+    @property
+    def within_reach(self) -> bool:
+        """True if the target lies between restitutions that were found, or next to one."""
+        least, largest = self.reach
+        return least - ENOUGH <= self.restitution <= largest + ENOUGH
+
+    @property
+    def best(self) -> Trial:
+        """The run nearest to the target."""
+        return min(self.trials, key=self.error)
+
+    @property
+    def best_error(self) -> float:
+        """Difference of the nearest run from the target."""
+        return self.error(self.best)
+
+    def error(self, trial: Trial) -> float:
+        """Difference of a run from the target, root mean square."""
+        return float(np.sqrt(np.mean((np.array(trial.found) - np.array(self.wanted)) ** 2)))
+
+    def _turning_point(self) -> float | None:
+        """Value at which restitution turns on the side of the target; None where it does not."""
+        trials, (least, largest) = self.trials, self.reach
+        extreme = least if self.restitution < least else largest
+        number = [trial.restitution for trial in trials].index(extreme)
+        if not 0 < number < len(trials) - 1 or len(trials) >= 3 + SEARCHES_OF_REACH:
+            return None
+        near = trials[number - 1 : number + 2]
+        places = np.log([trial.value for trial in near]) - math.log(near[1].value)
+        _, slope, bend = np.polynomial.polynomial.polyfit(
+            places, [trial.restitution for trial in near], 2
+        )
+        return _rounded(near[1].value * math.exp(-slope / (2 * bend)))
+
+    def _nearest(self) -> float:
+        """Value at which the interpolated runs are nearest to the target."""
+        from scipy.interpolate import PchipInterpolator
+
+        places = np.log([trial.value for trial in self.trials])
+        found = np.array([trial.found for trial in self.trials])
+        fine = np.linspace(places[0], places[-1], 4001)
+        differences = PchipInterpolator(places, found)(fine) - np.array(self.wanted)
+        errors = np.sqrt(np.mean(differences**2, axis=1))
+        good = np.flatnonzero(errors <= errors.min() + ALIKE)
+        first = np.split(good, np.flatnonzero(np.diff(good) > 1) + 1)[0]
+        return _rounded(math.exp(fine[first[np.argmin(errors[first])]]))
 
 
-def _markdown(plan: CalibrationPlan, search: Search) -> str:
-    """The table for reading."""
-    from solver.study.damping.table import markdown
-
-    title = plan.base.scene.title or "Calibration"
-    return markdown(title, _cells(plan, search), _sentences(plan, search))
-
-
-def _tell(plan: CalibrationPlan, search: Search, close: bool) -> None:
-    """Print the table, what came of it, and where it is."""
-    from solver.study.damping.table import plain_text
-
-    lines = _sentences(plan, search)
-    if not close:
-        lines.append(f"no run came nearer than {search.best_error:.4f}: impacts scatter")
-    say(plain_text(_cells(plan, search), lines))
-    say(f"written to {plan.folder}; run {plan.folder / 'calibrated.toml'}\n")
+def _rounded(value: float) -> float:
+    """A value with few digits."""
+    return float(f"{value:.{DIGITS - 1}e}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -33,7 +34,10 @@ DEFAULT = (
 STEPS_A_PERIOD = 100
 """Fewest steps of rigid blocks in a period of the structure and in 1/p, if the scene names no step.
 
-That is a tenth of what single runs take, and lambda stays within 0.003 of the closed form."""
+That is a tenth of what single runs take, and lambda stays within 0.003 of the sliding block's."""
+
+TOP, RATIO = 4, 1.25
+"""The ladder of friction by which lambda is followed goes down from 1.25^4 in such ratios."""
 
 ALLOWED = f"NAME=V1,V2,... of {', '.join(AXES)}"
 
@@ -75,14 +79,6 @@ class Cell:
     """H/B where the map sets it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Grid:
-    """A map: axes, their values, the cells in the order of the table."""
-
-    axes: tuple[tuple[str, tuple[float, ...]], ...]
-    cells: tuple[Cell, ...]
-
-
 def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
     """Axes and values of a command line."""
     found: dict[str, tuple[float, ...]] = {}
@@ -104,8 +100,8 @@ def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
 def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
     """The structure of a scene and the friction under its live load; what does not fit is refused.
 
-    Only a single spring, a horizontal base and Coulomb's friction without cohesion have the closed
-    form that lambda is followed by.
+    The sliding block by which lambda is followed knows a single spring, a horizontal base and
+    Coulomb's friction without cohesion.
     """
     platform = scene.platform() if scene.foundation.kind == "oscillator" else None
     if platform is None:
@@ -118,7 +114,7 @@ def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
     if law.decay or law.cohesion or not law.static > 0:
         raise Statement("contact.friction", "needs to be positive, without decay and cohesion here")
     if scene.gravity_vector[0]:
-        raise Statement("scene", "is inclined, for which the study has no closed form")
+        raise Statement("scene", "is inclined; the structures of the study are level")
     if not all(block.begins_at_rest for block in scene.blocks):
         raise Statement("scene", "starts with a tilt or a velocity; the study starts all at rest")
     structure = Structure(
@@ -132,7 +128,7 @@ def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
     return structure, law.static
 
 
-def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> Grid:
+def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> tuple[Cell, ...]:
     """Every combination of the values of the axes; what they do not name is the scene's."""
     unit_pga = "friction_over_pga" in axes
     base, friction = structure_of(scene, unit_pga=unit_pga)
@@ -153,7 +149,17 @@ def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> Grid:
                 aspect=values.get("aspect"),
             )
         )
-    return Grid(axes=tuple(axes.items()), cells=tuple(made))
+    return tuple(made)
+
+
+def ladder(frictions: Iterable[float]) -> list[float]:
+    """Friction from infinity down to the least that is asked for, which all are part of."""
+    asked = set(frictions)
+    steps, number = set[float](), TOP
+    while RATIO**number > min(asked):
+        steps.add(RATIO**number)
+        number -= 1
+    return [math.inf, *sorted(steps | asked, reverse=True)]
 
 
 def step_of(blocks: Iterable[BlockSpec], structure: Structure) -> float:

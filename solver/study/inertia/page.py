@@ -1,11 +1,17 @@
-"""One HTML page that holds the whole study: it needs no other file and no network."""
+"""What the study leaves: tables, pictures, and one HTML page that needs no other file.
+
+Nothing in it depends on how long the study took, nor on how often it was stopped.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
+from typing import Any
 
+from solver.info import versions
 from solver.pictures.page.html import (
     document,
     figure,
@@ -15,7 +21,27 @@ from solver.pictures.page.html import (
     table,
     verbatim,
 )
-from solver.study.inertia.codes import CODE_VALUES
+from solver.study.inertia.numbers import (
+    CODE_VALUES,
+    SLIDING,
+    WANTED,
+    Finding,
+    Line,
+    csv_text,
+    markdown,
+    row_of,
+    widest,
+    words,
+)
+from solver.study.inertia.picture import (
+    curves_picture,
+    map_picture,
+    of_lambda,
+    of_shear,
+    roots_picture,
+)
+from solver.study.study import SUMMARY
+from solver.study.tables import write
 
 DEFINITION = (
     "λ is the portion of the live load that, rigidly attached to the linear structure of the same "
@@ -34,43 +60,144 @@ Picture = tuple[str, Path]
 """What a picture shows, and its file."""
 
 
-def page(
+def write_all(
+    folder: Path,
+    lines: Sequence[Line],
+    findings: Sequence[Finding],
+    failed: Mapping[str, str],
+    notes: Sequence[str],
     *,
     title: str,
-    summary: Sequence[str],
-    pictures: Sequence[Picture],
-    numbers: Sequence[Sequence[str]],
-    failed: Sequence[str],
     scene: str,
     command: str,
-    versions: Mapping[str, str],
 ) -> str:
-    """The page.
+    """Write all that the study leaves besides the numbers of its runs; returns its table in words.
 
     Args:
+        folder: Of the study.
+        lines: The structures.
+        findings: Of all cells.
+        failed: Names of runs that failed, and why.
+        notes: On the motions.
         title: Of the study.
-        summary: Sentences on what was computed and found.
-        pictures: In their order.
-        numbers: A table of words; the first row is the heading.
-        failed: What failed, in words.
-        scene: Text of the scene.
+        scene: Its text.
         command: What repeats the study.
-        versions: Of the program and what it uses, by name.
     """
+    told = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
+    write(folder / "inertia.csv", csv_text(findings))
+    text = markdown(title, findings, told, notes)
+    write(folder / "inertia.md", text)
+    summary = {
+        "motions": findings[0].motions,
+        "notes": list(notes),
+        "widest_half_interval": widest(findings),
+        "cells": [_entry(finding) for finding in findings],
+        "failed": dict(sorted(failed.items())),
+    }
+    write(folder / SUMMARY, summary)
+    for old in folder.glob("*.png"):
+        old.unlink()
+    known = versions()  # of what is loaded: with MPI more than without
+    of_codes = [f"{value.portion:g}: {value.source}" for value in CODE_VALUES]
     parts = [
-        *paragraphs(map(escape, summary)),
+        *paragraphs(map(escape, _sentences(findings))),
         heading("What λ is"),
         *paragraphs(DEFINITION),
         heading("Pictures"),
-        *(figure(text, file) for text, file in pictures),
+        *(figure(text, file) for text, file in _pictures(folder, lines, findings)),
         heading("Numbers"),
-        table(numbers),
+        table(words(findings)),
+        *((heading("Runs that failed"), items(told)) if told else ()),
+        heading("Values of codes"),
+        items(of_codes),
+        heading("The scene"),
+        verbatim(scene),
+        heading("How to repeat"),
+        verbatim(command),
+        heading("Versions"),
+        items(f"{name} {known[name]}" for name in ("rockslip", "python", "numpy")),
     ]
-    if failed:
-        parts += [heading("Runs that failed"), items(failed)]
-    values = [f"{value.portion:g}: {value.source}" for value in CODE_VALUES]
-    parts += [heading("Values of codes"), items(values)]
-    parts += [heading("The scene"), verbatim(scene)]
-    parts += [heading("How to repeat"), verbatim(command)]
-    parts += [heading("Versions"), items(f"{name} {value}" for name, value in versions.items())]
-    return document(title, parts)
+    write(folder / "inertia.html", document(title, parts))
+    return text
+
+
+def _entry(finding: Finding) -> dict[str, Any]:
+    """A cell for programs."""
+    return row_of(finding) | {
+        "roots": list(finding.arithmetic.roots),
+        "roots_geometric": list(finding.geometric.roots),
+        "resampled_without": finding.arithmetic.without,
+    }
+
+
+def _sentences(findings: Sequence[Finding]) -> list[str]:
+    """What was computed and found, in words."""
+    known = [f.arithmetic.value for f in findings if f.arithmetic.value is not None]
+    by = " and ".join(dict.fromkeys(finding.by for finding in findings))
+    cells = len({(finding.cell.values, finding.cell.aspect) for finding in findings})
+    said = [f"{cells} cells, {findings[0].motions} motions, by {by}."]
+    if known:
+        said[0] += f" λ is {min(known):.3f} to {max(known):.3f} in the {len(known)} rows with one."
+        wide = sum(
+            f.arithmetic.half_width > WANTED for f in findings if f.arithmetic.value is not None
+        )
+        said.append(
+            f"The widest interval of 90 % is ±{widest(findings):.3f}; {wide} rows have one wider "
+            f"than ±{WANTED:g}."
+        )
+    several = sum(len(finding.arithmetic.roots) > 1 for finding in findings)
+    negative = sum(value < 0 for value in known)
+    said.append(
+        f"{several} rows have several roots, {negative} a negative λ, "
+        f"{len(findings) - len(known)} none."
+    )
+    other = _difference(findings)
+    return [*said, other] if other else said
+
+
+def _difference(findings: Sequence[Finding]) -> str:
+    """How far the engines are from the sliding block, in words; empty without any."""
+    closed = {f.cell: f.arithmetic.value for f in findings if f.by == SLIDING}
+    pairs = [
+        (f.by, abs(f.arithmetic.value - value))
+        for f in findings
+        if f.by != SLIDING
+        and f.arithmetic.value is not None
+        and (value := closed[f.cell]) is not None
+    ]
+    said = [
+        f"λ by {by} is within {max(d for name, d in pairs if name == by):.4f} of the sliding block."
+        for by in dict.fromkeys(name for name, _ in pairs)
+    ]
+    return " ".join(said)
+
+
+def _pictures(folder: Path, lines: Sequence[Line], findings: Sequence[Finding]) -> list[Picture]:
+    """Draw all pictures; a set for each combination of the axes before the last two."""
+    made: list[Picture] = []
+    groups: dict[tuple[tuple[str, float], ...], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault(finding.cell.values[:-2], []).append(finding)
+    for number, (values, group) in enumerate(groups.items(), start=1):
+        ending = f"_{number}" if len(groups) > 1 else ""
+        at = "".join(f", {name} {value:g}" for name, value in values)
+        cut = [_without(finding, len(values)) for finding in group]
+        text = f"λ with its interval of 90 %; dashed: values of codes{at}"
+        label, file = "portion of live load λ", folder / f"lambda{ending}.png"
+        made.append((text, curves_picture(cut, of_lambda, label, file)))
+        for by in dict.fromkeys(f.by for f in cut if len(f.cell.values) > 1):
+            own = [finding for finding in cut if finding.by == by]
+            file = folder / f"map{ending}_{by.replace(' ', '_')}.png"
+            made.append((f"λ and half its interval of 90 %, {by}{at}", map_picture(own, file)))
+        label = "base shear / that of the fixed live load"
+        text = f"Mean peak base shear over that with the whole live load fixed; this is not λ{at}"
+        file = folder / f"base_shear{ending}.png"
+        made.append((text, curves_picture(cut, of_shear, label, file)))
+    text = "Mean drift with a portion fixed; dots: roots reported, rings: further roots"
+    made.append((text, roots_picture(lines, findings, folder / "roots.png")))
+    return made
+
+
+def _without(finding: Finding, count: int) -> Finding:
+    """A finding whose cell names only its last axes."""
+    return replace(finding, cell=replace(finding.cell, values=finding.cell.values[count:]))

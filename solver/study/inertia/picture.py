@@ -19,9 +19,7 @@ from solver.pictures.style import (
     zero_line,
 )
 from solver.study.inertia.cells import AXES
-from solver.study.inertia.codes import CODE_VALUES
-from solver.study.inertia.findings import CLOSED, Finding, Line
-from solver.study.inertia.table import number
+from solver.study.inertia.numbers import CODE_VALUES, SLIDING, Finding, Line, number
 
 MOST_LINES = 6
 """Structures whose curves of drift are drawn."""
@@ -73,14 +71,14 @@ def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
             ]
             word = f"{NAMES[first]} {height:g}{UNITS.get(first, '')}" if first else by
             beside = place - (len(heights) - 1) / 2
-            named = by == CLOSED or height is None
+            named = by == SLIDING or height is None
             _curve(axes, chosen, value, colour(place), beside, word if named else None)
     if value is of_lambda:
         _code_lines(axes)
         zero_line(axes)
     axes.set(xlabel=AXES[names[-1]], ylabel=label)
-    if any(f.by != CLOSED for f in findings):
-        others = " and ".join(dict.fromkeys(f.by for f in findings if f.by != CLOSED))
+    if any(f.by != SLIDING for f in findings):
+        others = " and ".join(dict.fromkeys(f.by for f in findings if f.by != SLIDING))
         axes.plot([], [], "o", markerfacecolor="none", color=GREY, label=others)
     legend_above(figure, columns=4)
     return figure
@@ -94,7 +92,7 @@ def _curve(
     beside: float,
     label: str | None,
 ) -> None:
-    """One curve with its intervals; engines besides the closed form are rings.
+    """One curve with its intervals; those of engines are rings.
 
     Bars of several curves stand side by side: `beside` numbers them from the middle.
     """
@@ -103,7 +101,7 @@ def _curve(
         return
     at = np.array([x for x, _ in known])
     middle, low, high = np.array([found for _, found in known]).T
-    closed = chosen[0].by == CLOSED
+    closed = chosen[0].by == SLIDING
     at = at * (1 + 0.006 * beside)
     axes.errorbar(
         at, middle, yerr=np.array([middle - low, high - middle]), color=tint,
@@ -170,7 +168,7 @@ def _roots(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
         name = f"T {structure.period:g} s, mass ratio {structure.mass_ratio:g}"
         axes.plot(curve.portions, curve.drifts / fixed, color=colour(place), label=name)
         for f in findings:
-            if f.cell.structure != structure or f.by != CLOSED:
+            if f.cell.structure != structure or f.by != SLIDING:
                 continue
             for root in f.arithmetic.roots:
                 reported = f.arithmetic.value is not None and abs(root - f.arithmetic.value) < 1e-9

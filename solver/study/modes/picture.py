@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.pictures.style import BLUE, GREEN, GREY, ORANGE, RED, legend_above, new_figure, save
-from solver.reference.shenton import initial_mode, rocking_friction
-from solver.study.modes.table import Row
+from solver.reference.initiation import initial_mode, rocking_friction
+from solver.study.modes.numbers import Row
 
 COLOURS = {"rest": GREY, "slide": BLUE, "rock": GREEN, "slide-rock": ORANGE}
 MARKS = {"rest": "o", "slide": "s", "rock": "^", "slide-rock": "D"}

@@ -6,8 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from scipy.optimize import minimize_scalar
+
 STAYS, DIRECTLY, LATER = "stays", "overturns without impact", "overturns after an impact"
 """What may come of a pulse."""
+
+FIRST = 0.004
+"""Part of the rigid block's threshold by which the first pair of amplitudes differs from it."""
+
+WIDEST = 0.4
+"""Part of it beyond which no boundary is looked for."""
 
 NARROW = 2e-3
 """Relative width of the narrowest interval that is looked for between two numbers of impacts."""
@@ -84,39 +92,26 @@ def _turns_towards_zero(three: Sequence[Response]) -> bool:
 def _extremum(
     respond: Respond, low: Sample, middle: Sample, high: Sample, tolerance: float
 ) -> list[Sample]:
-    """Samples towards the least |margin| between three, up to one of another fate."""
-    fate, tried = middle[1].overturns, []
-    for _ in range(12):
-        wider = high if high[0] - middle[0] > middle[0] - low[0] else low
-        at = middle[0] + 0.381966 * (wider[0] - middle[0])
-        if abs(at - middle[0]) < 10 * tolerance * middle[0]:
-            break
-        sample = at, respond(at)
-        tried.append(sample)
-        if sample[1].overturns != fate:
-            break
-        if abs(sample[1].margin) < abs(middle[1].margin):
-            low, high = (middle, high) if at > middle[0] else (low, middle)
-            middle = sample
-        elif at > middle[0]:
-            high = sample
-        else:
-            low = sample
+    """Samples towards the least |margin| between three."""
+    tried = list[Sample]()
+
+    def size(amplitude: float) -> float:
+        tried.append((amplitude, respond(amplitude)))
+        return abs(tried[-1][1].margin)
+
+    ends, near_enough = (low[0], high[0]), 10 * tolerance * middle[0]
+    minimize_scalar(size, bounds=ends, options={"maxiter": 12, "xatol": near_enough})
     return tried
 
 
 def _between(respond: Respond, low: Sample, high: Sample, tolerance: float) -> list[Boundary]:
     """Boundaries between two samples, as far as their fates or numbers of impacts tell of any.
 
-    Every second point is that where the margins, drawn straight, vanish; the others bisect. Two
-    numbers of impacts may have a narrow interval between them in which the block stays.
+    By bisection. Two numbers of impacts may have a narrow interval between them in which the block
+    stays.
     """
-    straight = True
     while _differ(low, high) and high[0] - low[0] > _width(low, high, tolerance) * high[0]:
         at = 0.5 * (low[0] + high[0])
-        if straight and low[1].overturns != high[1].overturns:
-            at = _straight(low, high, 0.4 * tolerance * high[0])
-        straight = not straight
         sample = at, respond(at)
         if not _differ(low, sample):
             low = sample
@@ -143,12 +138,36 @@ def _width(low: Sample, high: Sample, tolerance: float) -> float:
     return tolerance if low[1].label != high[1].label else max(tolerance, NARROW)
 
 
-def _straight(low: Sample, high: Sample, away: float) -> float:
-    """Where the margins of two samples, drawn straight, vanish; beside it by so much.
+def near(
+    fate: Callable[[float], str], rigid: float, below: str, above: str, tolerance: float
+) -> tuple[float, float] | None:
+    """The two amplitudes between which the fate changes next to a rigid block's boundary.
 
-    Beside the root rather than on it, so that both ends come near.
+    Args:
+        fate: What comes of an amplitude, in the words of boundaries.
+        rigid: The boundary of a rigid block.
+        below: What comes of it below the boundary.
+        above: What comes of it above.
+        tolerance: Relative, of the distance between both.
+
+    Returns:
+        The lower and the higher one; None where none is found within `WIDEST`.
     """
-    share = low[1].margin / (low[1].margin - high[1].margin)
-    at = low[0] + min(max(share, 0.02), 0.98) * (high[0] - low[0])
-    at += away if share < 0.5 else -away
-    return min(max(at, low[0] + 0.5 * away), high[0] - 0.5 * away)
+    part, low, high = FIRST, rigid, rigid
+    while part < WIDEST:
+        if low == rigid and fate(rigid * (1 - part)) == below:
+            low = rigid * (1 - part)
+        if high == rigid and fate(rigid * (1 + part)) == above:
+            high = rigid * (1 + part)
+        if low < rigid < high:
+            break
+        part *= 2
+    else:
+        return None
+    while high - low > tolerance * rigid:
+        middle = 0.5 * (low + high)
+        found = fate(middle)
+        if found not in (below, above):  # another boundary lies between
+            return None
+        low, high = (low, middle) if found == above else (middle, high)
+    return low, high

@@ -23,10 +23,9 @@ from solver.pictures.style import (
     new_figure,
     save,
 )
+from solver.study.overturning.blocks import PULSES
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
-from solver.study.overturning.pulses import PULSES
-from solver.study.overturning.rounds import kinds
-from solver.study.overturning.table import LINEAR
+from solver.study.overturning.numbers import LINEAR, kinds
 
 Row = Mapping[str, Any]
 

@@ -1,0 +1,293 @@
+"""The study of damping: impacts over parameters that are swept, and calibration of a parameter."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from copy import deepcopy
+
+import numpy as np
+import tomli_w
+
+from solver.errors import NotConverged, SceneError, Statement
+from solver.run.streams import say
+from solver.scene import parse_scene
+from solver.study.damping import numbers
+from solver.study.damping.axes import (
+    AXES,
+    BaseScene,
+    DampingCase,
+    chosen_axes,
+    sweep,
+    time_for,
+    watched,
+)
+from solver.study.damping.calibration import Search, Trial, target_of
+from solver.study.damping.numbers import Restitution, restitution_of
+from solver.study.scenes import scene_tables
+from solver.study.study import CASES, SUMMARY, Row, Study
+from solver.study.tables import as_csv, column_names, early_ends, write
+from solver.types import Array
+
+CLOSE = 4e-3
+"""Difference from a restitution, or from peaks over that of the release, that is good enough."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the study, or with `--target` the calibration, of a command line; its exit code."""
+    return (SweepStudy if options.target is None else Calibration).run(options)
+
+
+class _Impacts(Study[DampingCase]):
+    """Runs of one scene with other values of its parameters, whose impacts count.
+
+    Attributes:
+        base: What is varied.
+    """
+
+    kind, noun = "damping", "study of damping"
+    same = "the same scene and block"
+    files = (
+        *("damping.csv", "damping.md", "damping*.png", "histories_*.png"),
+        *("calibration.csv", "calibration.md", "calibration.png", "calibrated.toml"),
+        SUMMARY,
+    )
+
+    def __init__(self, options: argparse.Namespace):
+        """Read the scene, and find the block whose impacts count."""
+        super().__init__(options)
+        if options.impacts < 1:
+            raise SceneError("--impacts", f"{options.impacts}", "a whole number > 0")
+        tables, path = scene_tables(options), options.scene
+        scene = parse_scene(tables, folder=path.parent, source=path.name)
+        block = watched(scene, options.block)
+        if scene.motion is not None:  # with names of files that hold in every folder
+            tables["motion"] = scene.to_dict()["motion"]
+        whole = options.histories
+        end = scene.time.end if whole else time_for(scene, block, options.impacts)
+        self.base = BaseScene(tables=deepcopy(tables), scene=scene, block=block, end=end)
+        self.settings = {"scene": scene.to_dict(), "block": block.name}
+
+    def key(self, case: DampingCase) -> str:
+        """That of the scene: equal scenes are run once, whatever study they are of."""
+        return case.key
+
+    def keep(self, case: DampingCase, row: Row) -> Row:
+        """Keep a case, its angle in a file of its own; returns its row."""
+        row = dict(row)
+        angle = row.pop("angle", None)
+        if angle is not None:
+            lines = ["time_s,angle_rad", *(f"{time:.6f},{value:.9g}" for time, value in angle)]
+            write(self.folder / CASES / f"{case.key}.csv", "\n".join(lines) + "\n")
+        return super().keep(case, row)
+
+    def kept_angle(self, key: str) -> tuple[Array, Array]:
+        """Times (s) and angles (rad) of a case."""
+        file = self.folder / CASES / f"{key}.csv"
+        found = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
+        return found[:, 0], found[:, 1]
+
+
+class SweepStudy(_Impacts):
+    """Restitution over parameters, one at a time.
+
+    Attributes:
+        sweep: What is swept.
+    """
+
+    def __init__(self, options: argparse.Namespace):
+        """Read the command line; refuse what the scene does not take."""
+        super().__init__(options)
+        self.sweep = sweep(self.base, options.of, options.at)
+        self.wanted = self.sweep.cases
+
+    def write(self) -> str:
+        """Write the tables and pictures of what has been done."""
+        if not self.ordered:
+            return ""
+        swept, rows, impacts = self.sweep, self.rows, self.options.impacts
+        found = numbers.lines(swept, rows, impacts)
+        own = restitution_of(rows.get(swept.base), impacts)
+        whole = list(numbers.rows_of_table(swept, rows, impacts))
+        cells = numbers.words(whole, swept, impacts)
+        told = list(numbers.remarks(whole, swept, found))
+        title = self.base.scene.title or "Restitution of impacts"
+        names = column_names(sorted(whole, key=len, reverse=True))
+        write(self.folder / "damping.csv", as_csv(whole, names, digits=8))
+        page = numbers.markdown(title, cells, told, early_ends(whole))
+        write(self.folder / "damping.md", page)
+        summary = {
+            "block": self.base.block.name,
+            "impacts": impacts,
+            "scene": None if own is None else numbers.measures(own),
+            "lines": [numbers.as_json(line) for line in found],
+        }
+        write(self.folder / SUMMARY, summary)
+        self._draw([line for line in found if line.values], own)
+        return numbers.plain_text(cells, told, early_ends(whole))
+
+    def _draw(self, lines: Sequence[numbers.Line], own: Restitution | None) -> None:
+        """Draw the pictures."""
+        from solver.study.damping.picture import history_picture, restitution_picture
+
+        if lines:
+            restitution_picture(lines, own, self.sweep.at, self.folder / "damping.png")
+        for line in lines if self.options.histories else ():
+            curves = {
+                f"{line.axis.key} {swept.value:g} {line.axis.unit}".strip(): self.kept_angle(
+                    swept.case
+                )
+                for swept in self.sweep.values
+                if (swept.axis, swept.at) == (line.axis, line.at) and swept.value in line.values
+            }
+            at = "" if line.at is None else f"_{line.at:g}"
+            history_picture(curves, self.folder / f"histories_{line.axis.name}{at}.png")
+
+    def say(self, text: str) -> None:
+        """Say what was found, what failed among it, and where it is."""
+        say(f"{text}written to {self.folder}\n")
+
+
+class Calibration(_Impacts):
+    """The value of a parameter with which the impacts of a scene keep what was measured.
+
+    Attributes:
+        axis: The parameter.
+        bounds: Its least and largest value.
+        target: What runs are compared with.
+        search: The runs so far.
+    """
+
+    def __init__(self, options: argparse.Namespace):
+        """Read the command line; refuse what the scene does not take."""
+        super().__init__(options)
+        if options.at:
+            raise SceneError("--at", " ".join(options.at), "nothing with --target")
+        able = [axis.name for axis in AXES.values() if axis.bounds is not None]
+        (name, values), *others = chosen_axes(options.of or able[:1], "--of").items()
+        axis = AXES[name]
+        if others or axis.bounds is None:
+            allowed = f"{' or '.join(able)} with --target"
+            raise SceneError("--of", " ".join(options.of), allowed)
+        if values and not (len(values) == 2 and 0 < values[0] < values[1]):
+            raise SceneError("--of", " ".join(options.of), f"{name}=LEAST,LARGEST, both > 0")
+        base = self.base
+        low, high = values or axis.bounds(base.scene, base.block)
+        self.axis, self.bounds = axis, (low, high)
+        self.target = target_of(options.target, base.scene, base.block, options.impacts)
+        for value in self.bounds:
+            base.case((axis, value))  # what the scene does not take is refused here
+        self.search = Search(
+            low=low, high=high, wanted=self.target.wanted, restitution=self.target.restitution
+        )
+
+    def rounds(self) -> Iterator[Sequence[DampingCase]]:
+        """Runs at the values of the search, round after round.
+
+        Raises:
+            SceneError: The target is out of reach.
+        """
+        while values := self.search.ask():
+            cases = [self.base.case((self.axis, value)) for value in values]
+            yield cases
+            for value, case in zip(values, cases, strict=True):
+                self.search.tell(self._trial(value, self.rows.get(case.key)))
+        if not self.search.within_reach:
+            raise SceneError("--target", f"{self.target.restitution:.4g}", self._reach())
+
+    def _trial(self, value: float, row: Row | None) -> Trial:
+        """The trial of a row; refused where it has too few impacts."""
+        where = f"{self.axis.name} {value:g}"
+        if row is None or row["status"] != "completed":
+            raise NotConverged(f"{where}: {'interrupted' if row is None else row['reason']}")
+        known, found = Restitution.of(row, self.target.impacts), self.target.of(row)
+        if found is None or known.mean is None:
+            missing = known.too_few(row["end_s"]) or "too few peaks"
+            raise Statement("--target", f"is out of reach: {where} has {missing}")
+        return Trial(value=value, restitution=known.mean, found=found)
+
+    @property
+    def _best(self) -> Trial | None:
+        """The run nearest to the target, where that is within reach."""
+        search = self.search
+        return search.best if search.made and search.within_reach else None
+
+    @property
+    def good(self) -> bool:
+        """True if a run comes near enough."""
+        return self._best is not None and self.search.best_error <= CLOSE
+
+    def _reach(self) -> str:
+        """The restitutions that can be reached, in words."""
+        (least, largest), (low, high) = self.search.reach, self.bounds
+        return f"{least:.4f} to {largest:.4f}, the reach of {self.axis.name} {low:g} to {high:g}"
+
+    def write(self) -> str:
+        """Write table, picture, summary and, where the target is within reach, the scene."""
+        from solver.study.damping.picture import calibration_picture
+
+        search, target, best = self.search, self.target, self._best
+        if not search.made:
+            return ""
+        table = [
+            {
+                self.axis.name: trial.value,
+                "restitution": trial.restitution,
+                "difference": search.error(trial),
+                **{f"peak_{k}": e for k, e in enumerate(trial.found, start=1) if target.peaks},
+            }
+            for trial in search.trials
+        ]
+        write(self.folder / "calibration.csv", as_csv(table, column_names(table), digits=8))
+        cells, told = self._cells(), self._sentences()
+        title = self.base.scene.title or "Calibration"
+        write(self.folder / "calibration.md", numbers.markdown(title, cells, told))
+        summary = {
+            "parameter": self.axis.name,
+            "key": self.axis.key,
+            "unit": self.axis.unit,
+            "target_restitution": target.restitution,
+            "target_peaks": list(target.peaks),
+            "reach": list(search.reach),
+            "runs": len(search.trials),
+            "value": best.value if best else None,
+            "restitution": best.restitution if best else None,
+            "difference": search.best_error if best else None,
+        }
+        write(self.folder / SUMMARY, summary)
+        angle = None
+        if best is not None:
+            change = self.axis, best.value
+            write(self.folder / "calibrated.toml", tomli_w.dumps(self.base.with_values(change)))
+            angle = self.kept_angle(self.base.case(change).key)
+        file = self.folder / "calibration.png"
+        calibration_picture(search, target, self.axis.label, angle, file)
+        if best is not None and not self.good:
+            told.append(f"no run came nearer than {search.best_error:.4f}: impacts scatter")
+        return numbers.plain_text(cells, told)
+
+    def _cells(self) -> list[list[str]]:
+        """The table in words, the heading first."""
+        kind = "difference of peaks" if self.target.peaks else "difference"
+        rows = [[self.axis.label, "restitution", kind]]
+        for trial in self.search.made:
+            value = f"{trial.value:g}{' *' if trial is self._best else ''}"
+            rows.append([value, f"{trial.restitution:.4f}", f"{self.search.error(trial):.4f}"])
+        return rows
+
+    def _sentences(self) -> list[str]:
+        """The result in words."""
+        target, best = self.target, self._best
+        kind = "of the measured peaks" if target.peaks else f"of the first {target.impacts}"
+        wanted = f"target: restitution {target.restitution:.4f}, the geometric mean {kind}"
+        reach = f"within reach: {self._reach()}"
+        if best is None:
+            return [f"{wanted}; not {reach}"]
+        unit = f" {self.axis.unit}" if self.axis.unit else ""
+        found = f"{self.axis.key} = {best.value:g}{unit}: restitution {best.restitution:.4f}"
+        return [wanted, reach, f"{found}, after {len(self.search.trials)} runs"]
+
+    def say(self, text: str) -> None:
+        """Say the result, and where it is; a target out of reach is an error of its own."""
+        if self._best is not None:
+            say(f"{text}written to {self.folder}; run {self.folder / 'calibrated.toml'}\n")

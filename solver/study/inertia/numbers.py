@@ -1,0 +1,441 @@
+"""Lambda, the portion of the live load that counts as inertia: its roots, intervals, and tables.
+
+D(lambda) is the mean peak drift of the structure with the portion lambda of the live load fixed to
+it, stiffness k and dashpot c kept; lambda solves D(lambda) = mean drift under the load that slides.
+D is not monotone: roots can be several, or negative, or none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from solver.study.inertia.cells import Cell, Structure
+from solver.study.tables import as_csv, column_names, in_markdown
+from solver.types import Array
+
+LEAST, MOST, SPACING = -0.5, 1.5, 0.01
+"""Range of lambda, and the spacing of the points between which D(lambda) is taken as straight."""
+
+ROUND_OFF = 1e-9
+"""A target that is this near to a point of the curve is met there."""
+
+INSENSITIVE = 0.01
+"""Where D changes by less than this part between lambda = 0 and 1, lambda is not reported."""
+
+RESAMPLES, SEED = 1000, 19
+"""Number of suites that the bootstrap draws, and the seed that it draws them by."""
+
+QUANTILES = (0.05, 0.95)
+"""Quantiles that bound an interval of 90 %."""
+
+
+def grid() -> Array:
+    """The values of lambda at which drifts are computed."""
+    count = round((MOST - LEAST) / SPACING)
+    return np.round(LEAST + SPACING * np.arange(count + 1), 10)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """Mean drift against lambda, straight between its points."""
+
+    portions: Array
+    """lambda, increasing."""
+    drifts: Array
+    """D(lambda)."""
+
+    @property
+    def insensitive(self) -> bool:
+        """Whether the live load hardly changes the drift, so that no lambda can be told."""
+        inside = self.drifts[(self.portions >= 0) & (self.portions <= 1)]
+        return bool(np.ptp(inside) < INSENSITIVE * np.mean(np.abs(inside)))
+
+    def roots(self, target: float) -> Array:
+        """All lambda at which the curve has this value, increasing."""
+        excess = self.drifts - target
+        met = np.abs(excess) <= ROUND_OFF * abs(target)
+        sign = np.where(met, 0.0, np.sign(excess))
+        first = np.nonzero(sign[:-1] * sign[1:] < 0)[0]
+        part = excess[first] / (excess[first] - excess[first + 1])
+        low, high = self.portions[first], self.portions[first + 1]
+        return np.sort(np.concatenate((low + part * (high - low), self.portions[met])))
+
+    def turns(self) -> Array:
+        """Values of lambda at which the curve has a local extreme."""
+        rising = np.sign(np.diff(self.drifts))
+        return self.portions[1:-1][rising[:-1] * rising[1:] < 0]
+
+    def followed(self, targets: Array, start: float = 1.0) -> list[float]:
+        """The root that a start leads to as the target goes from value to value; NaN: none.
+
+        It stays on its branch, between two local extremes of the curve, as long as that has a root;
+        then it goes on from the nearest one, and where there is none it waits.
+        """
+        turns, at, found = self.turns(), start, []
+        for target in targets:
+            roots = self.roots(target)
+            if not roots.size:
+                found.append(np.nan)
+                continue
+            low, high = np.minimum(roots, at), np.maximum(roots, at)
+            between = np.searchsorted(turns, high) - np.searchsorted(turns, low, side="right")
+            same = roots[between <= 0]
+            near = same if same.size else roots
+            at = float(near[np.argmin(np.abs(near - at))])
+            found.append(at)
+        return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Portion:
+    """What a suite says about lambda."""
+
+    value: float | None
+    """The one reported; None: there is none."""
+    roots: tuple[float, ...]
+    """All of them."""
+    low: float | None
+    """Lower end of the interval of 90 %."""
+    high: float | None
+    """Upper end of that interval."""
+    without: float
+    """Share of the resampled suites that have none."""
+
+    @property
+    def half_width(self) -> float:
+        """Half of the interval; infinite where there is none."""
+        return np.inf if self.low is None or self.high is None else (self.high - self.low) / 2
+
+
+def resampled(count: int) -> Array:
+    """How often each motion is in each resampled suite over their number, (resamples, n)."""
+    chosen = np.random.default_rng(SEED).integers(count, size=(RESAMPLES, count))
+    weights = np.zeros((RESAMPLES, count))
+    np.add.at(weights, (np.arange(RESAMPLES)[:, None], chosen), 1.0 / count)
+    return weights
+
+
+def portions(drifts: Array, targets: Array, weights: Array, *, geometric: bool) -> list[Portion]:
+    """Lambda at each of the targets, followed from the first one, where lambda is 1.
+
+    Args:
+        drifts: Peak drifts of each motion with the portions of the grid fixed, (n, points).
+        targets: Peak drifts of each motion with what slides or rocks, (n, targets).
+        weights: Of the resampled suites, (resamples, n).
+        geometric: Take means of the logarithms.
+    """
+    known = np.all(drifts > 0, axis=0)  # where the structure has a mass that is positive
+    axis, curves, aims = grid()[known], drifts[:, known], targets
+    if geometric:
+        curves, aims = np.log(curves), np.log(targets)
+    own = Curve(axis, curves.mean(axis=0))
+    if Curve(axis, drifts[:, known].mean(axis=0)).insensitive:
+        none = Portion(value=None, roots=(), low=None, high=None, without=1.0)
+        return [none] * targets.shape[1]
+    means = aims.mean(axis=0)
+    values = own.followed(means)
+    those, aimed = weights @ curves, weights @ aims
+    several = [Curve(axis, those[k]).followed(aimed[k]) for k in range(len(weights))]
+    spread = np.array(several)
+    return [
+        _portion(value, own.roots(mean), spread[:, j])
+        for j, (value, mean) in enumerate(zip(values, means, strict=True))
+    ]
+
+
+def _portion(value: float, roots: Array, spread: Array) -> Portion:
+    """A value with the interval of those of the resampled suites."""
+    known = spread[np.isfinite(spread)]
+    low, high = np.quantile(known, QUANTILES) if known.size else (np.nan, np.nan)
+    return Portion(
+        value=None if np.isnan(value) else float(value),
+        roots=tuple(float(root) for root in roots),
+        low=float(low) if known.size else None,
+        high=float(high) if known.size else None,
+        without=1 - known.size / spread.size,
+    )
+
+
+# ---------------------------------------------------------------- cells
+
+SLIDING = "sliding block"
+"""What the rows of one block that slides are called."""
+
+WANTED = 0.05
+"""Half of the width that an interval of 90 % should not exceed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What one way of computing says of one cell."""
+
+    cell: Cell
+    by: str
+    """SLIDING, or an engine of the program."""
+    motions: int
+    arithmetic: Portion
+    """lambda by the mean of the peaks, as in the paper."""
+    geometric: Portion
+    """By the mean of their logarithms."""
+    insensitive: bool
+    """Whether the live load hardly changes the drift."""
+    drift: float
+    """Mean peak drift, m; for motions scaled to 1 g, per 1 g."""
+    drift_over_fixed: float
+    """Over that with the whole live load fixed."""
+    drift_over_bare: float
+    """Over that of the empty structure."""
+    shear_over_fixed: float
+    """Mean peak base shear over that with the whole live load fixed."""
+    shear_over_bare: float
+    """Over that of the empty structure."""
+    overturned: int = 0
+    """Runs in which a block overturned or fell."""
+
+    @property
+    def remark(self) -> str:
+        """What has to be said besides the numbers; empty: nothing."""
+        value, said = self.arithmetic.value, []
+        if self.insensitive:
+            said.append("not reported: the live load changes the drift by less than 1 %")
+        elif value is None:
+            said.append("none: no portion in the range gives this drift")
+        elif value < 0:
+            said.append("negative: the drift is below that of the empty structure")
+        if len(self.arithmetic.roots) > 1:
+            said.append(f"{len(self.arithmetic.roots)} roots")
+        if value is not None and self.arithmetic.half_width > WANTED:
+            said.append(f"interval wider than ±{WANTED:g}")
+        if value is not None and self.arithmetic.without > 0:
+            said.append(f"{self.arithmetic.without:.0%} of resampled suites without")
+        if self.overturned:
+            said.append(f"blocks overturned or fell in {self.overturned} motions")
+        return "; ".join(said)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """One structure under a suite: its curve, and the ladder of friction with lambda along it."""
+
+    structure: Structure
+    frictions: Sequence[float]
+    """From infinity down."""
+    drifts: Array
+    """Peak drifts with portions of the live load fixed, (n, points), m; 0 without a mass."""
+    peaks: Array
+    """Peak drift (m), base shear over the platform's mass for each friction, (n, frictions, 2)."""
+    bare: Array
+    """The same of the empty structure, (n, 2)."""
+    weights: Array
+    """Weights of the motions in the resampled suites."""
+    found: Sequence[Sequence[Portion]] = ()
+    """lambda along the ladder by arithmetic and by geometric means."""
+
+    @classmethod
+    def of(
+        cls, structure: Structure, frictions: Sequence[float], rows: Sequence[Mapping[str, Any]]
+    ) -> Self:
+        """A line from the rows of its cases, in the order of their motions."""
+
+        def joined(what: str) -> Array:
+            return np.array([values for row in rows for values in row[what]], dtype=float)
+
+        drifts, peaks = np.nan_to_num(joined("curve")), joined("peaks")
+        weights = resampled(len(drifts))
+        found = [portions(drifts, peaks[:, :, 0], weights, geometric=g) for g in (False, True)]
+        return cls(structure, frictions, drifts, peaks, joined("bare"), weights, found)
+
+    @property
+    def mean_curve(self) -> Curve:
+        """Mean drift against lambda where the structure has a mass."""
+        known = np.all(self.drifts > 0, axis=0)
+        return Curve(grid()[known], self.drifts[:, known].mean(axis=0))
+
+    def finding(self, cell: Cell) -> Finding:
+        """What the sliding block says of a cell."""
+        place = self.frictions.index(cell.friction)
+        pair = tuple(several[place] for several in self.found)
+        return self._finding(cell, SLIDING, self.peaks[:, place, :], pair, slice(None))
+
+    def finding_by(self, cell: Cell, by: str, outcomes: Sequence[list[float] | None]) -> Finding:
+        """What runs of blocks say of a cell; motions whose run failed (None) are left out.
+
+        lambda goes on from where the sliding block is at this friction: from that root it is
+        followed while the drift changes from that of the sliding block to that of the runs.
+        """
+        place = self.frictions.index(cell.friction)
+        chosen = np.array([outcome is not None for outcome in outcomes])
+        rows = np.array([outcome for outcome in outcomes if outcome is not None])
+        count = int(chosen.sum())
+        ladder = self.peaks[chosen, : place + 1, 0]
+        targets = np.concatenate((ladder, rows[:, :1]), axis=1)
+        weights = self.weights if count == len(chosen) else resampled(count)
+        pair = tuple(
+            portions(self.drifts[chosen], targets, weights, geometric=mean)[-1]
+            for mean in (False, True)
+        )
+        overturned = int(rows[:, 4].sum())
+        return self._finding(cell, by, rows[:, :2], pair, chosen, overturned)
+
+    def _finding(
+        self,
+        cell: Cell,
+        by: str,
+        peaks: Array,
+        pair: tuple[Portion, ...],
+        chosen: Any,
+        overturned: int = 0,
+    ) -> Finding:
+        drift, shear = peaks.mean(axis=0)
+        fixed, bare = self.peaks[chosen, 0].mean(axis=0), self.bare[chosen].mean(axis=0)
+        return Finding(
+            cell=cell,
+            by=by,
+            motions=len(peaks),
+            arithmetic=pair[0],
+            geometric=pair[1],
+            insensitive=self.mean_curve.insensitive,
+            drift=float(drift),
+            drift_over_fixed=float(drift / fixed[0]),
+            drift_over_bare=float(drift / bare[0]),
+            shear_over_fixed=float(shear / fixed[1]),
+            shear_over_bare=float(shear / bare[1]),
+            overturned=overturned,
+        )
+
+
+def row_of(finding: Finding) -> dict[str, Any]:
+    """A row of the table of all numbers."""
+    arithmetic, geometric = finding.arithmetic, finding.geometric
+    structure = finding.cell.structure
+    friction = "friction_over_pga" if structure.unit_pga else "friction"
+    row: dict[str, Any] = {
+        "mass_ratio": structure.mass_ratio,
+        "period_s": structure.period,
+        "damping_ratio": structure.damping_ratio,
+        friction: finding.cell.friction,
+    }
+    if finding.cell.aspect is not None:
+        row["aspect"] = finding.cell.aspect
+    return row | {
+        "by": finding.by,
+        "motions": finding.motions,
+        "lambda": arithmetic.value,
+        "lambda_low": arithmetic.low,
+        "lambda_high": arithmetic.high,
+        "roots": " ".join(f"{root:.6f}" for root in arithmetic.roots),
+        "lambda_geometric": geometric.value,
+        "lambda_geometric_low": geometric.low,
+        "lambda_geometric_high": geometric.high,
+        "mean_peak_drift_m": finding.drift,
+        "drift_over_fixed": finding.drift_over_fixed,
+        "drift_over_bare": finding.drift_over_bare,
+        "base_shear_over_fixed": finding.shear_over_fixed,
+        "base_shear_over_bare": finding.shear_over_bare,
+        "remark": finding.remark,
+    }
+
+
+def widest(findings: Sequence[Finding]) -> float:
+    """Largest half width of an interval among the cells that have a lambda."""
+    known = [f.arithmetic.half_width for f in findings if f.arithmetic.value is not None]
+    return max(known, default=math.nan)
+
+
+# ---------------------------------------------------------------- tables
+
+HEADING = (
+    *("by", "λ", "90 %", "λ geometric", "90 %", "drift mm", "drift / fixed"),
+    *("base shear / fixed", "base shear / empty", "all roots, remark"),
+)
+"""Words above the columns that follow those of the axes."""
+
+
+def csv_text(findings: Sequence[Finding]) -> str:
+    """All numbers, with ten digits."""
+    rows = [row_of(finding) for finding in findings]
+    return as_csv(rows, column_names(rows), digits=10)
+
+
+def words(findings: Sequence[Finding]) -> list[list[str]]:
+    """The most important numbers as words, row by row; the first row is the heading."""
+    axes = [name for name, _ in findings[0].cell.values]
+    return [[*axes, *HEADING], *(_row(finding) for finding in findings)]
+
+
+def _row(finding: Finding) -> list[str]:
+    arithmetic, geometric = finding.arithmetic, finding.geometric
+    roots = ", ".join(f"{root:.3f}" for root in arithmetic.roots)
+    several = roots if len(arithmetic.roots) > 1 else ""
+    return [
+        *(f"{value:g}" for _, value in finding.cell.values),
+        finding.by,
+        number(arithmetic.value),
+        interval(arithmetic),
+        number(geometric.value),
+        interval(geometric),
+        f"{1e3 * finding.drift:.2f}",
+        f"{finding.drift_over_fixed:.3f}",
+        f"{finding.shear_over_fixed:.3f}",
+        f"{finding.shear_over_bare:.3f}",
+        "; ".join(part for part in (several, finding.remark) if part),
+    ]
+
+
+def number(value: float | None) -> str:
+    """A lambda as a word."""
+    return "none" if value is None else f"{value:.3f}"
+
+
+def interval(portion: Portion) -> str:
+    """The ends of an interval as words."""
+    if portion.value is None or portion.low is None or portion.high is None:
+        return "-"
+    return f"{number(portion.low)} to {number(portion.high)}"
+
+
+def markdown(
+    title: str, findings: Sequence[Finding], failed: Sequence[str], notes: Sequence[str]
+) -> str:
+    """The table in Markdown, with what failed and what is noted of the motions."""
+    count = f"Motions: {findings[0].motions}. λ is by the mean of peaks unless it says geometric."
+    lines = [f"# {title}", "", count, "", *in_markdown(words(findings))]
+    lines += ["", *(f"- failed: {name}" for name in failed)] if failed else []
+    lines += ["", *(f"- {note}" for note in notes)]
+    return "\n".join(lines) + "\n"
+
+
+# ---------------------------------------------------------------- codes of practice
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CodeValue:
+    """A portion of the live load that a code counts."""
+
+    portion: float
+    name: str
+    """In pictures."""
+    source: str
+    """Where it stands."""
+
+
+CODE_VALUES = (
+    CodeValue(
+        portion=0.25,
+        name="storage live load",
+        source="ASCE/SEI 7-22, 12.7.2, item 1 (7-10 and 7-16 alike): effective seismic weight "
+        "includes at least 25 % of the floor live load in areas used for storage",
+    ),
+    CodeValue(
+        portion=0.67,
+        name="storage racks",
+        source="ASCE/SEI 7-16, 15.5.3 (steel storage racks, loaded to 67 % of the rated load), and "
+        "ANSI MH16.1 of the Rack Manufacturers Institute, 2.6.2 (0.67 of the product load); "
+        "FEMA 460 (2005), chapter 4, reviews both",
+    ),
+)

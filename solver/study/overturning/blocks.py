@@ -1,0 +1,294 @@
+"""Blocks under a pulse up to where their fate is certain: rigid, by Housner's equation, elastic.
+
+Amplitudes are over g tan alpha, frequencies omega over p.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import dataclass
+from typing import Any, Self, cast
+
+from mpi4py import MPI
+
+import numpy as np
+
+from solver.excitation.kinds import base_motion
+from solver.excitation.pulses import Pulse
+from solver.reference.housner import housner, housner_restitution
+from solver.rigid.plane.system import PlaneSystem
+from solver.run.simulate import simulate
+from solver.scene import Scene
+from solver.scene.motion import G_UNIT, HalfSineSpec, OneSineSpec, RickerSpec
+from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS, Response
+from solver.study.scenes import Tables, variant
+from solver.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class PulseKind:
+    """A kind of pulse.
+
+    Attributes:
+        words: For titles.
+        spec: Kind of the motion in a scene.
+        periods: Its duration, as a scene has it, in periods 2 pi/omega.
+    """
+
+    words: str
+    spec: type[HalfSineSpec | OneSineSpec | RickerSpec]
+    periods: float
+
+    def table(self, amplitude: float, frequency: float) -> dict[str, Any]:
+        """`[motion]` of a pulse of an amplitude (m/s^2) and a frequency omega (rad/s)."""
+        period = 2 * math.pi / frequency
+        return {
+            "kind": self.spec(amplitude_g=0.0, duration=1.0).kind,
+            "amplitude_g": amplitude / G_UNIT,
+            "duration": self.periods * period,
+        }
+
+    def motion(self, amplitude: float, frequency: float) -> Pulse:
+        """A pulse of an amplitude (m/s^2) and a frequency omega (rad/s)."""
+        table = self.table(amplitude, frequency)
+        spec = self.spec(amplitude_g=table["amplitude_g"], duration=table["duration"])
+        return cast("Pulse", base_motion(spec, math.inf))
+
+
+PULSES = {
+    "half_sine": PulseKind("half sine", HalfSineSpec, 0.5),
+    "one_sine": PulseKind("one sine", OneSineSpec, 1.0),
+    "ricker": PulseKind("Ricker", RickerSpec, 3.0),
+}
+"""All of them by the name that scenes use; omega of a Ricker wavelet is 2 pi f."""
+
+
+@dataclass(frozen=True, slots=True)
+class Upright:
+    """A rigid block and its energies upright and over its corner."""
+
+    slenderness: float
+    """alpha, rad."""
+    frequency: float
+    """p, 1/s."""
+    unit: float
+    """g tan alpha, m/s^2, which amplitudes are counted in."""
+    low: float
+    """Potential energy upright, J."""
+    high: float
+    """Potential energy over its corner, J."""
+    restitution: float
+    """e of its impacts."""
+
+    @classmethod
+    def of(cls, scene: Scene) -> Self:
+        """The energies of a scene's only block; e is Housner's where it has none of its own."""
+        block = scene.blocks[0]
+        shape, gravity = block.shape, scene.gravity
+        weight = shape.weight(gravity)
+        return cls(
+            slenderness=shape.slenderness,
+            frequency=shape.frequency(gravity),
+            unit=gravity * math.tan(shape.slenderness),
+            low=weight * shape.height / 2,
+            high=weight * shape.half_diagonal,
+            restitution=block.restitution or max(0.0, housner_restitution(shape)),
+        )
+
+    def stays(self, energy: float, angle: float) -> bool:
+        """Whether the block leans by less than alpha, without the energy (J) to go beyond."""
+        return energy < self.high and abs(angle) < self.slenderness
+
+    def falls(self, energy: float, angle: float, spin: float) -> bool:
+        """Whether the block leans by more than alpha, and does not come back.
+
+        It turns away, or has not the energy (J) to return; angle in rad, spin in rad/s.
+        """
+        return abs(angle) > self.slenderness and (angle * spin > 0 or energy < self.high)
+
+    def margin(self, energy: float, angle: float, spin: float) -> float:
+        """How far the fate of a block is from its opposite, over the energy from upright to alpha.
+
+        Of a block inside alpha, or that returns, the energy beyond that over its corner; one that
+        turns back has to go through an impact first, which leaves e^2 of its energy above upright.
+        Of a block that fell, what it lacks to return. The arguments are energy (J), angle (rad) and
+        angular velocity (rad/s).
+        """
+        depth = self.high - self.low
+        if self.falls(energy, angle, spin):
+            return 1.0 if angle * spin > 0 else (self.high - energy) / depth
+        above = energy - self.low
+        if angle * spin < 0:
+            above *= self.restitution**2
+        return above / depth - 1
+
+
+# ---------------------------------------------------------------- a rigid block
+
+STEP = 4e-3
+"""Time step of the rigid block times p."""
+
+STEPS_A_RADIAN = 50
+"""Fewest steps while the phase of the pulse moves on by one."""
+
+AT_ONCE = 100
+"""Steps between two looks at the block."""
+
+SHIVER = 1e-4
+"""Largest angle over alpha of a swing that does not count."""
+
+RIGID_LATEST = 60.0
+"""Time after the pulse at which a block that still rocks is said to stay, times p."""
+
+
+class RigidUnderPulses:
+    """A rigid block under pulses of one kind and frequency, whatever their amplitude."""
+
+    def __init__(self, scene: Scene, kind: PulseKind, frequency: float):
+        """Set up a scene with one rigid block for a frequency omega over p."""
+        self._upright = Upright.of(scene)
+        p = self._upright.frequency
+        unit = kind.motion(1.0, frequency * p)
+        longest = min(STEP / p, 1 / (STEPS_A_RADIAN * frequency * p))
+        self._shaken = math.ceil(unit.stop / longest)
+        self._step = unit.stop / self._shaken
+        times: Array = self._step * np.arange(self._shaken + 1, dtype=np.float64)
+        self._ground, self._mean = np.zeros((len(times), 2)), np.zeros((len(times) - 1, 2))
+        self._ground[:, 0] = unit.accelerations(times)
+        self._mean[:, 0] = np.diff(unit.velocities(times)) / self._step
+        self._system = PlaneSystem.from_scene(scene)
+        self._start = self._system.saved()
+        names, own = self._system.columns, f"{self._system.names[0]}."
+        self._angle = names.index(own + "angle_rad")
+        self._spin = names.index(own + "angular_velocity_rad_s")
+        self._energies = names.index("energy.kinetic_J"), names.index("energy.gravity_J")
+
+    def __call__(self, amplitude: float) -> Response:
+        """Response to a pulse of an amplitude over g tan alpha.
+
+        Raises:
+            RuntimeError: A step was not solved.
+        """
+        self._system.restore(copy.deepcopy(self._start))
+        scale = amplitude * self._upright.unit
+        ground, mean = scale * self._ground, scale * self._mean
+        swings, margin = _Swings(self._upright.slenderness), 0.0
+        last = self._shaken + math.ceil(RIGID_LATEST / (self._upright.frequency * self._step))
+        first = 0
+        while first < last:
+            shaken = first < self._shaken
+            stop = min(first + AT_ONCE, self._shaken if shaken else last)
+            moved = (ground[first : stop + 1], mean[first:stop]) if shaken else (None, None)
+            outcome = self._system.advance(stop - first, self._step, moved[0], mean=moved[1])
+            if outcome.failure:
+                raise RuntimeError(outcome.failure)
+            rows, first = outcome.rows, stop
+            swings.follow(rows[:, self._angle])
+            angle, spin = float(rows[-1, self._angle]), float(rows[-1, self._spin])
+            if abs(angle) > 0.9 * math.pi / 2:
+                return Response(True, swings.impacts, margin if margin > 0 else 1.0)
+            if shaken and first < self._shaken:
+                continue
+            energy = float(sum(rows[-1, k] for k in self._energies))
+            if first == self._shaken:
+                margin = self._upright.margin(energy, angle, spin)
+            if self._upright.falls(energy, angle, spin):
+                return Response(True, swings.impacts, abs(margin) or 1.0)
+            if self._upright.stays(energy, angle):
+                break
+        return Response(False, swings.impacts, -abs(margin) or -1.0)
+
+
+class _Swings:
+    """Counts the impacts of a block: ends of swings that were more than a shiver."""
+
+    def __init__(self, slenderness: float):
+        """Begin with a block at rest of this slenderness, rad."""
+        self._least = SHIVER * slenderness
+        self._side, self.impacts = 0.0, 0
+
+    def follow(self, angle: Array) -> None:
+        """Go on with some more angles, rad."""
+        sides = np.sign(angle[np.abs(angle) > self._least])
+        if len(sides):
+            before = sides[0] if self._side == 0.0 else self._side
+            self.impacts += int(np.count_nonzero(np.diff(sides, prepend=before)))
+            self._side = float(sides[-1])
+
+
+# ---------------------------------------------------------------- Housner's equation
+
+ODE_STEPS = 40
+"""Steps of Housner's equation in the pulse, at least; the integrator also takes shorter ones."""
+
+ODE_LATEST = 25.0
+"""Time after the pulse up to which the equation is solved, times p."""
+
+
+class HousnerUnderPulses:
+    """Housner's block under pulses of one kind and frequency, whatever their amplitude."""
+
+    def __init__(self, scene: Scene, kind: PulseKind, frequency: float):
+        """Set up a scene with one rigid block for a frequency omega over p."""
+        self._scene, self._upright, self._kind = scene, Upright.of(scene), kind
+        self._omega = frequency * self._upright.frequency
+
+    def __call__(self, amplitude: float) -> Response:
+        """Response to a pulse of an amplitude over g tan alpha."""
+        pulse = self._kind.motion(amplitude * self._upright.unit, self._omega)
+        block, p = self._scene.blocks[0], self._upright.frequency
+        found = housner(
+            block.shape,
+            gravity=self._scene.gravity,
+            end=pulse.stop + ODE_LATEST / p,
+            step=pulse.stop / ODE_STEPS,
+            acceleration=pulse.acceleration,
+            restitution=self._upright.restitution,
+        )
+        after = int(np.searchsorted(found.time, pulse.stop))
+        angle, spin = float(found.angle[after]), float(found.angular_velocity[after])
+        swing = np.cos(self._upright.slenderness - abs(angle)) * self._upright.high
+        inertia = block.shape.rotary_inertia_about_corner
+        margin = self._upright.margin(inertia * spin**2 / 2 + swing, angle, spin)
+        overturns = found.overturned
+        size = abs(margin) or 1.0
+        return Response(overturns, len(found.impacts), size if overturns else -size)
+
+
+# ---------------------------------------------------------------- an elastic block
+
+ELASTIC_LATEST = 9.0
+"""Time after the pulse up to which a block is run, times p; near a boundary, by a part d in
+amplitude, it takes about ln(1/d) to decide, and the swing back after that."""
+
+
+def elastic_scene(tables: Tables, kind: PulseKind, frequency: float, amplitude: float) -> Scene:
+    """The scene of a run: frequency omega over p, amplitude over g tan alpha."""
+    upright = Upright.of(variant(tables, model="rigid", restitution=None))
+    p = upright.frequency
+    motion = kind.table(amplitude * upright.unit, frequency * p)
+    time = {key: value for key, value in tables.get("time", {}).items() if key != "end"}
+    end = motion["duration"] + ELASTIC_LATEST / p
+    return variant(tables | {"motion": motion}, time=time | {"end": end, "stop": "overturned"})
+
+
+def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: float) -> str:
+    """What comes of an elastic block under one pulse: one of the words of boundaries.
+
+    Raises:
+        RuntimeError: The run failed, or ended before the fate of the block was certain.
+    """
+    scene = elastic_scene(tables, kind, frequency, amplitude)
+    result = simulate(scene, comm=MPI.COMM_SELF, many=True)
+    if result.status != "completed":
+        raise RuntimeError(f"{result.status}: {result.summary['reason']}")
+    name, history = scene.blocks[0].name, result.history
+    block = result.summary["blocks"][name]
+    if block["overturned_at_s"] is not None:
+        return LATER if block["impacts"] else DIRECTLY
+    upright = Upright.of(variant(tables, model="rigid", restitution=None))
+    energy = history["energy.kinetic_J"][-1] + history["energy.gravity_J"][-1]
+    if not upright.stays(energy, history[f"{name}.angle_rad"][-1]):
+        raise RuntimeError(f"{scene.time.end:g} s decide nothing at {amplitude:g} g tan alpha")
+    return STAYS

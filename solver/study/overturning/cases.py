@@ -1,0 +1,272 @@
+"""Boundaries of overturning: an engine, a pulse, a frequency, a restitution; rounds of them.
+
+Frequencies are added where the intervals of two neighbours differ.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from itertools import pairwise, product
+from typing import TypeVar
+
+import numpy as np
+
+from solver.errors import SceneError, Statement
+from solver.reference.housner import housner_restitution
+from solver.scene import Scene
+from solver.study.overturning.blocks import (
+    PULSES,
+    HousnerUnderPulses,
+    RigidUnderPulses,
+    elastic_fate,
+)
+from solver.study.overturning.boundaries import STAYS, Boundary, Response, boundaries, near
+from solver.study.overturning.numbers import NAMES, as_text, boundary_rows, differences, kinds
+from solver.study.scenes import Tables, is_elastic, standing_block, variant
+from solver.study.study import SUMMARY, Row, Study, numbers, words
+from solver.study.tables import as_csv, write
+
+Value = TypeVar("Value")
+
+ENOUGH_FRICTION = 1.7
+"""Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
+
+TOLERANCE = {"rigid": 1e-5, "ode": 1e-4, "elastic": 2e-3}
+"""Relative, of the amplitudes of boundaries."""
+
+BESIDE = 0.01
+"""Part of a rigid block's boundary within which the equation's is looked for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OverturningCase:
+    """One engine, one pulse, one frequency, one restitution.
+
+    Attributes:
+        engine: "rigid", "ode" or "elastic".
+        pulse: Its kind.
+        frequency: omega/p.
+        restitution: e of a rigid block; None: plastic impacts, or an elastic block.
+        tables: The scene.
+        amplitudes: Over g tan alpha: of the scan of a rigid block, increasing.
+        rigid: For the other engines, the boundaries of the rigid block: amplitude, below, above.
+    """
+
+    engine: str
+    pulse: str
+    frequency: float
+    restitution: float | None
+    tables: Tables
+    amplitudes: tuple[float, ...] = ()
+    rigid: tuple[tuple[float, str, str], ...] = ()
+
+    @property
+    def name(self) -> str:
+        """What the study calls it, and no other case; also the name of its file."""
+        e = "" if self.restitution is None else f",e={self.restitution:g}"
+        beside = "".join(f",{amplitude:.8g}" for amplitude, _, _ in self.rigid)
+        return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}{beside}"
+
+    def scene(self) -> Scene:
+        """The scene with a rigid block; its impacts are plastic where no restitution is given."""
+        return variant(self.tables, model="rigid", restitution=self.restitution)
+
+    def run(self) -> Row:
+        """Find the boundaries on one process; the row of the case, with a list of them."""
+        from solver.law.switch import chosen_for
+
+        runs = 0
+
+        def counted(respond: Callable[[float], Value]) -> Callable[[float], Value]:
+            def respond_and_count(amplitude: float) -> Value:
+                nonlocal runs
+                runs += 1
+                return respond(amplitude)
+
+            return respond_and_count
+
+        pulse, found = PULSES[self.pulse], list[Boundary]()
+        with chosen_for(math.inf):
+            if self.engine == "rigid":
+                block = RigidUnderPulses(self.scene(), pulse, self.frequency)
+                found = boundaries(counted(block), self.amplitudes, TOLERANCE["rigid"])
+            elif self.engine == "ode":
+                equation = HousnerUnderPulses(self.scene(), pulse, self.frequency)
+                found = self._beside(counted(equation))
+            else:
+                fate = partial(elastic_fate, self.tables, pulse, self.frequency)
+                found = self._near(counted(fate))
+        return {
+            "status": "completed",
+            "reason": "",
+            "engine": self.engine,
+            "pulse": self.pulse,
+            "frequency": self.frequency,
+            "restitution": self.restitution,
+            "runs": runs,
+            "boundaries": [asdict(each) for each in found],
+        }
+
+    def _beside(self, respond: Callable[[float], Response]) -> list[Boundary]:
+        """The equation's boundaries beside those of the rigid block."""
+        found = []
+        for amplitude, below, above in self.rigid:
+            beside = [amplitude * (1 - BESIDE), amplitude * (1 + BESIDE)]
+            for each in boundaries(respond, beside, TOLERANCE["ode"]):
+                if (each.below, each.above) == (below, above):
+                    found.append(each)
+        return found
+
+    def _near(self, fate: Callable[[float], str]) -> list[Boundary]:
+        """The elastic block's boundaries next to those of the rigid one."""
+        found = []
+        for amplitude, below, above in self.rigid:
+            if STAYS in (below, above):
+                ends = near(fate, amplitude, below, above, TOLERANCE["elastic"])
+                if ends is not None:
+                    found.append(Boundary(sum(ends) / 2, below, above))
+        return found
+
+
+def scan(low: float, high: float, samples: int) -> tuple[float, ...]:
+    """Amplitudes of a scan, in a geometric series."""
+    return tuple(float(value) for value in np.geomspace(low, high, samples))
+
+
+class OverturningStudy(Study[OverturningCase]):
+    """Which pulses overturn a block: amplitude against frequency, all intervals of amplitude.
+
+    Attributes:
+        tables: The scene.
+        pulses: Their kinds.
+        frequencies: omega/p, increasing, also those of the other engines.
+        restitutions: e of rigid blocks; None: that of the scene, or plastic impacts.
+        amplitudes: Of the scan, over g tan alpha.
+        beside: Frequencies at which other engines run, too: "ode", "elastic".
+    """
+
+    kind, noun = "overturning", "study of overturning"
+    same = "the same scene, amplitudes and samples"
+    files = ("overturning.csv", "overturning.txt", SUMMARY, "overturning.png", "restitution.png")
+
+    def __init__(self, options: argparse.Namespace):
+        """Read the command line."""
+        super().__init__(options)
+        scanned = numbers("--amplitudes", options.amplitudes)
+        if options.amplitudes.count(":") != 2 or len(scanned) < 3 or scanned[-1] <= scanned[0]:
+            raise SceneError("--amplitudes", options.amplitudes, "LOW:HIGH:COUNT, COUNT >= 3")
+        restitutions = numbers("--restitution", options.restitution) if options.restitution else []
+        if any(e > 1 for e in restitutions):
+            raise SceneError("--restitution", options.restitution, "0 < e <= 1")
+        if not 0 <= options.rounds <= 10:
+            raise SceneError("--rounds", f"{options.rounds}", "0 <= rounds <= 10")
+        self.tables = standing_block(options)
+        if options.elastic and not is_elastic(self.tables):
+            raise Statement("block", "has no young and poisson, which --elastic needs")
+        given = {"ode": options.ode, "elastic": options.elastic}
+        self.beside = {name: numbers(f"--{name}", text) for name, text in given.items() if text}
+        self.pulses = words("--pulses", options.pulses, tuple(PULSES))
+        own = numbers("--frequencies", options.frequencies)
+        self.frequencies = sorted({*own, *(f for several in self.beside.values() for f in several)})
+        self.restitutions = restitutions or [self.tables["block"][0].get("restitution")]
+        self.amplitudes = scan(scanned[0], scanned[-1], len(scanned))
+        scene = variant(self.tables).to_dict()
+        self.settings = {"scene": scene, "amplitudes": list(self.amplitudes)}
+
+    def rounds(self) -> Iterator[Sequence[OverturningCase]]:
+        """Rigid blocks, those between neighbours that differ, the other engines."""
+        yield [
+            self._rigid(pulse, frequency, e)
+            for pulse in self.pulses
+            for e in self.restitutions
+            for frequency in self.frequencies
+        ]
+        for _ in range(self.options.rounds):
+            yield list(self._between())
+        yield list(self._others())
+
+    def _rigid(self, pulse: str, frequency: float, restitution: float | None) -> OverturningCase:
+        """The case of a rigid block."""
+        return OverturningCase(
+            engine="rigid",
+            pulse=pulse,
+            frequency=frequency,
+            restitution=restitution,
+            tables=self.tables,
+            amplitudes=self.amplitudes,
+        )
+
+    def _between(self) -> Iterator[OverturningCase]:
+        """Rigid blocks midway between neighbours whose intervals are not of the same kinds."""
+        for pulse in self.pulses:
+            for e in self.restitutions:
+                own = [r for r in self.completed if (r["pulse"], r["restitution"]) == (pulse, e)]
+                for low, high in pairwise(sorted(own, key=lambda row: row["frequency"])):
+                    if kinds(low) != kinds(high):
+                        middle = (low["frequency"] + high["frequency"]) / 2
+                        yield self._rigid(pulse, float(f"{middle:.6g}"), e)
+
+    def _others(self) -> Iterator[OverturningCase]:
+        """The other engines, at the boundaries of the rigid block."""
+        for engine, frequencies in self.beside.items():
+            restitutions = self.restitutions if engine == "ode" else self.restitutions[:1]
+            for pulse, e, frequency in product(self.pulses, restitutions, frequencies):
+                case = self._rigid(pulse, frequency, e)
+                row = self.rows.get(case.name, {})
+                if row.get("status") == "completed":
+                    edges = ((b["amplitude"], b["below"], b["above"]) for b in row["boundaries"])
+                    own = None if engine == "elastic" else e
+                    yield replace(
+                        case, engine=engine, restitution=own, amplitudes=(), rigid=tuple(edges)
+                    )
+
+    def write(self) -> str:
+        """Write the boundaries, differences from the rigid block, the pictures."""
+        done = self.completed
+        if not done:
+            return ""
+        edges = boundary_rows(done, self.restitutions[0])
+        text = as_text(edges)
+        write(self.folder / "overturning.csv", as_csv(edges, NAMES))
+        write(self.folder / "overturning.txt", text)
+        counts = {"cases": len(self.cases), "completed": len(done)}
+        counts["runs"] = sum(row["runs"] for row in done)
+        write(self.folder / SUMMARY, counts | {"largest_difference": differences(edges)})
+        self._draw(done)
+        return text
+
+    def _draw(self, done: list[Row]) -> None:
+        """Draw the pictures."""
+        from solver.study.overturning.picture import overturning_picture, restitution_picture
+
+        e = self.restitutions[0]
+        rigid = [row for row in done if row["engine"] == "rigid"]
+        first = [row for row in rigid if row["restitution"] == e]
+        others = [
+            row
+            for row in done
+            if row["engine"] == "elastic" or (row["engine"] == "ode" and row["restitution"] == e)
+        ]
+        if len({row["frequency"] for row in first}) > 1:
+            file = self.folder / "overturning.png"
+            overturning_picture(first, others, self._title(e), self.amplitudes[-1], file)
+        if len(self.restitutions) > 1 and len({row["frequency"] for row in rigid}) <= 6:
+            restitution_picture(rigid, self._title(), self.folder / "restitution.png")
+
+    def _title(self, restitution: float | None = None) -> str:
+        """Slenderness, restitution and friction of the rigid block, in words."""
+        scene = variant(self.tables, model="rigid")
+        block = scene.blocks[0]
+        parts = [f"H/B = {block.height / block.width:g}"]
+        if len(self.restitutions) == 1 or restitution is not None:
+            housners = max(0.0, housner_restitution(block.shape))
+            parts.append(f"e = {restitution or housners:.4g}")
+            if restitution is None:
+                parts[-1] += " (Housner's)"
+        mu = scene.friction_of(block).dynamic
+        parts.append(f"mu = {mu:g}" + (", blocks may slide" if mu < ENOUGH_FRICTION else ""))
+        return ", ".join(parts)

@@ -1,0 +1,101 @@
+"""Scenes of studies: as a command line says them, of one block on firm ground, and variants."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Collection, Mapping
+from copy import deepcopy
+from typing import Any
+
+from solver.errors import SceneError, not_applicable
+from solver.scene import Scene, parse_scene, read_text, set_values
+from solver.scene.reader import read_toml
+
+Tables = dict[str, Any]
+"""A scene as plain tables."""
+
+
+def scene_tables(options: argparse.Namespace) -> Tables:
+    """The tables of the scene of a command line, with what `--set` says."""
+    path = options.scene
+    tables = read_toml(read_text(path), path.name)
+    set_values(tables, options.overrides)
+    return tables
+
+
+def with_model(tables: Mapping[str, Any], engine: str | None) -> Tables:
+    """The tables of a scene with all blocks "rigid" or "elastic"; None: as they are.
+
+    A restitution is of rigid blocks alone: elastic ones have their own.
+    """
+    made = deepcopy(dict(tables))
+    for block in made["block"] if engine else ():
+        block["model"] = "elastic" if engine == "elastic" else "rigid"
+        if engine == "elastic":
+            block.pop("restitution", None)
+    return made
+
+
+def standing_block(options: argparse.Namespace) -> Tables:
+    """The tables of a scene of one block at rest on firm ground, in the plane, without its motion.
+
+    Raises:
+        SceneError: It is not such a scene.
+    """
+    tables, path = scene_tables(options), options.scene
+    motion = tables.pop("motion", None)
+    refuse_components(motion if isinstance(motion, dict) else ())
+    scene = parse_scene(tables, folder=path.parent, source=path.name)
+    refuse_others(scene)
+    return tables
+
+
+def refuse_components(keys: Collection[str]) -> None:
+    """Refuse a motion that has not x alone, by the keys of its table."""
+    for direction in ("vertical", "second"):
+        if direction in keys:
+            allowed = "none: the motions of the study are along x"
+            raise SceneError(f"motion.{direction}", "a motion", allowed)
+
+
+def variant(
+    tables: Tables, *, model: str | None = None, time: Tables | None = None, **keys: Any
+) -> Scene:
+    """The scene with other keys of its block; None takes a key away.
+
+    Args:
+        tables: Of the scene.
+        model: "rigid" or "elastic"; None: as it is. A restitution is of rigid blocks alone.
+        time: `[time]` in place of its own.
+        keys: Of the block.
+    """
+    made = deepcopy(tables)
+    (block,) = made["block"]
+    block |= keys if model is None else keys | {"model": model}
+    if block.get("model") != "rigid":
+        block["restitution"] = None
+    made["block"] = [{key: value for key, value in block.items() if value is not None}]
+    if time is not None:
+        made["time"] = time
+    return parse_scene(made)
+
+
+def is_elastic(tables: Tables) -> bool:
+    """Whether the block of a scene can be run as an elastic one: it has E and nu."""
+    (block,) = tables["block"]
+    return "young" in block and "poisson" in block
+
+
+def refuse_others(scene: Scene) -> None:
+    """Refuse what is not one upright block at rest on firm ground in the plane: SceneError."""
+    if scene.dimension != 2:
+        raise SceneError("dimension", "3", "2 in this study")
+    if len(scene.blocks) != 1:
+        raise SceneError("block", f"{len(scene.blocks)} blocks", "one block in this study")
+    block = scene.blocks[0]
+    if scene.carrier_moves or scene.foundation.top is not None:
+        raise not_applicable("foundation", "blocks on level, firm ground in this study")
+    if scene.gravity <= 0 or scene.gravity_vector[0] != 0:
+        raise SceneError("gravity", "an incline, or none", "vertical gravity > 0 in this study")
+    if block.tilt or any(block.velocity) or block.angular_velocity:
+        raise SceneError(block.name, "a block that is tilted or moves", "one at rest in this study")

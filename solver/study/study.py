@@ -1,0 +1,332 @@
+"""The base of all studies: cases that run side by side, the folder that keeps them, the end.
+
+A study is a subclass of `Study` in `solver/study/NAME/cases.py`:
+
+- class attributes name it and the files that it leaves in its folder;
+- `__init__(options)` reads the command line, refuses all that can be refused, and sets `settings`
+  (what a study that is resumed must have in common with the earlier one) and `wanted` (its cases);
+- a case is a frozen dataclass with a `name`, its own in the study, and `run()`, which returns its
+  row: a mapping that JSON can hold, with "status" and "reason". Cases run in other processes;
+- `rounds()` is overridden where the cases of one round follow from the rows of the rounds before;
+- `keep(case, row)` is overridden where a row has parts that go into files of their own;
+- `write()` leaves tables and pictures of `completed` (or `ordered`) rows, and returns what is said.
+
+`solver/study/command.py` has the options of all studies and calls `Study.run(options)`, which does
+the rest, the same on any number of ranks: claims the folder, or refuses to write over another one;
+takes the rows of an earlier study with `--resume`; runs what is missing; writes, also after an
+interruption; returns the exit code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import math
+import shutil
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
+
+from solver import VERSION
+from solver.errors import NotConverged, SceneError
+from solver.parallel import Comm, abort_on_exceptions, on_first_rank
+from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
+from solver.run.streams import say
+from solver.scene.checking import nearest, shown
+from solver.scene.reader import differing
+from solver.study.pool import finished_cases, reason_of
+from solver.study.tables import write
+
+SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
+
+FILES = "files"
+"""Key of the settings for digests of the files that they name."""
+
+Row = dict[str, Any]
+
+
+class StudyCase(Protocol):
+    """A case of a study."""
+
+    @property
+    def name(self) -> str:
+        """Its own in the study."""
+
+    def run(self) -> Row:
+        """Run the case on one process; its row."""
+
+
+Case = TypeVar("Case", bound=StudyCase)
+
+
+class Study(ABC, Generic[Case]):
+    """A study of one command line.
+
+    Class attributes:
+        kind: The name of its command, of its table, and the ending of its folder.
+        noun: What it is, for errors.
+        same: What a study that is resumed must have in common with the earlier one, in words.
+        files: Names or patterns of what it leaves besides the settings; `--force` removes these.
+        folders: Names of its folders besides that of the cases.
+
+    Attributes:
+        options: Of the command.
+        folder: Where the study is kept.
+        settings: What it is made from, besides the version; of files only what they hold counts.
+        wanted: Its cases, where it has one round.
+        cases: All cases of the rounds so far, by their keys.
+        rows: Rows by the keys of their cases; on rank 0 alone they grow.
+    """
+
+    kind: ClassVar[str]
+    noun: ClassVar[str]
+    same: ClassVar[str]
+    files: ClassVar[tuple[str, ...]]
+    folders: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, options: argparse.Namespace):
+        """Read the options that all studies have."""
+        if options.processes is not None and options.processes < 1:
+            raise SceneError("-j", f"{options.processes}", "a whole number > 0")
+        self.options = options
+        self.folder = Path(options.output or f"{options.scene.stem}.{self.kind}")
+        self.settings: dict[str, Any] = {}
+        self.wanted: Sequence[Case] = ()
+        self.cases: dict[str, Case] = {}
+        self.rows: dict[str, Row] = {}
+
+    # ------------------------------------------------------------ what a kind of study adds
+
+    @abstractmethod
+    def write(self) -> str:
+        """Write tables and pictures of the rows that there are; what is said of them, or ""."""
+
+    def rounds(self) -> Iterator[Sequence[Case]]:
+        """Cases, round after round; those of a later one may follow from `rows`. On rank 0."""
+        yield self.wanted
+
+    def key(self, case: Case) -> str:
+        """The key of the row of a case, and the name of its file."""
+        return case.name
+
+    def keep(self, case: Case, row: Row) -> Row:
+        """Keep the row of a case in the folder; returns it."""
+        write(self.folder / CASES / f"{self.key(case)}.json", row)
+        return row
+
+    def failure(self, case: Case, error: Exception) -> Row:
+        """The row of a case that raised an error."""
+        return {"status": "failed", "reason": reason_of(error)}
+
+    @property
+    def good(self) -> bool:
+        """True if all is done and right, so that the exit code is 0."""
+        return len(self.completed) == len(self.cases)
+
+    # ------------------------------------------------------------ the same for all
+
+    @classmethod
+    def run(cls, options: argparse.Namespace) -> int:
+        """Run the study of a command line; its exit code. Collective on all ranks."""
+        from mpi4py import MPI
+
+        comm = MPI.COMM_WORLD
+        abort_on_exceptions(comm)
+        study: Self = on_first_rank(comm, lambda: cls(options).claimed())
+        try:
+            study.run_rounds(comm)
+        except BaseException:
+            if comm.rank == 0:
+                study.conclude()
+            raise
+        return 0 if on_first_rank(comm, study.conclude) else NotConverged.exit_code
+
+    def run_rounds(self, comm: Comm) -> None:
+        """Run the cases that have no row yet, and keep their rows; collective on all ranks."""
+        rounds = self.rounds()
+        while (waiting := on_first_rank(comm, lambda: self._waiting(rounds))) is not None:
+            outcomes = finished_cases(
+                _run,
+                waiting,
+                done=len(self.cases) - len(waiting),
+                processes=self.options.processes,
+                quiet=self.options.quiet,
+            )
+            with closing(outcomes):
+                for case, outcome in outcomes:
+                    if isinstance(outcome, Exception):
+                        outcome = self.failure(case, outcome)
+                    if outcome["status"] != "interrupted":
+                        self.rows[self.key(case)] = self.keep(case, outcome)
+
+    def _waiting(self, rounds: Iterator[Sequence[Case]]) -> list[Case] | None:
+        """The cases of the next round that have no row yet; None where there is no more round."""
+        more = next(rounds, None)
+        if more is None:
+            return None
+        found = {self.key(case): case for case in more}
+        self.cases |= found
+        return [case for key, case in found.items() if key not in self.rows]
+
+    def conclude(self) -> bool:
+        """Write what the study leaves and say it; True if all is done and right."""
+        text = self.write() if self.rows else ""
+        if not self.options.quiet:
+            self.say(text)
+        return self.good
+
+    def say(self, text: str) -> None:
+        """Say what the study found, what of it failed, and where everything stands."""
+        failed = [
+            f"failed: {case.name}: {self.rows[key]['reason']}\n"
+            for key, case in self.cases.items()
+            if key in self.rows and self.rows[key]["status"] != "completed"
+        ]
+        say(f"{text}{''.join(failed)}written to {self.folder}\n")
+
+    @property
+    def ordered(self) -> list[Row]:
+        """The rows that there are, in the order of the cases."""
+        return [self.rows[key] for key in self.cases if key in self.rows]
+
+    @property
+    def completed(self) -> list[Row]:
+        """Those of cases that completed."""
+        return [row for row in self.ordered if row["status"] == "completed"]
+
+    # ------------------------------------------------------------ the folder
+
+    def claimed(self) -> Self:
+        """The study itself, which has made its folder, or refused to write over what is there."""
+        options, folder = self.options, self.folder
+        digests = contents(self.settings)
+        settings = {"version": VERSION, **self.settings}
+        allowed = "an empty folder, --force, or --resume"
+        if folder.exists() and options.scene.resolve().parent == folder.resolve():
+            raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
+        with unusable_is_refused(folder):
+            used = make_folder(folder, force=options.force or options.resume, allowed=allowed)
+            hold_folder(folder)
+            if options.resume and used:
+                self._compare(with_contents(settings, digests))
+                self.rows = finished(folder)
+            else:
+                self._clear()
+            write(folder / SETTINGS, {**settings, FILES: digests})
+            (folder / CASES).mkdir(exist_ok=True)
+        return self
+
+    def _clear(self) -> None:
+        """Remove an earlier study; folders of such names that are of no study are refused."""
+        folders = [self.folder / name for name in (CASES, *self.folders)]
+        others = [folder for folder in folders if folder.exists()]
+        if others and not {"version", FILES} & read_mapping(self.folder / SETTINGS).keys():
+            got = f"{self.folder}, which holds {others[0].name}/, but no study"
+            raise SceneError("-o", got, "another folder")
+        for pattern in (SETTINGS, REPORT, *self.files):
+            for file in self.folder.glob(pattern):
+                file.unlink()
+        for folder in folders:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def _compare(self, held: Mapping[str, Any]) -> None:
+        """Refuse a folder that was made from something else than settings with what files hold."""
+        earlier = read_mapping(self.folder / SETTINGS)
+        digests = earlier.pop(FILES, {})
+        if not earlier or not isinstance(digests, dict):
+            got = f"{self.folder}, which holds no {self.noun}"
+            raise SceneError("--resume", got, "its folder")
+        now = json.loads(json.dumps(held))
+        keys = sorted(differing(with_contents(earlier, digests), now))
+        if keys:
+            more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
+            got = f"{self.folder}, made with another {keys[0]}{more}"
+            raise SceneError("--resume", got, self.same)
+
+
+def _run(case: StudyCase) -> Row:
+    """Run a case, in another process."""
+    return case.run()
+
+
+def read_mapping(file: Path) -> Row:
+    """A mapping of a JSON file; an empty one where there is none."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def finished(folder: Path) -> dict[str, Row]:
+    """The rows of the completed cases by name; failed and damaged ones are tried again."""
+    rows = {file.stem: read_mapping(file) for file in sorted((folder / CASES).glob("*.json"))}
+    return {name: row for name, row in rows.items() if row.get("status") == "completed"}
+
+
+def digest(said: Any) -> str:
+    """A name made from what JSON can say: equal things have one."""
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:20]
+
+
+def contents(said: Any) -> dict[str, str]:
+    """Digests of what files hold that tables name, by their names; of those that can be read."""
+    found: dict[str, str] = {}
+    if isinstance(said, Mapping):
+        name = said.get("file")
+        if isinstance(name, str):
+            with suppress(OSError):
+                found[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
+        said = list(said.values())
+    if isinstance(said, (list, tuple)):
+        for value in said:
+            found |= contents(value)
+    return found
+
+
+def with_contents(said: Any, digests: Mapping[str, str]) -> Any:
+    """What tables say, with digests of files instead of their names where there are such."""
+    if isinstance(said, Mapping):
+        changed = {key: with_contents(value, digests) for key, value in said.items()}
+        if isinstance(said.get("file"), str):
+            changed["file"] = digests.get(said["file"], said["file"])
+        return changed
+    if isinstance(said, (list, tuple)):
+        return [with_contents(value, digests) for value in said]
+    return said
+
+
+# ---------------------------------------------------------------- words of options
+
+
+def numbers(option: str, text: str) -> list[float]:
+    """The positive numbers of an option: V1,V2,... or LOW:HIGH:COUNT, equally spaced.
+
+    Raises:
+        SceneError: It holds something else.
+    """
+    import numpy as np
+
+    try:
+        if text.count(":") == 2:
+            low, high, count = text.split(":")
+            found = [float(f"{v:.6g}") for v in np.linspace(float(low), float(high), int(count))]
+        else:
+            found = [float(word) for word in text.split(",")]
+    except ValueError:
+        found = []
+    if not found or not all(0 < value < math.inf for value in found):
+        raise SceneError(option, shown(text), "numbers > 0: V1,V2,... or LOW:HIGH:COUNT")
+    return list(dict.fromkeys(found))
+
+
+def words(option: str, text: str, known: Sequence[str]) -> list[str]:
+    """The words of an option, V1,V2,..., all of them known; SceneError where one is not."""
+    found = list(dict.fromkeys(text.split(",")))
+    for word in found:
+        if word not in known:
+            raise SceneError(option, shown(word), ", ".join(known), nearest(word, known))
+    return found
