@@ -12,6 +12,8 @@ from typing import Any, Protocol, TextIO
 from solver.errors import OutputTrouble
 from solver.excitation.motion import GroundMotion
 from solver.fields.vtu import FieldsBefore
+from solver.history.events import NAME as EVENTS
+from solver.history.events import events_text
 from solver.history.history import History
 from solver.parallel import Comm, Single, on_first_rank
 from solver.results.summary import write_json, write_whole
@@ -116,6 +118,8 @@ class RunFiles:
         """Write the rows that are not in the file yet."""
         if self._history is not None:
             self._history.flush()
+            if self._writes and self._folder is not None and self._history.events is not None:
+                write_whole(self._folder / EVENTS, events_text(self._history.events))
 
     def _together(self, action: Callable[[], None]) -> None:
         """Write something, each rank its part; collective.
@@ -222,11 +226,6 @@ class RunFiles:
         """Whether what waits to be written may have waited long; never on several ranks."""
         files = self._folder is not None and self._comm.size == 1
         return files and time.perf_counter() - self._flushed >= PAUSE
-
-    def flush_in_time(self) -> None:
-        """Write what may have waited long."""
-        if self.late:
-            self.flush()
 
     def flush(self) -> None:
         """Write the rows that wait; collective."""

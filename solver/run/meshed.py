@@ -205,6 +205,7 @@ class MeshedRun:
         self._iterations += exchange.iterations
         self._coarse += is_coarse
         self._row = self._observer.row(new, exchange, dt)
+        context.recorder.add(self._row[None])
         found = context.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(context)

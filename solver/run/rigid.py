@@ -193,6 +193,7 @@ class RigidRun:
     def _keep(self, context: RunContext, outcome: Advance) -> None:
         """Append the rows that the history holds; another one waits, since it may be the last."""
         rows = outcome.rows[:, self._columns]
+        context.recorder.add(rows)
         number = np.arange(self._steps + 1, self._steps + 1 + len(rows))
         kept = number % self._scene.output.history_every == 0
         context.history.extend(rows[kept])

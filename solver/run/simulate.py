@@ -23,6 +23,7 @@ from solver.law.compiled import watching
 from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
+from solver.results.events import Recorder
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
 from solver.run.checkpoint import Checkpoint, read_checkpoint
@@ -154,7 +155,8 @@ def simulate(
         stack.enter_context(watching(compiling))
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
-        context = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
+        watch, recorder = Watch(scene), Recorder(scene, history.columns)
+        context = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
         until = None if seconds is None else began + seconds
         twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
@@ -207,13 +209,15 @@ def _run(
     for text in cautions:
         files.log(f"caution: {text}")
     if resumed is None:
-        first = engine.first_row()
+        first = np.array(engine.first_row())
         history.append(first)
-        context.watch.look(np.array(first)[None])
+        context.watch.look(first[None])
+        context.recorder.add(first[None])
     else:
-        own, before = resumed.saved
+        own, before, recorded = resumed.saved
         engine.resume(own)
         context.watch.resume(before)
+        context.recorder.resume(recorded)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
     ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
@@ -222,6 +226,7 @@ def _run(
     gc.freeze()  # what dolfinx, UFL and numba have loaded is no garbage: 5 % of a small step
     try:
         status, reason = engine.loop(context)
+        history.events = context.recorder.finish()
         files.flush()
     finally:
         gc.unfreeze()

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.build.foundation import natural_period
-from solver.results.rocking import HOPS
+from solver.results.events import HOPS
 from solver.run.describe import describe
 
 G = 9.81

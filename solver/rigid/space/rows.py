@@ -6,7 +6,6 @@ import numpy as np
 
 from solver.history.block_columns import SPACE as BLOCK
 from solver.history.block_columns import (
-    MovingBlock,
     has_lost_carrier,
     lean_in_space,
     write_space_motion,
@@ -76,9 +75,7 @@ def _record_block(
     carrier, frame = still_carried(model, state, frames, block), frames[block]
     seen[0] = lean_in_space(frame, seen[0])
     seen[1:] = rotation_vector(state.quaternion[block], seen[1:])
-    own, centre, velocity = state.spin[block], state.place[block], state.velocity[block]
-    mass, inertia, spin = model.mass[block], model.inertia[block], to_space(frame, own)
-    write_space_motion(MovingBlock(mass, inertia, centre, velocity, seen, spin, own), row)
+    write_space_motion(row, seen, to_space(frame, state.spin[block]), state.place[block])
     row[BLOCK.slip_m], row[BLOCK.slip_second_m] = state.slip[block, 0], state.slip[block, 1]
     shift, gap = state.place[block] - state.place[carrier], np.empty(4)
     for k in range(4):
