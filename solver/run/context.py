@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.excitation.motion import GroundMotion
-from solver.fields.pvd import FieldsBefore
+from solver.fields.vtu import FieldsBefore
 from solver.history.history import History
 from solver.results.endings import Watch
 from solver.run.files import Fields, RunFiles

@@ -13,7 +13,7 @@ import numpy as np
 from solver.build.assembly import Assembly, build, initial_state
 from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion
-from solver.fields.pvd import FieldsBefore
+from solver.fields.vtu import FieldsBefore
 from solver.history.history import scene_columns
 from solver.parallel import any_rank
 from solver.run.context import RunContext

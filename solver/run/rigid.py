@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
+from solver.fields.vtu import FieldsBefore
 from solver.history.columns import positions
 from solver.history.history import scene_columns
 from solver.law.compiled import NUMBA, runs_machine_code

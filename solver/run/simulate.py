@@ -17,7 +17,7 @@ import numpy as np
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
-from solver.fields.hdf_file import refuse_without_h5py
+from solver.fields.vtkhdf import refuse_without_h5py
 from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.law.late_linking import watching

@@ -14,7 +14,7 @@ from solver.excitation.motion import read_ground
 from solver.excitation.spectrum import PERIODS, response_spectrum
 from solver.history.columns import Structure, columns
 from solver.history.history import History
-from solver.pictures.floors import draw_floors, write_floors
+from solver.pictures.ground import draw_floors, write_floors
 from solver.results.floor_spectra import floor_spectra
 
 OMEGA = 2 * math.pi / 0.5

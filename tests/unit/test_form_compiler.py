@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dolfinx import fem, jit, mesh
 
-from solver import compat
+from solver.bodies import packed_form
 from solver.bodies.elastic_forms import ElasticForms
 from solver.scene.material import Material
 
@@ -17,9 +17,9 @@ NAME = "cffi_extra_compile_args"
 
 @pytest.fixture(autouse=True)
 def _fresh():
-    compat.compiler_options.cache_clear()
+    packed_form.compiler_options.cache_clear()
     yield
-    compat.compiler_options.cache_clear()
+    packed_form.compiler_options.cache_clear()
 
 
 def _force(u: np.ndarray) -> np.ndarray:
@@ -39,29 +39,29 @@ def test_forces_are_those_of_the_compiler_that_dolfinx_asks_for(monkeypatch):
     u = 1e-3 * np.random.default_rng(1).random(18)
     fast = _force(u)
     assert np.isnan(_force(np.full(18, np.nan))).all()
-    monkeypatch.setattr(compat, "compiler_options", dict)
+    monkeypatch.setattr(packed_form, "compiler_options", dict)
     usual = _force(u)
     assert fast == pytest.approx(usual, rel=0, abs=1e-14 * np.abs(usual).max())
 
 
 def test_settings_of_the_user_stay(monkeypatch):
     monkeypatch.setattr(jit, "get_options", lambda: {NAME: ["-O1"]})
-    assert compat.compiler_options() == {}
+    assert packed_form.compiler_options() == {}
 
 
 @pytest.mark.parametrize(
     ("flags", "level"),
     [
         (set(), None),
-        (compat.LEVELS["x86-64-v3"], "-march=x86-64-v3"),
-        (compat.LEVELS["x86-64-v4"], None),  # no processor has these alone
-        (compat.LEVELS["x86-64-v3"] | compat.LEVELS["x86-64-v4"], "-march=x86-64-v4"),
+        (packed_form.LEVELS["x86-64-v3"], "-march=x86-64-v3"),
+        (packed_form.LEVELS["x86-64-v4"], None),  # no processor has these alone
+        (packed_form.LEVELS["x86-64-v3"] | packed_form.LEVELS["x86-64-v4"], "-march=x86-64-v4"),
     ],
 )
 def test_the_largest_instruction_set_of_the_processor_is_named(monkeypatch, tmp_path, flags, level):
     about = tmp_path / "cpuinfo"
     about.write_text(f"processor : 0\nflags : {' '.join(sorted(flags))}\n", encoding="ascii")
-    monkeypatch.setattr(compat, "Path", lambda _: about)
-    monkeypatch.setattr(compat.platform, "machine", lambda: "x86_64")
-    found = compat.compiler_options()[NAME]
+    monkeypatch.setattr(packed_form, "Path", lambda _: about)
+    monkeypatch.setattr(packed_form.platform, "machine", lambda: "x86_64")
+    found = packed_form.compiler_options()[NAME]
     assert [option for option in found if "-march" in option] == ([level] if level else [])

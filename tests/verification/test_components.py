@@ -189,6 +189,7 @@ def test_components_of_different_length_are_still_after_their_end(tmp_path: Path
     assert float(short["end_s"]) == float(long["end_s"]) == 2.0
     # Where B stops, the broken line falls to zero at once, or within one sample.
     assert peaks(short) == pytest.approx(peaks(long), rel=1e-3)
+    assert short["cautions"] == long["cautions"] == ""
     tail = Intensity("PGA", horizontal="RotD50")
     assert tail.of_ground(ground(A, B[:190])) == pytest.approx(tail.of_ground(ground(A, padded)))
 

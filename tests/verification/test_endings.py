@@ -13,7 +13,7 @@ import pytest
 from rockslip import Result, Scene, parse_scene, read_run, simulate
 from solver.cli import main
 from solver.errors import Statement
-from solver.pictures.instants import instants
+from solver.pictures.deformed import instants
 from solver.results.cautions import cautions_of_end
 from solver.results.report import report
 

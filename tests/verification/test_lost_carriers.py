@@ -42,7 +42,7 @@ def test_beside_a_carrier_that_lies(dimension: int) -> None:
 
 def test_arrows_of_films_stand_upright(tmp_path: Path) -> None:
     """On the floor, whatever way the carrier leans by then."""
-    from solver.pictures.film.contact import _force
+    from solver.pictures.contact import _force
 
     tables = both(2, height=0.2, velocity=[2.5, 0.0], friction=0.0)
     tables["block"][0] |= {"tilt_deg": -17.0, "friction": 2.0}

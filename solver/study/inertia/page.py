@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.info import versions
-from solver.pictures.page.html import (
+from solver.pictures.html import (
     document,
     figure,
     heading,

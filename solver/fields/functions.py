@@ -1,4 +1,4 @@
-"""The fields of a meshed body as functions on its mesh: those at its nodes, and its stress."""
+"""The fields of a meshed body as functions on its mesh, and as arrays as VTK wants them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, plot
 
 from solver.bodies.elastic_forms import Moduli, green_strain
-from solver.fields.function_arrays import at_nodes, in_cells
-from solver.fields.piece import Values
+from solver.fields.part import Part, Values, in_space
+from solver.types import Array
 
 
 def cauchy_stress(
@@ -103,20 +103,53 @@ class BodyFunctions:
                 for name, each in named.items()
             ]
 
-    @property
-    def all(self) -> list[fem.Function]:
-        """Every function, in the order in which files list them."""
-        return [*self.nodal, *(mean.function for mean in self.means)]
-
     def arrays(self) -> tuple[dict[str, Values], dict[str, Values]]:
-        """Values at the nodes and in the cells that this rank knows, by the names of the fields."""
+        """Values at the nodes and in the cells that this rank knows, its own first; collective.
+
+        They are named as the fields are; the stress is that of the displacement as it is.
+        """
+        for mean in self.means:
+            mean.fill()
+        for function in (*self.nodal, *(mean.function for mean in self.means)):
+            function.x.scatter_forward()
         nodal: dict[str, Values] = {each.name: at_nodes(each) for each in self.nodal}
         means: dict[str, Values] = {
             mean.function.name: in_cells(mean.function) for mean in self.means
         }
         return nodal, means
 
-    def fill(self) -> None:
-        """Let the stress be that of the displacement as it is; collective."""
-        for mean in self.means:
-            mean.fill()
+
+def part_of(space: fem.FunctionSpace) -> Part:
+    """The nodes of a function space and the cells over them that this rank knows."""
+    topology = space.mesh.topology
+    cells = topology.index_map(topology.dim)
+    known = range(cells.size_local + cells.num_ghosts)
+    connectivity, kinds, places = plot.vtk_mesh(space, known)
+    per_cell = space.dofmap.dof_layout.num_dofs
+    nodes = np.asarray(connectivity, dtype=np.int64).reshape(len(known), per_cell + 1)[:, 1:]
+    nodes_map = space.dofmap.index_map
+    count = nodes_map.size_local + nodes_map.num_ghosts
+    return Part(
+        points=places,
+        nodes=nodes,
+        kind=int(kinds[0]) if len(kinds) else 0,
+        comm=space.mesh.comm,
+        own_points=int(nodes_map.size_local),
+        own_cells=int(cells.size_local),
+        numbers=nodes_map.local_to_global(np.arange(count, dtype=np.int32)),
+    )
+
+
+def at_nodes(function: fem.Function) -> Array:
+    """Values at the nodes, (n,), or vectors, (n, 3); new."""
+    size = function.function_space.dofmap.index_map_bs
+    values = function.x.array
+    return values.copy() if size == 1 else in_space(values.reshape(-1, size))
+
+
+def in_cells(function: fem.Function) -> Array:
+    """Values of a function that is constant in each cell, (cells,) or (cells, components); new."""
+    dofmap = function.function_space.dofmap
+    size = dofmap.index_map_bs
+    values: Array = function.x.array.reshape(-1, size)[dofmap.list[:, 0]]
+    return values[:, 0] if size == 1 else values

@@ -10,12 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.errors import EnvironmentTrouble, SceneError
-
-Pixels = NDArray[np.uint8]
-"""A frame: rows, columns, red, green and blue."""
+from solver.pictures.renderer import Pixels
 
 COLOURS = 192
 """Colours of a GIF; more make the file larger, fewer make bands of the stress."""

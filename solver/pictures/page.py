@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from solver.errors import EnvironmentTrouble, SceneError
-from solver.pictures.film.encode import default_ending
-from solver.pictures.film.film import FilmOptions, film
-from solver.pictures.page.html import (
+from solver.pictures.encode import default_ending
+from solver.pictures.film import FilmOptions, film
+from solver.pictures.html import (
     cautions,
     document,
     figure,

@@ -21,9 +21,8 @@ from typing import Any
 import numpy as np
 
 from solver.errors import Statement, of_file
-from solver.fields.cells import Cells
+from solver.fields.part import Part, Values
 from solver.scene import Scene
-from solver.types import Array, Indices
 
 #: Name of the file.
 NAME = "fields.vtkhdf"
@@ -50,31 +49,33 @@ def refuse_without_h5py(scene: Scene) -> None:
 
 
 class HdfFile:
-    """The file, open for writing; on one rank."""
+    """The file, which the first rank writes with what it gathers from all."""
 
-    def __init__(self, file: Path):
-        """Take the path; nothing is opened."""
-        self.path, self.times = file, 0
+    def __init__(self, file: Path, *, writes: bool = True, until: float | None = None):
+        """Take the path; of an old file the times up to one, s, stay."""
+        self.path, self.writes, self._until, self.times = file, writes, until, 0
         """How many there are."""
         self.root: Any = None
         """The group of all that VTK reads."""
         self._file: Any = None
         self._bodies: list[HdfBody] = []
 
-    def open(self, until: float | None = None) -> None:
-        """Begin the file, or go on in an old one, of which the times up to one, s, stay."""
+    def begin(self) -> None:
+        """Begin the file, or go on in it."""
+        if not self.writes:
+            return
         try:
             import h5py
         except (ImportError, RuntimeError, ValueError) as error:  # a wheel beside another HDF5
             said = "h5py does not work here: is it of the same distribution as dolfinx?"
             raise OSError(errno.ELIBBAD, said, str(self.path)) from error
-        goes_on = until is not None and self.path.is_file()
+        goes_on = self._until is not None and self.path.is_file()
         with _system_errors(self.path, "is damaged; without it the run goes on" if goes_on else ""):
-            # Without a lock: who looks at a run that goes on need not wait for its end.
+            # Without a lock: a run that goes on can be looked at before its end.
             self._file = h5py.File(self.path, "r+" if goes_on else "w", locking=False)
             if goes_on:
                 self.root = self._file["VTKHDF"]
-                self.times = self._kept(until or 0.0)
+                self.times = self._kept(self._until or 0.0)
             else:
                 self.root = self._group(self._file, "VTKHDF", "MultiBlockDataSet")
                 self.root.create_group("Assembly", track_order=True)
@@ -106,9 +107,9 @@ class HdfFile:
         except OSError as error:
             raise of_file(error, self.path) from error
 
-    def body(self, name: str, cells: Cells) -> HdfBody:
+    def body(self, name: str, part: Part) -> HdfBody:
         """The next body; it is written with its first fields."""
-        body = HdfBody(self, len(self._bodies), name, cells)
+        body = HdfBody(self, len(self._bodies), name, part)
         self._bodies.append(body)
         return body
 
@@ -124,6 +125,8 @@ class HdfFile:
 
     def end_time(self, time: float) -> None:
         """Let the fields that all bodies have written count, as those at a time, s."""
+        if not self.writes:
+            return
         with _system_errors(self.path):
             for body in self._bodies:
                 body.extend(self.times)
@@ -141,47 +144,69 @@ class HdfFile:
 
 
 class HdfBody:
-    """A body in the file."""
+    """A body in the file; every rank that shares it calls every method.
 
-    def __init__(self, file: HdfFile, number: int, name: str, cells: Cells):
-        """Take the number and the name of the body, and its mesh."""
-        self._file, self._number, self._cells = file, number, cells
-        self._name = name
+    Nodes and cells stand in the order of their numbers among those of all ranks.
+    """
+
+    def __init__(self, file: HdfFile, number: int, name: str, part: Part):
+        """Gather the mesh."""
+        self._file, self._number, self._name, self._comm = file, number, name, part.comm
+        self._own_points, self._own_cells = part.own_points, part.own_cells
+        nodes = part.nodes[: part.own_cells]
+        nodes = nodes if part.numbers is None else part.numbers[nodes]
+        self._points_at, self._nodes = (
+            self._whole(part.points[: part.own_points]),
+            self._whole(nodes),
+        )
+        self._kind = int(np.max(self._whole(np.array([part.kind]))))
         self._group: Any = None
         self._points: list[str] = []
         self._means: list[str] = []
-        self._order: dict[str, Indices] = {}
-        """Which values of each kind stand in the rows of the file; empty: all as they are."""
 
-    def write(self, nodal: Mapping[str, Array], means: Mapping[str, Array]) -> None:
+    def _whole(self, own: Values) -> Values:
+        """An array of all ranks on the first one, one behind the other; its own on others."""
+        if self._comm.size == 1:
+            return own
+        parts = self._comm.gather(own, root=0)  # type: ignore[union-attr]
+        return own if parts is None else np.concatenate(parts)
+
+    def write(self, time: float, nodal: Mapping[str, Values], means: Mapping[str, Values]) -> None:
         """Write the fields at the nodes, (n,) or (n, k), and in the cells, at the next time."""
+        nodal = {name: self._whole(known[: self._own_points]) for name, known in nodal.items()}
+        means = {name: self._whole(known[: self._own_cells]) for name, known in means.items()}
+        if not self._file.writes:
+            return
         size = sum(values.nbytes for values in (*nodal.values(), *means.values()))
         if self._group is None:
-            size += 2 * (self._cells.points.nbytes + self._cells.nodes.nbytes)
+            size += 2 * (self._points_at.nbytes + self._nodes.nbytes)
         self._file.check_room(size + ROOM)
         with _system_errors(self._file.path):
             if self._group is None:
                 self._open(list(nodal), list(means))
             for kind, fields in (("PointData", nodal), ("CellData", means)):
                 for name, values in fields.items():
-                    rows = values[self._order[kind]] if kind in self._order else values
-                    _put(self._group[kind], name, self._file.times * len(rows), rows)
+                    _put(self._group[kind], name, self._file.times * len(values), values)
 
     def _open(self, nodal: list[str], means: list[str]) -> None:
-        """The group of the body: that of an earlier part of the run, or a new one."""
+        """The group of the body: that of an earlier part of the run, or a new one.
+
+        Raises:
+            ValueError: The earlier part has another mesh.
+        """
         self._points, self._means = nodal, means
         if self._name in self._file.root["Assembly"]:
             self._group = self._file.root["Assembly"][self._name]
-            self._order = self._order_of_the_file()
+            if not np.array_equal(self._group["Points"][:], self._points_at):
+                raise ValueError("places of another mesh")
             return
         group = self._file.new_group(self._number, self._name)
-        cells = self._cells
-        count, per_cell = cells.nodes.shape
-        group["Points"] = cells.points
-        group["Connectivity"] = cells.nodes.ravel()
+        count, per_cell = self._nodes.shape
+        group["Points"] = self._points_at
+        group["Connectivity"] = self._nodes.ravel()
         group["Offsets"] = np.arange(count + 1) * per_cell
-        group["Types"] = np.full(count, cells.kind, np.uint8)
-        group["NumberOfPoints"] = np.array([len(cells.points)])
+        group["Types"] = np.full(count, self._kind, np.uint8)
+        group["NumberOfPoints"] = np.array([len(self._points_at)])
         group["NumberOfCells"] = np.array([count])
         group["NumberOfConnectivityIds"] = np.array([count * per_cell])
         for name in ("PointData", "CellData", "Steps"):
@@ -189,18 +214,6 @@ class HdfBody:
         group["Steps"].attrs["NSteps"] = 0
         _put(group["Steps"], "Values", 0, np.empty(0))
         self._group = group
-
-    def _order_of_the_file(self) -> dict[str, Indices]:
-        """Where nodes and cells of the file stand in this part of the run.
-
-        Ranks number them, and this part may have other ranks.
-        """
-        cells, group = self._cells, self._group
-        there, nodes = group["Points"][:], group["Connectivity"][:].reshape(cells.nodes.shape)
-        if np.array_equal(there, cells.points) and np.array_equal(nodes, cells.nodes):
-            return {}
-        middles = cells.points[cells.nodes].mean(axis=1), there[nodes].mean(axis=1)
-        return {"PointData": _matching(cells.points, there), "CellData": _matching(*middles)}
 
     def extend(self, before: int) -> None:
         """Say where the fields of the next time stand; `before` are the times before it."""
@@ -212,8 +225,8 @@ class HdfBody:
             _put(steps, name, before, same[:, None])
         _put(steps, "NumberOfParts", before, same + 1)
         for kind, names, size in (
-            ("PointDataOffsets", self._points, len(self._cells.points)),
-            ("CellDataOffsets", self._means, len(self._cells.nodes)),
+            ("PointDataOffsets", self._points, len(self._points_at)),
+            ("CellDataOffsets", self._means, len(self._nodes)),
         ):
             for name in names:
                 _put(steps.require_group(kind), name, before, next_time * size)
@@ -224,26 +237,11 @@ class HdfBody:
         _put(steps, "Values", before, np.array([time]))
         steps.attrs["NSteps"] = before + 1
 
-
-def _matching(points: Array, wanted: Array) -> Indices:
-    """Which of some points are where others are wanted, (n,): all of them, each once.
-
-    Raises:
-        ValueError: They are not those of one mesh.
-    """
-    from scipy.spatial import cKDTree
-
-    if points.shape != wanted.shape:
-        raise ValueError(f"{len(wanted)} places are not those of {len(points)}")
-    apart, found = cKDTree(points).query(wanted)
-    alike = apart.max(initial=0.0) <= 1e-9 * np.abs(points).max(initial=0.0)
-    if not alike or len(np.unique(found)) < len(points):
-        raise ValueError("places of another mesh")
-    order: Indices = found.astype(np.int64)
-    return order
+    def close(self) -> None:
+        """Do nothing: the file is closed as a whole."""
 
 
-def _put(group: Any, name: str, start: int, values: Array | Indices) -> None:
+def _put(group: Any, name: str, start: int, values: Values) -> None:
     """Write values from a row of a data set on, which then ends with them."""
     if name not in group:
         width = values[:1].size
