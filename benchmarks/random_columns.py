@@ -21,7 +21,7 @@ import numpy as np
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
 from solver.rigid.space.system import SpaceSystem
-from solver.rigid.start import RigidBlock, blocks_of
+from solver.rigid.system import RigidBlock, blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 END = 3.0

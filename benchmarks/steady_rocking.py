@@ -64,7 +64,7 @@ def steady(time: Array, angle: Array, cycles: int, last: int = LAST) -> float:
 
 def run(cycles: int, beta: float) -> Row:
     """The row of an elastic block with this damping."""
-    result = simulate(under_a_sine(cycles, **STONE, damping={"stiffness": beta}), many=True)
+    result = simulate(under_a_sine(cycles, **STONE, damping={"stiffness": beta}))
     history = result.history
     kept = [
         impact["restitution"]

@@ -19,6 +19,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from solver import scene
+from solver.history.events import Event
 from solver.history.table import TABLE, Column
 from solver.scene import Scene, foundation, motion, output
 from solver.scene.cells import SHAPES
@@ -59,6 +60,9 @@ def table(heads: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> str:
 
 def columns_table(name: str) -> str:
     """A table of columns of the history."""
+    if name == "columns of the events":
+        cells = texts(Event).items()
+        return table(("column", "meaning"), ((f"`{key}`", text) for key, text in cells))
     chosen = [column for column in TABLE if COLUMNS[name](column)]
     rows = ((f"`{column.name}`", column.unit, column.meaning) for column in chosen)
     return table(("column", "unit", "meaning"), rows)
@@ -177,7 +181,7 @@ def specification(name: str) -> Any:
 
 def generated(name: str) -> str:
     """A table by the name that its comment gives it."""
-    if name in COLUMNS:
+    if name in COLUMNS or name == "columns of the events":
         return columns_table(name)
     if name.startswith("kinds of "):
         return kinds_table(name.removeprefix("kinds of "))

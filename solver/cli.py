@@ -183,7 +183,7 @@ def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -
 def run_scene(options: argparse.Namespace) -> int:
     """`rockslip run`: rank 0 reads scene and motion, every rank takes part."""
     from solver.excitation.motion import read_ground
-    from solver.fields.hdf_file import refuse_without_h5py
+    from solver.fields.vtkhdf import refuse_without_h5py
     from solver.parallel import abort_on_exceptions, on_first_rank, world
     from solver.scene import load_scene
     from solver.stepping.petsc_options import command_line, parse_options

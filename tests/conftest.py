@@ -1,7 +1,6 @@
 """What all tests share."""
 
 import gc
-import math
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,8 +9,6 @@ import pytest
 from hypothesis import settings
 from scenes import SHORT_GRANITE
 
-from solver.law.switch import CHOICE
-
 # The same examples in every run, none of them judged by its time. To look for new ones:
 # pytest --hypothesis-profile=search tests/unit/test_scene.py
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
@@ -19,9 +16,6 @@ settings.register_profile("search", deadline=None, database=None, max_examples=2
 settings.load_profile("repeatable")
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-
-# Tests run many scenes in one process: machine code for all of them, whatever their order.
-CHOICE.spent = math.inf
 
 
 @pytest.fixture(autouse=True)

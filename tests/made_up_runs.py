@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from rockslip import History, Scene, parse_scene
 from solver.fields.ground import platform_corners
-from solver.fields.pvd import PvdIndex
-from solver.fields.rigid_writer import RigidFieldWriter
+from solver.fields.part import one_cell, rigid_fields
+from solver.fields.vtu import FieldsBefore, PvdFiles
 from solver.history.history import scene_columns
 from solver.results.motion import rotated
 from solver.results.summary import summarise, write_json
@@ -42,27 +42,25 @@ def leave_run(folder: Path, scene: Scene, values: dict[str, Any]) -> Path:
         scene, history, status="completed", cost={}, versions={}, model="rigid blocks"
     )
     write_json(folder / "summary.json", summary)
-    index = PvdIndex(folder / "fields.pvd")
-    index.begin()
-    for part, block in enumerate(scene.blocks):
-        write_fields(folder, scene, history, block.name, index, part)
+    files = PvdFiles(folder, FieldsBefore(), writes=True)
+    files.begin()
+    for block in scene.blocks:
+        write_fields(files, scene, history, block.name)
     if scene.has_platform:
         corners = platform_corners(scene)
-        name, part = folder / "fields_platform.pvd", len(scene.blocks)
-        writer = RigidFieldWriter(name, corners, index=index, part=part)
+        writer = files.body("platform", one_cell(corners))
         for row in range(0, len(T), 40):
             drift = history["platform.drift_m"][row] * np.eye(scene.dimension)[0]
-            writer.write(float(T[row]), np.tile(drift, (len(corners), 1)), 0 * corners)
+            moved = np.tile(drift, (len(corners), 1))
+            writer.write(float(T[row]), rigid_fields(moved, 0 * corners), {})
     return folder
 
 
-def write_fields(
-    folder: Path, scene: Scene, history: History, name: str, index: PvdIndex, part: int
-) -> None:
+def write_fields(files: PvdFiles, scene: Scene, history: History, name: str) -> None:
     """Every 40th row of a block as a body of one cell."""
     block = next(b for b in scene.blocks if b.name == name)
     corners = np.array(block.shape.corners(scene.dimension))
-    writer = RigidFieldWriter(folder / f"fields_{name}.pvd", corners, index=index, part=part)
+    writer = files.body(name, one_cell(corners))
     arms = corners - np.eye(scene.dimension)[-1] * block.height / 2
     for row in range(0, len(T), 40):
         if scene.dimension == 2:
@@ -74,7 +72,7 @@ def write_fields(
             turned = rotated(np.tile(vector, (8, 1)), arms)
         axes = "xyz"[: scene.dimension]
         centre = np.array([history[f"{name}.centre_{axis}_m"][row] for axis in axes])
-        writer.write(float(T[row]), centre + turned - corners, 0 * corners)
+        writer.write(float(T[row]), rigid_fields(centre + turned - corners, 0 * corners), {})
 
 
 def stack(folder: Path) -> Path:

@@ -100,7 +100,7 @@ def study(
 def solve(scene: Scene, every: float) -> RunOutcome:
     """One run, on this process alone."""
     began, worked = perf_counter(), process_time()
-    result = simulate(scene, comm=MPI.COMM_SELF, many=True)
+    result = simulate(scene, comm=MPI.COMM_SELF)
     share = (process_time() - worked) / (perf_counter() - began)
     if result.status == "interrupted":
         raise KeyboardInterrupt

@@ -85,7 +85,7 @@ def warm_up() -> None:
         elastic = {"young": 1e9, "poisson": 0.2, "cells": [2] * dimension}
         block |= {"model": "rigid"} if rigid else elastic
         tables = {"dimension": dimension, "block": [block], "time": {"end": 3e-3, "step": 1e-3}}
-        simulate(parse_scene(tables), comm=MPI.COMM_SELF, many=True)
+        simulate(parse_scene(tables), comm=MPI.COMM_SELF)
 
 
 def judge(case: StabilityCase, limit: float) -> Verdict:
@@ -97,7 +97,7 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
     began = time.perf_counter()
     try:
         scene = parse_scene(case.tables)
-        result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF, many=True)
+        result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF)
     except SceneError as error:
         return Verdict.of(case, "refused", str(error), seconds=time.perf_counter() - began)
     reason = trouble(result) or (far_from_reference(case.tables, result) if case.compared else "")

@@ -43,8 +43,8 @@ from matplotlib.figure import Figure
 from demos.program import demo, judged, output_of, run_scene
 from demos.verdict import kept
 from rockslip import load_scene
+from solver.pictures.meshes import FieldFiles, polygons
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
-from solver.pictures.surfaces import FieldFiles, polygons
 from solver.reference.housner import housner
 from solver.results.runs import Run
 
@@ -122,7 +122,7 @@ def picture(runs: list[Run], folder: Path) -> Path:
 def _drawn(runs: list[Run]) -> Figure:
     figure = new_figure(5.6)
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
-    files = FieldFiles(runs[0].folder / "fields.pvd", 2)
+    files = FieldFiles(runs[0].folder / "fields.pvd")
     history = runs[0].history
     leaning = history["time_s"][np.argmin(history["block.angle_rad"])]
     panels = above.subplots(1, 2, sharey=True)

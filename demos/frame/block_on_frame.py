@@ -46,8 +46,7 @@ from demos.program import demo, judged, output_of, run_scene
 from demos.verdict import kept
 from rockslip import Scene, load_scene, parse_scene
 from solver.build.foundation import natural_period
-from solver.pictures.deformed import draw_deformed
-from solver.pictures.instants import Instant
+from solver.pictures.deformed import Instant, draw_deformed
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save, zero_line
 from solver.results.runs import Run
 from solver.scene.foundation import FrameSpec

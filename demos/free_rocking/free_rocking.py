@@ -85,8 +85,7 @@ from demos.program import conclude, output_of, parser_of, run_scene
 from demos.verdict import verdict
 from rockslip import Scene, load_scene, read_run
 from solver.pictures import pictures, style
-from solver.pictures.deformed import draw_deformed
-from solver.pictures.instants import instants
+from solver.pictures.deformed import draw_deformed, instants
 from solver.reference.housner import RockingReference, housner
 from solver.results.report import report
 from solver.results.runs import Run

@@ -47,8 +47,7 @@ from demos.program import demo, judged, output_of, run_scene
 from demos.verdict import Results, kept
 from rockslip import Scene, load_scene
 from solver.parallel import on_first_rank
-from solver.pictures.deformed import draw_deformed
-from solver.pictures.instants import Instant
+from solver.pictures.deformed import Instant, draw_deformed
 from solver.pictures.style import (
     BLUE,
     GREEN,

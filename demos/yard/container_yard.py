@@ -56,8 +56,8 @@ from demos.verdict import Results, all_kept
 from rockslip import Scene, load_scene, parse_scene, simulate
 from solver.build.foundation import natural_period
 from solver.parallel import on_first_rank
+from solver.pictures.meshes import FieldFiles, polygons
 from solver.pictures.style import BLUE, GREY, ORANGE, RED, new_figure, save
-from solver.pictures.surfaces import FieldFiles, polygons
 from solver.results.runs import Run
 from solver.run.folders import open_folder
 
@@ -290,7 +290,7 @@ def _draw_stack(axes: Any, run: Run) -> None:
     """The deck and its stack where the stack has moved farthest."""
     history, scene, fields = run.history, run.scene, run.fields
     assert fields is not None
-    files = FieldFiles(fields, 2)
+    files = FieldFiles(fields)
     column = "angle_rad" if fate(run) in ("rock", "fall") else "slip_m"
     moved = np.max([np.abs(history[f"{block.name}.{column}"]) for block in scene.blocks], axis=0)
     (index,) = files.nearest([float(history["time_s"][np.argmax(moved)])])

@@ -1,1 +1,1 @@
-"""What moves: meshed bodies, rigid boxes, the oscillator."""
+"""Bodies: meshed bodies, rigid boxes, the oscillator."""

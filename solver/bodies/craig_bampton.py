@@ -107,7 +107,7 @@ below which it is dropped."""
 
 
 class Bound(NamedTuple):
-    """What modes left out may take from the force on the ground.
+    """Bound of the force on the ground that modes left out may take.
 
     Under an acceleration a of frequency W, uniform or that of the nodes touched, a mode j gives the
     force a L_j^2 W^2/(w_j^2 - W^2), L_j its participation. The static shapes match the first two
@@ -133,13 +133,13 @@ class InnerBasis(NamedTuple):
     squared: Array
     """Squares of their frequencies, 1/s^2."""
     modes: int
-    """How many of them are modes."""
+    """Number of modes among them."""
     bound: Bound
-    """What the modes left out may take."""
+    """Bound of what the modes left out may take."""
 
 
 class LeftOut(NamedTuple):
-    """What tells how much modes leave out under accelerations of some patterns."""
+    """Data of the bound of modes left out under accelerations of some patterns."""
 
     pushed: Array
     """q_p = (M p)_i of each pattern p, (inner, patterns), kg."""
@@ -239,7 +239,7 @@ class FixedInterface:
         return lowest_pairs(self._stiffness, self._mass, count, self._factor.solve)
 
     def _static_shapes(self, modes: Array, static: Array) -> tuple[Array, Array]:
-        """What static shapes add to modes, of unit mass and orthogonal, with their frequencies."""
+        """Static shapes beside modes, of unit mass and orthogonal, with their frequencies."""
         length = np.sqrt(np.einsum("ik,ik->k", static, self._mass @ static))
         own = static[:, length > 0] / length[length > 0]
         for _ in range(2):  # once more for the digits that the first round loses
@@ -300,7 +300,7 @@ class Shapes:
 
 
 class ReducedMatrices(NamedTuple):
-    """What a reduced body is made of, on the rank that owns it."""
+    """Matrices of a reduced body, on the rank that owns it."""
 
     mass: Array
     """M, (n, n), kg."""

@@ -5,8 +5,10 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from petsc4py import PETSc
 
@@ -62,7 +64,56 @@ class GroundSpring:
         return PackedForm(pushed * ds).matrix()
 
 
-class ElasticBody:
+class DampedBody(ABC):
+    """A body that deforms, with Rayleigh damping, and perhaps springs to the ground.
+
+    Attributes:
+        damping: Its Rayleigh damping.
+        delay: Dashpots over springs to the ground, s.
+        has_spring: True if springs tie it to the ground.
+    """
+
+    damping: DampingSpec
+    delay: float
+    has_spring: bool
+    _factorizations: dict[TangentWeights, Any]
+
+    @abstractmethod
+    def inertia(self, vector: Array) -> Array:
+        """M x."""
+
+    @abstractmethod
+    def spring(self, vector: Array) -> Array | None:
+        """Force of the springs to the ground for a displacement; None without them."""
+
+    def dashpot(self, velocity: Array) -> Array:
+        """Force of the dashpots beside the springs to the ground, which there are."""
+        spring = self.spring(velocity)
+        assert spring is not None
+        return self.delay * spring
+
+    def drag(self, velocity: Array) -> Array | None:
+        """C v: mass-proportional damping and the dashpots; None without both."""
+        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
+        if self.delay and self.has_spring:
+            dashpot = self.dashpot(velocity)
+            force = dashpot if force is None else force + dashpot
+        return force
+
+    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
+        """Weights of the tangent in a step."""
+        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self.delay)
+
+    def settled(self, u: Array) -> Array:
+        """The unknowns that the next step starts from: those at the end of this one."""
+        return u
+
+    def forget(self, weights: TangentWeights) -> None:
+        """Drop a factorization; it is made anew when needed."""
+        self._factorizations.pop(weights, None)
+
+
+class ElasticBody(DampedBody):
     """Forces, energies and tangents of one meshed body."""
 
     def __init__(
@@ -103,7 +154,7 @@ class ElasticBody:
             facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
             supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
         self.clamped = bool(supports) or spring is not None
-        """Whether it stands on the ground, and does not turn."""
+        """True if it stands on the ground, and does not turn."""
         self.fixed = self._held(supports)
         self._assemble()
         self.spring_matrix = None if spring is None else spring.matrix(self.space)
@@ -253,36 +304,15 @@ class ElasticBody:
         self._forms.place(u)
         return self.damping.stiffness / dt * self._assembled(self._forms.viscous)
 
-    def settled(self, u: Array) -> Array:
-        """The unknowns that the next step starts from: those at the end of this one."""
-        return u
-
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
         return None if self.spring_matrix is None else self._times(self.spring_matrix, vector)
-
-    def drag(self, velocity: Array) -> Array | None:
-        """C v: mass-proportional damping and the dashpot; None without both."""
-        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
-        if self.delay and self.spring_matrix is not None:
-            dashpot = self.dashpot(velocity)
-            force = dashpot if force is None else force + dashpot
-        return force
 
     def resultant(self, force: Array) -> Array:
         """Sum of the forces on the owned unknowns along each direction, (d,), N."""
         total = np.empty(self.dimension)
         resultant(force, total)
         return total
-
-    def dashpot(self, velocity: Array) -> Array:
-        """Force of the dashpot beside the spring to the ground, which there is."""
-        assert self.spring_matrix is not None
-        return self.delay * self._times(self.spring_matrix, velocity)
-
-    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
-        """Weights of the tangent in a step."""
-        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self.delay)
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
@@ -348,10 +378,6 @@ class ElasticBody:
             self.factorizations += 1
             self.solvers.add(self._factorizations[weights].name)
         return self._factorizations[weights]
-
-    def forget(self, weights: TangentWeights) -> None:
-        """Drop a factorization; it is made anew when it is asked for."""
-        self._factorizations.pop(weights, None)
 
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """Identity rows and columns for clamped unknowns, in place."""

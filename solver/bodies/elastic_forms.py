@@ -94,7 +94,7 @@ class Region(NamedTuple):
     cells: NDArray[np.int32]
     """Numbers of cells on this rank, ghosts included."""
     material: Material
-    """What they are made of."""
+    """Their material."""
 
 
 class StrainWeights(NamedTuple):
@@ -289,7 +289,7 @@ def without_zeros(matrix: PETSc.Mat) -> PETSc.Mat:
 
 
 def differs(strained: PETSc.Mat, stiffness: PETSc.Mat, material: Material) -> bool:
-    """Whether a stiffness differs from another by enough for iterations to need it."""
+    """True if a stiffness differs from another by enough for iterations to need it."""
     change = strained.copy()
     change.axpy(-1.0, stiffness)
     share = change.norm(PETSc.NormType.INFINITY) / strained.norm(PETSc.NormType.INFINITY)

@@ -170,7 +170,7 @@ class MassInverse:
         """Memory of all factors, on all ranks together, bytes."""
 
     def _everywhere(self, flag: bool) -> bool:
-        """Whether something is so on every rank."""
+        """True if something is so on every rank."""
         return bool(self._comm.allreduce(int(flag), MPI.MIN))
 
     def solve(self, right: Array) -> Array:

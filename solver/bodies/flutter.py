@@ -63,7 +63,7 @@ class Flutter:
 
 @dataclass(frozen=True, slots=True)
 class SlidingModes:
-    """What (1) is made of.
+    """Matrices of (1).
 
     Attributes:
         squared: omega^2, (n,), 1/s^2.
@@ -76,7 +76,7 @@ class SlidingModes:
     stiffness: Array
 
     def flutter(self, friction: float, damping: DampingSpec) -> Flutter:
-        """What grows most in steady sliding along any direction of the base."""
+        """The fastest growing motion in steady sliding along any direction of the base."""
         directions = range(len(self.inertia))
         nu = np.concatenate([self._pencil(friction, direction) for direction in directions])
         half = (damping.mass + damping.stiffness * nu) / 2

@@ -1,4 +1,4 @@
-"""What large bodies take of the memory of this machine.
+"""Memory that large bodies take of this machine.
 
 Plain numbers: `rockslip check` says them without any mesh.
 """
@@ -17,13 +17,13 @@ BYTES_AN_ENTRY = 10.0
 
 KEPT_PART = 0.5
 """Part of the memory for factorizations and compliances of several step sizes. Those used least
-recently are dropped beyond it, and made anew when they are asked for."""
+recently are dropped beyond it, and made anew when needed."""
 
 LEFT_PART = 0.05
 """Part of the memory that compliances leave free."""
 
 SMALL = 1e8
-"""Memory below which free memory is not asked for, bytes."""
+"""Memory below which free memory is not looked up, bytes."""
 
 COPIES = 15
 """Matrices of the size of the compliance at the peak of a step: those of tangents and of the mass,
@@ -39,7 +39,7 @@ CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 
 
 class MemoryExceeded(RockslipError):
-    """What would not fit into memory; its text is one line."""
+    """Need of more memory than there is; its text is one line."""
 
     exit_code = 2
 

@@ -16,7 +16,7 @@ import scipy.linalg as la
 from numpy.typing import NDArray
 
 from solver.bodies.craig_bampton import Bound, InnerBasis, ReducedMatrices, Shapes
-from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_body import DampedBody, ElasticBody
 from solver.bodies.kinematics import RigidMotion
 from solver.bodies.surface_layer import Layer
 from solver.parallel import global_sum
@@ -56,10 +56,10 @@ class DenseFactor:
 
 
 class ReducedFacts(NamedTuple):
-    """What all ranks know of a reduced body."""
+    """Data of a reduced body on all ranks."""
 
     name: str
-    """What messages and files call it."""
+    """Name in messages and files."""
     mass: float
     """kg."""
     rigidity: float
@@ -73,13 +73,13 @@ class ReducedFacts(NamedTuple):
     unknowns: int
     """Numbers on rank 0, d of each node and of each group of amplitudes."""
     springs: bool
-    """Whether springs tie it to the ground."""
+    """True if springs tie it to the ground."""
     full_unknowns: int
     """Unknowns of the mesh."""
 
 
 class ReducedParts(NamedTuple):
-    """What rank 0 holds of a reduced body."""
+    """Data of a reduced body on rank 0 alone."""
 
     nodes: Array
     """Places of the nodes that are kept, (kept, d), m."""
@@ -88,12 +88,12 @@ class ReducedParts(NamedTuple):
     matrices: ReducedMatrices
     """M, K, ..."""
     shapes: Shapes
-    """What expands it to its mesh."""
+    """Shapes that expand it to its mesh."""
     mesh: ElasticBody
     """The body that it stands for."""
 
 
-class ReducedBody:
+class ReducedBody(DampedBody):
     """Forces, energies and tangents of a reduced body; it offers what `ElasticBody` does.
 
     With M, K about the equilibrium under weight and K_0 of the undeformed body, all projected,
@@ -111,7 +111,7 @@ class ReducedBody:
         self.damping, self.delay, self.dimension = facts.damping, facts.delay, facts.dimension
         self.unknowns, self.has_spring = facts.unknowns, facts.springs
         self.parts = parts
-        """What expands it; None on all ranks but the first."""
+        """Data of rank 0; None on all ranks but the first."""
         d = self.dimension
         self.size = self.unknowns if parts is not None else 0
         self.owned, self.identity = self.size // d, np.eye(d)
@@ -219,29 +219,9 @@ class ReducedBody:
             return None
         return self.damping.stiffness / dt * (self._own.undeformed @ (u - self._start))
 
-    def settled(self, u: Array) -> Array:
-        """The unknowns that the next step starts from: those at the end of this one."""
-        return u
-
     def spring(self, vector: Array) -> Array | None:
         """Force of the springs to the ground for a displacement; None without them."""
         return self._own.spring @ vector if self.has_spring else None
-
-    def drag(self, velocity: Array) -> Array | None:
-        """C v: mass-proportional damping and the dashpot; None without both."""
-        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
-        if self.delay and self.has_spring:
-            dashpot = self.dashpot(velocity)
-            force = dashpot if force is None else force + dashpot
-        return force
-
-    def dashpot(self, velocity: Array) -> Array:
-        """Force of the dashpots beside the springs to the ground, which there are."""
-        return self.delay * (self._own.spring @ velocity)
-
-    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
-        """Weights of the tangent in a step."""
-        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self.delay)
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
@@ -277,10 +257,6 @@ class ReducedBody:
             self.factorizations += 1
             self.solvers.add(DenseFactor.name)
         return self._factorizations[weights]
-
-    def forget(self, weights: TangentWeights) -> None:
-        """Drop a factorization; it is made anew when it is asked for."""
-        self._factorizations.pop(weights, None)
 
     def mass_inverse(self) -> DenseFactor:
         """The factorized mass."""
@@ -354,7 +330,7 @@ class _PartOfLayer(Layer):
 
 
 class Reduction(NamedTuple):
-    """What became of a mesh, in numbers that every rank knows."""
+    """The reduction of a mesh, in numbers that every rank knows."""
 
     facts: ReducedFacts
     """The body."""
@@ -365,7 +341,7 @@ class Reduction(NamedTuple):
     fastest: float
     """Frequency of the fastest mode, rad/s."""
     bound: Bound
-    """What the modes left out may take."""
+    """Bound of what the modes left out may take."""
     touched: int
     """Number of nodes kept on the deck."""
     supported: int

@@ -37,7 +37,7 @@ class DenseBody(ABC):
     """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground.
 
     Attributes:
-        turns: Whether it can: the rows of one that cannot are the same in all configurations.
+        turns: True if it can: the rows of one that cannot are the same in all configurations.
     """
 
     turns: bool
@@ -109,7 +109,7 @@ class DenseBody(ABC):
 
     @property
     def has_spring(self) -> bool:
-        """Whether a spring holds it to the ground."""
+        """True if a spring holds it to the ground."""
         return bool(self.stiffness)
 
     def spring(self, vector: Array) -> Array | None:

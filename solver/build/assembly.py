@@ -254,7 +254,7 @@ def rim(points: FacePoints) -> FacePoints:
 
 
 def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
-    """Where everything is at t = 0, and a remark where it could not be as asked.
+    """The state at t = 0, and a remark where it could not be as asked.
 
     In equilibrium where the blocks begin closed, else unstressed.
     """

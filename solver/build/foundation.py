@@ -1,4 +1,4 @@
-"""What carries the blocks of a scene, as a body and as a surface: meshed, reduced, or rigid."""
+"""The support of the blocks of a scene, as a body and as a surface: meshed, reduced, or rigid."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ NO_STOREYS = Storeys()
 
 @dataclass(slots=True)
 class FoundationBody:
-    """What carries the blocks.
+    """The support of the blocks.
 
     Attributes:
         dimension: Of space.
@@ -145,7 +145,7 @@ def damping_of(
     """Rayleigh damping of a meshed foundation; collective.
 
     By the ratio of its first sway mode where that is given: `alone` makes the body without damping,
-    which every rank asks for itself.
+    on every rank for itself.
     """
     ratio = spec.sway_damping_ratio
     if not ratio:
@@ -234,7 +234,7 @@ def _regions(
 def _on_feet(
     spec: FrameSpec, dimension: int, made: MeshedBody, damping: DampingSpec | None
 ) -> tuple[list[Support], GroundSpring | None]:
-    """What holds the feet, and the springs below them, which are damped as the frame is."""
+    """Supports of the feet, and the springs below them, which are damped as the frame is."""
     facets = made.facet_tags.find(FacetTag.FEET)
     given = spec.feet or FeetSpec()
     each = (*(given.horizontal,) * (dimension - 1), given.vertical)
@@ -366,7 +366,7 @@ _built.register(build_frame)
 
 
 def reduction_in_words(scene: Scene, ground: GroundMotion) -> tuple[str, ...]:
-    """What is left of the mesh of a reduced foundation; computed on every rank for itself."""
+    """Numbers of the mesh of a reduced foundation; computed on every rank for itself."""
     found = foundation(scene, 0, MPI.COMM_SELF, ground).reduction
     assert found is not None
     return found.in_words()
@@ -387,7 +387,7 @@ def natural_period(scene: Scene) -> float:
 
 
 FACE = ("nodes", "positions", "degree", "cell")
-"""What all ranks know of the face that carries blocks."""
+"""Data on all ranks of the face that carries blocks."""
 
 COLUMNS = 3
 """Vectors of the mesh for each unknown that is kept, while a foundation is reduced."""
@@ -432,7 +432,7 @@ def reduced_foundation(
     found: list[Reduced] = []
 
     def make() -> tuple[dict[str, Any], list[Array], int, Reduction]:
-        """The foundation and its reduction; what the other ranks are told."""
+        """The foundation and its reduction; for the other ranks."""
         full = meshed(MPI.COMM_SELF)
         found.append(_reduced(scene, full, ground))
         assert full.surface is not None
@@ -496,7 +496,7 @@ def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduce
 
 
 def _facts(body: ElasticBody, unknowns: int) -> ReducedFacts:
-    """What all ranks are told of a body that is reduced to so many unknowns."""
+    """Data for all ranks of a body that is reduced to so many unknowns."""
     return ReducedFacts(
         name=body.name,
         mass=body.mass,

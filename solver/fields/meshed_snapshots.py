@@ -1,14 +1,10 @@
-"""Snapshots of a run for ParaView: the fields of every body, filled from the state of the run.
-
-Writing evicts the processor's caches, and the steps that follow take longer: a tenth in all for
-small bodies. So snapshots of these wait, and are written in batches.
-"""
+"""Snapshots of a run for ParaView: the fields of every body, filled from the state of the run."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from dolfinx import fem
@@ -18,19 +14,18 @@ from solver.bodies.reduced_body import ReducedBody, ReducedParts
 from solver.bodies.rigid_body import DenseBody, RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
-from solver.fields.body_functions import BodyFunctions
-from solver.fields.destination import Destination, RigidWriter, open_destination
+from solver.contact.memory import Memory
+from solver.fields.files import BodyWriter, FieldFiles, open_files
+from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
 from solver.fields.nodal_contact import NodeState, edge_forces, nodal_contact
 from solver.fields.paraview import write_script
-from solver.fields.pvd import FieldsBefore
+from solver.fields.part import one_cell, rigid_fields
+from solver.fields.vtu import FieldsBefore
 from solver.scene import Scene
 from solver.stepping.state import State
 from solver.stepping.system import Link
 from solver.types import Array
-
-MOST_WAITING = 200_000
-"""Unknowns of all snapshots that wait, at most: those of large bodies are written at once."""
 
 
 class SteppedRun(Protocol):
@@ -40,20 +35,6 @@ class SteppedRun(Protocol):
     state: State
 
 
-class Taken(NamedTuple):
-    """What a snapshot shows.
-
-    Attributes:
-        time: s.
-        state: The bodies.
-        links: The interfaces whose memories the state has.
-    """
-
-    time: float
-    state: State
-    links: Sequence[Link]
-
-
 class Snapshots:
     """Displacement, velocity, stress and contact of all bodies; collective."""
 
@@ -61,11 +42,10 @@ class Snapshots:
         self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None
     ):
         """Begin the files and write the script that shows them in ParaView."""
-        self._run, self._waiting = run, list[Taken]()
-        system = self._system = run.assembly.stepper.system
+        system = run.assembly.stepper.system
         writes = system.comm.rank == 0
         before = before or FieldsBefore()
-        files = self._files = open_destination(scene, folder, before, writes=writes)
+        files = self._files = open_files(scene, folder, before, writes=writes)
         self._bodies: list[MeshedFields | RigidFields | HeldFields] = []
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
@@ -75,7 +55,7 @@ class Snapshots:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                writer = files.rigid(body.name, corners)
+                writer = files.body(body.name, one_cell(corners))
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         held = run.assembly.support.held
         if held is not None:
@@ -84,37 +64,20 @@ class Snapshots:
         if writes:
             write_script(folder, scene, stress=bool(system.meshed))
 
-    @property
-    def waiting(self) -> bool:
-        """Whether any wait to be written."""
-        return bool(self._waiting)
-
     def write(self, time: float) -> None:
-        """Take the fields of the run's state, and let them wait if they may."""
-        system, links = self._system, self._run.assembly.stepper.links
-        self._waiting.append(Taken(time, self._run.state, links))
-        if system.comm.size > 1 or len(self._waiting) * system.unknowns > MOST_WAITING:
-            self.flush()
-
-    def flush(self) -> None:
-        """Write the snapshots that wait.
+        """Write the fields of the run's state, at a time, s.
 
         An OSError is raised after all that ranks do together, on those where it happened.
         """
-        while self._waiting:
-            self._write(self._waiting.pop(0))
-
-    def _write(self, taken: Taken) -> None:
-        """Write a snapshot."""
         trouble = None
         for body in self._bodies:
             try:
-                body.write(taken)
+                body.write(time)
             except OSError as error:
                 trouble = trouble or error
         if trouble is not None:
             raise trouble
-        self._files.end_time(taken.time)
+        self._files.end_time(time)
 
     def close(self) -> None:
         """Finish the files."""
@@ -126,9 +89,9 @@ class Snapshots:
 class MeshedFields:
     """The fields of a meshed body."""
 
-    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: Destination):
+    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: FieldFiles):
         """Make the functions that the files hold."""
-        self._body = body
+        self._run, self._body = run, body
         self._own = run.assembly.stepper.system.slices[number]
         self._number, space = number, body.space
         self._displacement, self._velocity = fem.Function(space), fem.Function(space)
@@ -143,17 +106,17 @@ class MeshedFields:
             "friction": self._friction,
             "contact_state": self._state,
         }
-        functions = BodyFunctions(nodal, body.moduli, body.thickness, self._linear_about())
-        self._writer = files.meshed(body.name, functions)
+        self._functions = BodyFunctions(nodal, body.moduli, body.thickness, self._linear_about())
+        self._writer = files.body(body.name, part_of(space))
 
-    def write(self, taken: Taken) -> None:
+    def write(self, time: float) -> None:
         """Write the fields."""
-        body, state = self._body, taken.state
+        body, state = self._body, self._run.state
         for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
             function.x.array[: body.size] = self._on_mesh(values[self._own])
             function.x.scatter_forward()
-        self._fill_contact(taken)
-        self._writer.write(taken.time)
+        self._fill_contact()
+        self._writer.write(time, *self._functions.arrays())
 
     def _linear_about(self) -> fem.Function | None:
         """The displacement about which the body is linear; None where it is not."""
@@ -163,13 +126,13 @@ class MeshedFields:
         """Owned nodal values, from the unknowns of the run."""
         return values
 
-    def _fill_contact(self, taken: Taken) -> None:
+    def _fill_contact(self) -> None:
         """Pressure, friction and state of the nodes."""
         body = self._body
         for function in (self._pressure, self._friction, self._state):
             function.x.array[:] = 0.0
         area = np.zeros(body.owned)
-        for link, memory in zip(taken.links, taken.state.contacts, strict=True):
+        for link, memory in self._contacts():
             contact = link.interface.points
             if link.body != self._number or not isinstance(contact, NitschePoints):
                 continue
@@ -181,13 +144,17 @@ class MeshedFields:
                 self._friction.x.array[: body.size].reshape(-1, body.dimension), found.friction
             )
             layer.add(area, found.area)
-        self._add_edges(taken, area)
+        self._add_edges(area)
 
-    def _add_edges(self, taken: Taken, area: Array) -> None:
+    def _contacts(self) -> Iterator[tuple[Link, Memory]]:
+        """The interfaces of the run and their memories."""
+        return zip(self._run.assembly.stepper.links, self._run.state.contacts, strict=True)
+
+    def _add_edges(self, area: Array) -> None:
         """What edges do where the body overhangs what carries it, by the area of each node, m2."""
         body, d = self._body, self._body.dimension
         forces = np.zeros((body.owned, 2 + d))
-        for link, memory in zip(taken.links, taken.state.contacts, strict=True):
+        for link, memory in self._contacts():
             if self._number in (link.body, link.carrier):
                 carries = link.carrier == self._number
                 found = edge_forces(link.interface, memory, carries=carries)
@@ -212,7 +179,7 @@ class MeshedFields:
 class ReducedFields(MeshedFields):
     """The fields of a reduced body on the mesh that it stands for; on rank 0, which has it all."""
 
-    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: Destination):
+    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: FieldFiles):
         """Make the functions that the files hold."""
         super().__init__(run, number, parts.mesh, files)
         self._shapes = parts.shapes
@@ -233,14 +200,15 @@ class ReducedFields(MeshedFields):
 class HeldFields:
     """A plate that is meshed and fully restrained: it stands where it stood, without stress."""
 
-    def __init__(self, space: fem.FunctionSpace, files: Destination):
+    def __init__(self, space: fem.FunctionSpace, files: FieldFiles):
         """Take the space of the plate's displacements, all zero."""
         nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
-        self._writer = files.meshed("plate", BodyFunctions(nodal, None))
+        self._functions = BodyFunctions(nodal, None)
+        self._writer = files.body("plate", part_of(space))
 
-    def write(self, taken: Taken) -> None:
+    def write(self, time: float) -> None:
         """Write the plate."""
-        self._writer.write(taken.time)
+        self._writer.write(time, *self._functions.arrays())
 
     def close(self) -> None:
         """Finish the files."""
@@ -256,18 +224,21 @@ class RigidFields:
         number: int,
         body: DenseBody,
         corners: Array,
-        writer: RigidWriter,
+        writer: BodyWriter,
     ):
         """Take the body, its corners and the writer."""
+        self._run = run
         self._body, self._corners, self._writer = body, corners, writer
         self._own = run.assembly.stepper.system.slices[number]
 
-    def write(self, taken: Taken) -> None:
+    def write(self, time: float) -> None:
         """Write the body."""
-        body, state = self._body, taken.state
+        body, state = self._body, self._run.state
         pose, speed = body.replicate(state.u[self._own]), body.replicate(state.v[self._own])
         moved = body.material_positions(self._corners, pose) - self._corners
-        self._writer.write(taken.time, moved, body.rows(self._corners, pose) @ speed)
+        fields = rigid_fields(moved, body.rows(self._corners, pose) @ speed)
+        self._writer.write(time, fields, {})
 
     def close(self) -> None:
-        """Close the files; they are complete after each writing."""
+        """Finish the files."""
+        self._writer.close()

@@ -6,7 +6,7 @@ from pathlib import Path
 from string import Template
 
 from solver.fields.ground import floor_level, half_floor
-from solver.fields.hdf_file import NAME
+from solver.fields.vtkhdf import NAME
 from solver.scene import Scene
 
 SCRIPT = Template('''\

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.fields.destination import open_destination
+from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
-from solver.fields.pvd import FieldsBefore
+from solver.fields.part import one_cell, rigid_fields
+from solver.fields.vtu import FieldsBefore
 from solver.scene import Scene
 from solver.types import Array
 
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
 
 class RigidSnapshots:
     """Displacement and velocity of all blocks and of the platform."""
-
-    waiting = False
-    """Whether any wait to be written."""
 
     def __init__(
         self,
@@ -41,11 +39,11 @@ class RigidSnapshots:
         upright = scene.poses(upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
-        self._files = open_destination(scene, folder, before or FieldsBefore(), writes=writes)
+        self._files = open_files(scene, folder, before or FieldsBefore(), writes=writes)
         parts = [(b.name, c) for b, c in zip(scene.blocks, self._upright, strict=True)]
         if scene.has_platform:
             parts.append(("platform", platform_corners(scene)))
-        self._writers = [self._files.rigid(name, corners) for name, corners in parts]
+        self._writers = [self._files.body(name, one_cell(corners)) for name, corners in parts]
         self._files.begin()
         if writes:
             write_script(folder, scene, stress=False)
@@ -55,17 +53,14 @@ class RigidSnapshots:
         for block, upright in enumerate(self._upright):
             arms, velocity = self._moved(block)
             place = arms + self._bodies.centre(block)
-            self._writers[block].write(time, place - upright, velocity)
+            self._writers[block].write(time, rigid_fields(place - upright, velocity), {})
         for writer in self._writers[len(self._corners) :]:
             count = 2**self._dimension
             shift, speed = np.zeros((count, self._dimension)), np.zeros((count, self._dimension))
             shift[:, : self._dimension - 1] = self._bodies.drift
             speed[:, : self._dimension - 1] = self._bodies.drift_velocity
-            writer.write(time, shift, speed)
+            writer.write(time, rigid_fields(shift, speed), {})
         self._files.end_time(time)
-
-    def flush(self) -> None:
-        """Do nothing: all fields are written at once."""
 
     def _moved(self, block: int) -> tuple[Array, Array]:
         """From the centre of a block to its corners, m, and the velocities of these, m/s."""
@@ -81,4 +76,6 @@ class RigidSnapshots:
 
     def close(self) -> None:
         """Close the files; they are complete after every snapshot."""
+        for writer in self._writers:
+            writer.close()
         self._files.close()

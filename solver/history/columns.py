@@ -107,6 +107,23 @@ def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
     return RowLayout(first, stride, after, after + moving, after + moving + energies)
 
 
+class Rows:
+    """Rows by the names of their columns."""
+
+    def __init__(self, names: Sequence[str], rows: Array):
+        """Rows of (n, columns)."""
+        self._place = {name: number for number, name in enumerate(names)}
+        self._rows = rows
+
+    def __contains__(self, column: object) -> bool:
+        """True if there is a column of that name."""
+        return column in self._place
+
+    def __getitem__(self, column: str) -> Array:
+        """One column, over the rows."""
+        return self._rows[:, self._place[column]]
+
+
 def check_filled(names: Sequence[str], rows: Array) -> None:
     """Make sure that an engine has filled all columns of the rows that it began as nan.
 

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from solver.errors import SceneError, of_file
 from solver.history.columns import Structure, columns
+from solver.history.events import NAME as EVENTS
+from solver.history.events import Event, read_events
 from solver.scene import Scene
 from solver.scene.checking import nearest
 
@@ -70,6 +72,8 @@ class History:
         self._shelved = 0
         self._length = 0
         self._written = 0
+        self.events: tuple[Event, ...] | None = None
+        """What its run recorded, by their times; None: nothing was recorded."""
         if file is not None:
             try:
                 file.write_text(",".join(self.columns) + "\n", encoding="utf-8")
@@ -209,6 +213,8 @@ class History:
             history = cls(next(table, []))
             for row in table:
                 history.append([float(value) for value in row])
+            if (beside := file.with_name(EVENTS)).is_file():
+                history.events = read_events(beside)
         except OSError as error:
             raise SceneError(
                 where, got=error.strerror or "no file", allowed="a history.csv"

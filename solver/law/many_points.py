@@ -1,23 +1,18 @@
 """The local problem of hundreds and thousands of points, by the steps of `solver.law.newton`.
 
-A dense solve in each Newton step would cost the third power of the number of points. Here W is only
-applied: the equations of a step are solved by GMRES, with the factors of an earlier step's as its
-preconditioner. These are kept from step to step of a run and made anew where too many points have
-changed their state since. Where that happens again and again while W stays the same, as where
-points begin to slip one after another, the inverse of W takes the place of factors: it serves all
-states alike (`solver.law.preconditioners`).
+A dense solve in each Newton step would cost the third power of the number of points. Here the
+equations of a step are solved by GMRES, preconditioned by the factors of an earlier step, in which
+points are known by their numbers, so that factors serve problems of other points, too. They are
+kept from step to step of a run, and made anew where GMRES takes too long with them.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
-from solver.law.friction import TOUCHING_SLOPE, Bounds
+from solver.law.friction import TOUCHING_SLOPE, Bounds, is_frictionless
 from solver.law.newton import (
     EXACT,
     Local,
@@ -27,9 +22,9 @@ from solver.law.newton import (
     lengths,
     project,
     trial_of,
+    unknowns,
+    write_forces,
 )
-from solver.law.newton_step import StepEquations
-from solver.law.preconditioners import ComplianceDiagonal, Factors, Inverse
 from solver.types import Array, Indices
 
 MANY_ROWS = 300
@@ -50,10 +45,6 @@ GMRES_TOLERANCES = (1e-3, 1e-9)
 otherwise. Points of a stiff body share its rigid motions, so that forces may be far from right
 where it is small; with the first alone Newton's method then wanders."""
 
-GOOD_STEPS, STALE = 3, 2.0
-"""Steps of GMRES that good factors need at most, and what all steps beyond these may cost before
-the factors are made anew: so many times as much as new ones."""
-
 PATIENCE = 8
 """Newton steps that need not make the error smaller."""
 
@@ -62,19 +53,19 @@ PROXIMAL_ROUNDS = 30
 
 
 class ManyPoints:
-    """Solver of local problems of many points that resemble one another from step to step."""
+    """Solver of local problems of many points that resemble one another from step to step.
+
+    Attributes:
+        factorizations: How many were needed so far.
+    """
 
     def __init__(self) -> None:
         """Start without factors."""
-        self._factors: Factors | None = None
-        self._inverse: Inverse | None = None
+        self._factors: Any = None
+        self._rows: Indices = np.empty(0, np.int64)
+        """Rows of the equations of the factors, by numbers of the points."""
         self._points: Indices = np.empty(0, np.int64)
-        self._last: ComplianceDiagonal | None = None
-        """The W that factors were made for last."""
-        self._in_vain: ComplianceDiagonal | None = None
-        """The W that was inverted in vain last."""
         self.factorizations = 0
-        """How many were needed so far, of equations and of W."""
 
     def solve(
         self,
@@ -90,15 +81,14 @@ class ManyPoints:
         By their numbers, (m,), points are known again in problems of other points.
         """
         self._points = np.arange(len(bounds.mu)) if points is None else points
-        local = Local(d, W, q, bounds)
-        if d > 1 and not (np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0)):
-            local = Local(1, np.ascontiguousarray(W[::d, ::d]), q[::d].copy(), bounds)
-            normal = f[::d].copy()
-            settled = self._settle(local, normal)
-            f[:] = 0.0
-            f[::d] = normal
-            return settled
-        return self._settle(local, f)
+        if d == 1 or not is_frictionless(bounds):
+            return self._settle(Local(d, W, q, bounds), f)
+        normal = f[::d].copy()
+        smooth = Local(1, np.ascontiguousarray(W[::d, ::d]), q[::d].copy(), bounds)
+        settled = self._settle(smooth, normal)
+        f[:] = 0.0
+        f[::d] = normal
+        return settled
 
     def _settle(self, local: Local, f: Array) -> bool:
         """Newton's method, with line search, with cohesion built up, with proximal terms."""
@@ -138,64 +128,55 @@ class ManyPoints:
             tolerance, least_tolerance = GMRES_TOLERANCES
             if careful or np.array_equal(states, before):
                 tolerance = min(tolerance, max(least_tolerance, EXACT / error))
-            before[:], step = states, StepEquations.at(local, r, trial, states)
-            target = self._linearised(step, force, tolerance)
+            before[:] = states
+            target = self._linearised(local, r, trial, states, force, tolerance)
             part = 1.0 if halvings == 0 else best_step(local, r, force, target, halvings)
             force = target if part == 1.0 else force + part * (target - force)
         return False
 
-    def _linearised(self, step: StepEquations, force: Array, tolerance: float) -> Array:
-        """The forces that solve the equations of a Newton step, from those before it."""
-        if len(step.rows) <= MANY_ROWS:
-            try:
-                solution: Any = np.linalg.solve(*equations(*step))
-            except np.linalg.LinAlgError:
-                return np.full_like(force, np.nan)
-            return step.forces(solution)
-        start = force[step.rows]
-        residual = step.residual(start)
-        most = min(max(GMRES_STEPS[0], len(start) // 40), GMRES_STEPS[1])
-        for known in self._preconditioners(step, most):
-            apply, before = known.of(step, self._points), known.used
-            found = gmres(step.image, apply, residual, most, tolerance)
-            known.wasted += max(0, known.used - before - GOOD_STEPS)
-            if found is not None:
-                return step.forces(start + found)
-            known.wasted = math.inf
-            del known, apply  # before the room for others is taken
-        return np.full_like(force, np.nan)
+    def _linearised(
+        self, local: Local, r: Array, trial: Array, states: Indices, force: Array, tolerance: float
+    ) -> Array:
+        """The root of f - P(f - r y), linearised at `trial`, from forces before it."""
+        from scipy.linalg import lu_factor, lu_solve
 
-    def _preconditioners(self, step: StepEquations, most: int) -> Iterator[Factors | Inverse]:
-        """What is kept and may serve the equations of a Newton step, then what is made for it.
-
-        Made are factors; the inverse of W where there have been factors for the same W already.
-        `most` is how many steps of GMRES each may take.
-        """
-        if self._inverse is not None and self._is_good(self._inverse, step, most):
-            yield self._inverse
-        elif self._factors is not None and self._is_good(self._factors, step, most):
-            yield self._factors
-        local, points = step.local, self._points
-        again = self._last is not None and self._last.resembles(local, points)
-        in_vain = self._in_vain is not None and self._in_vain.resembles(local, points)
-        self._factors = self._last = None  # before the room for others is taken
-        if again and not in_vain and Inverse.pays(step):
-            self._inverse = None
+        rows = unknowns(local, states)
+        A, right = equations(local, r, trial, states, rows)
+        x, found = force[rows], np.empty_like(force)
+        numbered = self._points[rows // local.d] * local.d + rows % local.d
+        most = min(max(GMRES_STEPS[0], len(rows) // 40), GMRES_STEPS[1])
+        change = None
+        if self._factors is not None:
+            change = gmres(A, self._preconditioner(A, numbered), right - A @ x, most, tolerance)
+        if change is None:
+            self._factors = None  # before the room for others is taken
+            self._factors, self._rows = lu_factor(A, check_finite=False), numbered
             self.factorizations += 1
-            with suppress(np.linalg.LinAlgError):
-                self._inverse = Inverse(local, points)
-                yield self._inverse
-            self._inverse, self._in_vain = None, ComplianceDiagonal(local, points)
-        self.factorizations += 1
-        self._last, self._factors = ComplianceDiagonal(local, points), Factors(step, points)
-        yield self._factors
+            x = lu_solve(self._factors, right, check_finite=False)
+        else:
+            x = x + change
+        write_forces(local, trial, states, rows, x, found)
+        return found
 
-    def _is_good(self, kept: Factors | Inverse, step: StepEquations, most: int) -> bool:
-        """Whether what is kept may serve a Newton step, and has not cost too much before."""
-        return kept.wasted <= STALE * most * kept.COST and kept.serves(step, self._points)
+    def _preconditioner(self, A: Array, numbered: Indices) -> Any:
+        """Approximate solver by the factors, of numbered rows; by the diagonal where these miss."""
+        from scipy.linalg import lu_solve
+
+        _, here, there = np.intersect1d(
+            numbered, self._rows, assume_unique=True, return_indices=True
+        )
+        factors, diagonal, whole = self._factors, A.diagonal().copy(), np.zeros(len(self._rows))
+
+        def apply(right: Array) -> Array:
+            result = right / diagonal
+            whole[there] = right[here]
+            result[here] = lu_solve(factors, whole, check_finite=False)[there]
+            return result
+
+        return apply
 
     def _by_proximal_terms(self, local: Local, f: Array) -> bool:
-        """The proximal point algorithm, as in `solver.law.rescues`."""
+        """The proximal point algorithm, as in `solver.law.local_problem`."""
         softness, now = 1e-2, f.copy()
         for _ in range(PROXIMAL_ROUNDS):
             soft, added = local.W.copy(), softness * np.diag(local.W)
@@ -212,13 +193,11 @@ class ManyPoints:
         return False
 
 
-def gmres(
-    image: Any, precondition: Any, right: Array, steps: int, tolerance: float
-) -> Array | None:
+def gmres(A: Array, precondition: Any, right: Array, steps: int, tolerance: float) -> Array | None:
     """GMRES, preconditioned from the right; None where it does not get there in so many steps.
 
     Args:
-        image: A x.
+        A: Matrix, (n, n).
         precondition: M^-1 b.
         right: b.
         steps: Most of them.
@@ -227,11 +206,11 @@ def gmres(
     norm = float(np.linalg.norm(right))
     if not 0.0 < norm < np.inf:
         return np.zeros_like(right) if norm == 0.0 else None
-    basis, ways = np.empty((steps + 1, len(right))), np.empty((steps, len(right)))
+    basis, directions = np.empty((steps + 1, len(right))), np.empty((steps, len(right)))
     H, basis[0] = np.zeros((steps + 1, steps)), right / norm
     for k in range(steps):
-        ways[k] = precondition(basis[k])
-        vector = image(ways[k])
+        directions[k] = precondition(basis[k])
+        vector = A @ directions[k]
         for _ in range(2):  # once more: what is left of others would be amplified
             parts = basis[: k + 1] @ vector
             H[: k + 1, k] += parts
@@ -244,6 +223,6 @@ def gmres(
         share = np.linalg.lstsq(H[: k + 2, : k + 1], target, rcond=None)[0]
         left = float(np.linalg.norm(H[: k + 2, : k + 1] @ share - target)) / norm
         if left <= tolerance:
-            return np.asarray(share @ ways[: k + 1])
+            return np.asarray(share @ directions[: k + 1])
         basis[k + 1] = vector / H[k + 1, k]
     return None

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.dense import product, solve_dense
 from solver.law.friction import Bounds, line
 from solver.types import Array, Indices
 
@@ -35,6 +34,10 @@ ROUND_OFF = 64 * 2.0**-52
 EXACT = 0.02
 
 
+#: Most rows of what is done by loops: a call of BLAS or LAPACK takes longer than these sums.
+FEW = 24
+
+
 class Local(NamedTuple):
     """A local problem."""
 
@@ -46,6 +49,73 @@ class Local(NamedTuple):
     """Free values, (d m,), m."""
     bounds: Bounds
     """Friction."""
+
+
+@compiled
+def product(matrix: Array, vector: Array) -> Array:
+    """The product of a square matrix and a vector."""
+    size = len(vector)
+    if size > FEW:
+        return matrix @ vector
+    found = np.empty(size)
+    for i in range(size):
+        total = 0.0
+        for k in range(size):
+            total += matrix[i, k] * vector[k]
+        found[i] = total
+    return found
+
+
+@compiled
+def solve_dense(matrix: Array, right: Array) -> bool:
+    """Solve a linear system, `right` becoming the solution; False where it is singular.
+
+    The matrix is used up.
+    """
+    if len(right) > FEW:
+        return _solve_by_lapack(matrix, right)
+    for k in range(len(right)):
+        if not _eliminate(matrix, right, k):
+            return False
+    for k in range(len(right) - 1, -1, -1):
+        for j in range(k + 1, len(right)):
+            right[k] -= matrix[k, j] * right[j]
+        right[k] /= matrix[k, k]
+        if not abs(right[k]) < np.inf:
+            return False
+    return True
+
+
+@compiled
+def _solve_by_lapack(matrix: Array, right: Array) -> bool:
+    """As `solve_dense`, for many rows."""
+    try:
+        right[:] = np.linalg.solve(matrix, right)
+    except Exception:  # LinAlgError; numba knows no narrower word
+        return False
+    return True
+
+
+@compiled
+def _eliminate(matrix: Array, right: Array, k: int) -> bool:
+    """Eliminate unknown k from the rows below, by the largest pivot; False where there is none."""
+    size, pivot = len(right), k
+    for i in range(k + 1, size):
+        if abs(matrix[i, k]) > abs(matrix[pivot, k]):
+            pivot = i
+    if not 0.0 < abs(matrix[pivot, k]) < np.inf:
+        return False
+    if pivot != k:
+        for j in range(k, size):
+            matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
+        right[k], right[pivot] = right[pivot], right[k]
+    for i in range(k + 1, size):
+        factor = matrix[i, k] / matrix[k, k]
+        if factor != 0.0:
+            for j in range(k + 1, size):
+                matrix[i, j] -= factor * matrix[k, j]
+            right[i] -= factor * right[k]
+    return True
 
 
 @compiled
@@ -119,7 +189,7 @@ def unknowns(local: Local, states: Indices) -> Indices:
 
 
 @compiled
-def sliding(bounds: Bounds, trial: Array, i: int) -> tuple[float, float, float, float, float]:
+def _sliding(bounds: Bounds, trial: Array, i: int) -> tuple[float, float, float, float, float]:
     """Direction e of the friction of a point that slips in space, l/|tau|, and l = s f_n + c."""
     slope, intercept = line(bounds, i, trial[3 * i])
     size = math.hypot(trial[3 * i + 1], trial[3 * i + 2])
@@ -135,7 +205,7 @@ def _slip_rows(
 
     P = l e with e = tau/|tau|, of derivative e dl + (l/|tau|)(I - e e^T) dtau; I - e e^T = b b^T.
     """
-    along, aside, share, slope, intercept = sliding(bounds, trial, rows[a] // 3)
+    along, aside, share, slope, intercept = _sliding(bounds, trial, rows[a] // 3)
     e, b = (along, aside), (-aside, along)
     across = share * (b[0] * matrix[a] + b[1] * matrix[a + 1])
     value = share * (b[0] * right[a] + b[1] * right[a + 1])
@@ -186,13 +256,9 @@ def write_forces(
     states: Indices,
     rows: Indices,
     x: Array,
-    constants: float,
     f: Array,
 ) -> None:
-    """Write all forces by the unknowns x of the equations; sliding in the plane follows from them.
-
-    With 1 for `constants` they are these forces, with 0 their change by a change x.
-    """
+    """Write all forces by the unknowns x of the equations; the sliding ones follow in the plane."""
     f[:] = 0.0
     for a in range(len(rows)):
         f[rows[a]] = x[a]
@@ -200,37 +266,7 @@ def write_forces(
         if local.d == 2 and abs(states[i]) >= SLIP:
             slope, intercept = line(local.bounds, i, trial[2 * i])
             sign = 1.0 if states[i] > 0 else -1.0
-            f[2 * i + 1] = (slope * f[2 * i] + constants * intercept) * sign
-
-
-@compiled
-def left_over(
-    local: Local,
-    r: Array,
-    trial: Array,
-    states: Indices,
-    rows: Indices,
-    x: Array,
-    moved: Array,
-    constants: float,
-) -> Array:
-    """A x - b of `equations` without their matrix, or A x with 0 for `constants`.
-
-    `moved` is W times the forces of `write_forces`, m; other arguments are those of `equations`.
-    """
-    d, value = local.d, np.empty(len(rows))
-    for a in range(len(rows)):
-        row = rows[a]
-        value[a] = r[row // d, min(row % d, 1)] * (moved[row] + constants * local.q[row])
-    for a in range(len(rows)):
-        if d == 3 and rows[a] % 3 == 1 and states[rows[a] // 3] != STICK:
-            along, aside, share, slope, intercept = sliding(local.bounds, trial, rows[a] // 3)
-            e, b = (along, aside), (-aside, along)
-            across = share * (b[0] * (value[a] - x[a]) + b[1] * (value[a + 1] - x[a + 1]))
-            for k in range(2):
-                limit = slope * x[a - 1] + constants * intercept
-                value[a + k] = x[a + k] + b[k] * across - e[k] * limit
-    return value
+            f[2 * i + 1] = (slope * f[2 * i] + intercept) * sign
 
 
 @compiled
@@ -240,7 +276,7 @@ def linearised(local: Local, r: Array, trial: Array, states: Indices, f: Array) 
     matrix, right = equations(local, r, trial, states, rows)
     if not solve_dense(matrix, right):
         return False
-    write_forces(local, trial, states, rows, right, 1.0, f)
+    write_forces(local, trial, states, rows, right, f)
     return True
 
 

@@ -27,10 +27,10 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.law.compiled import compiled
-from solver.law.dense import product
 from solver.law.friction import Bounds, at_bound
 from solver.law.local_problem import LocalProblem, solve
 from solver.law.many_points import MANY_ROWS
+from solver.law.newton import product
 from solver.types import Array, Indices
 
 #: Relative diagonal added to W: closed points may outnumber the unknowns, W is singular then.
@@ -74,7 +74,7 @@ def friction_share(tangential: float, lost: float, taken: float) -> float:
     return min(max(tangential, -taken), max(lost, -taken))
 
 
-class Rung(NamedTuple):
+class Fallback(NamedTuple):
     """One of the problems that are tried for the impulses, one after another."""
 
     W: Array
@@ -92,7 +92,9 @@ class Rung(NamedTuple):
 
 
 @compiled
-def rung_of(d: int, number: int, W: Array, free: Array, impulse: Array, bounds: Bounds) -> Rung:
+def fallback_problem(
+    d: int, number: int, W: Array, free: Array, impulse: Array, bounds: Bounds
+) -> Fallback:
     """The problem of a number.
 
     In 0 all points obey the law; in 1, points that slipped stay at their bound; in 2 they keep
@@ -123,19 +125,19 @@ def rung_of(d: int, number: int, W: Array, free: Array, impulse: Array, bounds: 
                 mobility[row, n] += W[row, k] * ratio[k]
                 velocity[row] += W[row, k] * given[k]
     left = Bounds(mu, cohesion, bounds.slope)
-    return Rung(mobility, velocity, left, given, ratio, start)
+    return Fallback(mobility, velocity, left, given, ratio, start)
 
 
 @compiled
-def completed(d: int, rung: Rung, total: Array) -> None:
+def add_known_impulses(d: int, problem: Fallback, total: Array) -> None:
     """Add to the impulses of a solution what is given, and friction that follows normal ones."""
     for n in range(0, len(total), d):
         for k in range(n + 1, n + d):
-            total[k] += rung.given[k] + rung.ratio[k] * total[n]
+            total[k] += problem.given[k] + problem.ratio[k] * total[n]
 
 
 @compiled
-def judged(
+def check_dissipation(
     d: int, W: Array, velocity: Array, impulse: Array, total: Array, taken: float
 ) -> ImpulseCorrection:
     """The correction by which impulses become others; not found where it returns too much energy.
@@ -190,11 +192,11 @@ def correct_impulses(
     regular, taken = regularised(W), max(taken, 0.0)
     free, states = velocity - product(regular, impulse), np.empty(len(bounds.mu), np.int64)
     for number in range(0 if lands else 1, 4):
-        rung = rung_of(d, number, regular, free, impulse, bounds)
-        total = rung.start
-        if solve(d, rung.W, rung.free, rung.bounds, total, states, counts):
-            completed(d, rung, total)
-            found = judged(d, W, velocity, impulse, total, taken)
+        problem = fallback_problem(d, number, regular, free, impulse, bounds)
+        total = problem.start
+        if solve(d, problem.W, problem.free, problem.bounds, total, states, counts):
+            add_known_impulses(d, problem, total)
+            found = check_dissipation(d, W, velocity, impulse, total, taken)
             if found.found:
                 return found
     counts[-1] += 1
@@ -230,12 +232,12 @@ def correct_many(
     regular, taken = regularised(W), max(taken, 0.0)
     free = velocity - regular @ impulse
     for number in range(0 if lands else 1, 4):
-        rung, total = rung_of(d, number, regular, free, impulse, bounds), impulse - 0.0
+        problem, total = fallback_problem(d, number, regular, free, impulse, bounds), impulse - 0.0
         shape = len(total) // d, d
-        unknown = rung.W.reshape(shape * 2), rung.free.reshape(shape), rung.bounds
+        unknown = problem.W.reshape(shape * 2), problem.free.reshape(shape), problem.bounds
         if local.impulses(*unknown, total.reshape(shape), points):
-            completed(d, rung, total)
-            found = judged(d, W, velocity, impulse, total, taken)
+            add_known_impulses(d, problem, total)
+            found = check_dissipation(d, W, velocity, impulse, total, taken)
             if found.found:
                 return found
     local.counts[-1] += 1

@@ -122,8 +122,8 @@ def film_runs(options: argparse.Namespace) -> int:
         import pyvista  # noqa: F401  (imported when it draws, and missed before that)
         from PIL import Image  # noqa: F401
 
-        from solver.pictures.film.encode import default_ending
-        from solver.pictures.film.film import FilmOptions, film
+        from solver.pictures.encode import default_ending
+        from solver.pictures.film import FilmOptions, film
     except ImportError as error:
         raise not_installed(error) from error
     file = options.output or options.runs[0] / f"film{default_ending()}"

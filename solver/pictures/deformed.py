@@ -1,7 +1,7 @@
-"""The bodies as they stand, with their stress, drawn from the files of the fields.
+"""The bodies as they stand at some instants of a run, with their stress.
 
-In space they are seen from the front, a little from the right and from above, without perspective:
-the faces of their surfaces, those behind drawn first (`drawing_order`).
+They are drawn from the files of the fields: in the plane by matplotlib, in space by the renderer of
+the films.
 """
 
 from __future__ import annotations
@@ -10,31 +10,96 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
+from solver.errors import EnvironmentTrouble
 from solver.fields.ground import floor_level
-from solver.pictures.drawing_order import drawing_order
-from solver.pictures.instants import Instant, instants
-from solver.pictures.style import WIDTH, new_figure
-from solver.pictures.surfaces import FieldFiles, polygons
+from solver.pictures.meshes import FieldFiles, polygons, stress_of
+from solver.pictures.renderer import Renderer, display, in_view
+from solver.pictures.style import (
+    FLOOR,
+    FLOOR_EDGE,
+    PLAIN,
+    STRESS,
+    WIDTH,
+    new_figure,
+    stress_unit,
+)
+from solver.results.endings import fell_at, overturned_at
+from solver.results.motion import block_motion
+from solver.results.moving import moving_span
+from solver.results.rocking import swings
 from solver.results.runs import Run
+from solver.run.streams import tell
 from solver.types import Array
-
-#: From where bodies in space are seen: to the right of the front and above the horizontal, rad.
-ASIDE, ABOVE = math.radians(25), math.radians(20)
-
-#: Colours of bodies without stress and of the floor.
-PLAIN, FLOOR, FLOOR_EDGE = "#d9dee5", "#dddddd", "#999999"
 
 #: What is wider than this over its height stands in two rows.
 WIDE = 1.1
 
 #: Heights of titles and of labels, and the width of the colour bar, in.
 TITLE, LABEL, BAR = 0.45, 0.45, 0.9
+
+#: Floor in space beyond the bodies, over their size.
+BEYOND = 0.3
+
+#: Pixels of the longer side of a picture in space.
+PIXELS = 1000
+
+
+class Instant(NamedTuple):
+    """An instant, and what happens then."""
+
+    time_s: float
+    """When, s."""
+    name: str = ""
+    """What, in a word or two; empty: nothing in particular."""
+
+
+def instants(run: Run) -> list[Instant]:
+    """Lift-off, largest angle, landing and end of the block that leans most over its slenderness.
+
+    Of a block that is released: the release, its landing, the peak after that, the end.
+    Where nothing rocks, four instants evenly spread over the time in which something moves.
+    """
+    first, last = moving_span(run.scene, run.history)
+    end = Instant(last, "at rest" if last < run.history["time_s"][-1] else "end")
+    entries = run.summary["blocks"]
+    most = max(run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_over_alpha"])
+    motion = block_motion(run.scene, run.history, most)
+    found = swings(motion.time, motion.angle, motion.shape.slenderness)
+    if not found:
+        return [Instant(float(t)) for t in np.linspace(first, last, 4)]
+    if found[0].first == 0:
+        return _after_release(run, most.name, last, end)
+    largest = max(found, key=lambda swing: abs(swing.peak_rad))
+    lift = Instant(float(motion.time[largest.first]), "lift-off")
+    lost = {"overturned": overturned_at(run.history, most)}
+    lost["off its carrier"] = fell_at(run.scene, run.history, most)
+    fall, how = min(((t, how) for how, t in lost.items() if t is not None), default=(math.inf, ""))
+    if fall < math.inf:
+        middle = 0.5 * (lift.time_s + fall)
+        return [lift, Instant(middle, "falling"), Instant(fall, how), Instant(last, "end")]
+    top = Instant(largest.peak_s, "largest angle")
+    if largest.last + 1 >= len(motion.time):
+        return [lift, top, end]
+    return [lift, top, Instant(float(motion.time[largest.last + 1]), "landing"), end]
+
+
+def _after_release(run: Run, name: str, last: float, end: Instant) -> list[Instant]:
+    """The instants of a block that leans at the start."""
+    start = Instant(float(run.history["time_s"][0]), "release")
+    block = run.summary["blocks"][name]
+    impacts = [i["time_s"] for i in block["impacts"][:1]]
+    after = [p["time_s"] for p in block["peaks"] if impacts and p["time_s"] > impacts[0]][:1]
+    if not impacts or not after:
+        return [start, *(Instant(float(t)) for t in np.linspace(start.time_s, last, 4)[1:3]), end]
+    return [start, Instant(impacts[0], "landing"), Instant(after[0], "next peak"), end]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,70 +108,40 @@ class Snapshot:
 
     time_s: float
     """The instant, s."""
-    outlines: list[Array]
-    """Corners of each cell (in space: of each face of the surface) as it stands in the picture, m;
-    those that hide others later."""
-    von_mises: Array
-    """Stress of each, Pa."""
-    least: Array
-    """Least place of the bodies, m, (3,)."""
-    most: Array
-    """Greatest place, m, (3,)."""
+    surfaces: list[Any]
+    """Surface of each body as `pyvista.PolyData`, m."""
 
     @property
-    def low(self) -> Array:
-        """Least place in the picture, m, (2,)."""
-        return np.asarray(np.min([outline.min(axis=0) for outline in self.outlines], axis=0))
+    def places(self) -> Array:
+        """Points of all surfaces, m, (n, 3)."""
+        return np.concatenate([np.asarray(surface.points) for surface in self.surfaces])
 
     @property
-    def high(self) -> Array:
-        """Greatest place in the picture, m, (2,)."""
-        return np.asarray(np.max([outline.max(axis=0) for outline in self.outlines], axis=0))
+    def von_mises(self) -> Array:
+        """Stress of each face, Pa, in the order of the polygons of the surfaces."""
+        return np.concatenate([stress_of(surface) for surface in self.surfaces])
 
 
 def read_snapshots(
     fields: Path, times: Sequence[float], dimension: int = 2, floor: float = -math.inf
 ) -> list[Snapshot]:
-    """The snapshots nearest to some times, each once; what is below the floor is left out."""
-    files = FieldFiles(fields, dimension)
-    return [_snapshot(files, index, dimension, floor) for index in files.nearest(times)]
+    """The snapshots nearest to some times, each once; in space only what is above the floor."""
+    files = FieldFiles(fields)
+    found = []
+    for index in files.nearest(times):
+        surfaces = files.read(index)
+        if dimension == 3:
+            surfaces = [_above(surface, floor) for surface in surfaces]
+        found.append(Snapshot(time_s=float(files.times[index]), surfaces=surfaces))
+    return found
 
 
-def _snapshot(files: FieldFiles, index: int, dimension: int, floor: float) -> Snapshot:
-    """The bodies at one of the times of the files."""
-    surfaces = files.read(index)
-    outlines = [polygons(surface) for surface in surfaces]
-    faces = [face for own in outlines for face in own]
-    stress = np.concatenate([np.asarray(s.cell_data["von_mises"], float) for s in surfaces])
-    places = np.concatenate(faces)
-    if dimension == 3:
-        slack = 1e-6 * float(np.ptp(places))
-        above = [k for k, face in enumerate(faces) if face[:, 2].max() >= floor - slack]
-        faces, stress = [seen_from_front(faces[k]) for k in above], stress[above]
-        # The third coordinate, towards the eye, has served then.
-        bodies = np.repeat(np.arange(len(outlines)), [len(own) for own in outlines])
-        order = drawing_order(faces, bodies[above])
-        faces, stress = [faces[i] for i in order], stress[order]
-    return Snapshot(
-        time_s=float(files.times[index]),
-        outlines=[face[:, :2] for face in faces],
-        von_mises=stress,
-        least=places.min(axis=0),
-        most=places.max(axis=0),
-    )
-
-
-def seen_from_front(place: Array) -> Array:
-    """Places in space (n, 3) as they are seen: to the right, up, and towards the eye, m."""
-    right = np.array([math.cos(ASIDE), math.sin(ASIDE), 0.0])
-    eye = np.array(
-        [
-            math.sin(ASIDE) * math.cos(ABOVE),
-            -math.cos(ASIDE) * math.cos(ABOVE),
-            math.sin(ABOVE),
-        ]
-    )
-    return np.asarray(place @ np.stack([right, np.cross(eye, right), eye], axis=1))
+def _above(surface: Any, floor: float) -> Any:
+    """The part of a surface that is above the floor, but for round-off."""
+    slack = 1e-6 * float(np.ptp(surface.points))
+    if surface.bounds[4] >= floor - slack:
+        return surface
+    return surface.clip("z", origin=(0.0, 0.0, floor), invert=False)
 
 
 def deformed_figure(run: Run, fields: Path) -> Figure:
@@ -146,19 +181,30 @@ def draw_snapshots(
     dimension: int,
     floor: float,
 ) -> None:
-    """Draw snapshots side by side, or in two rows where they are wide."""
+    """Draw snapshots side by side, or in two rows where they are wide.
+
+    Where VTK cannot draw those in space, the figure says so, and so does the program.
+    """
     low, high = _window(snapshots, floor, dimension)
     columns = _columns(float(np.divide(*(high - low))), len(snapshots))
     rows = math.ceil(len(snapshots) / columns)
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     limit = _limit(snapshots)
-    unit, factor = ("MPa", 1e-6) if limit >= 1e5 else ("kPa", 1e-3)
-    for axes, snapshot in zip(grid.ravel(), snapshots, strict=False):
-        if dimension == 2:
-            _draw_floor(axes, floor, floor - low[1])
+    pictures: list[Any] = []
+    if dimension == 3:
+        try:
+            pictures = _rendered(snapshots, (low, high), floor, limit)
+        except EnvironmentTrouble as error:
+            tell(f"the bodies in space are not drawn: {error}\n")
+            figure.text(0.5, 0.5, f"not drawn: {error}", ha="center", fontsize="small")
+            return
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    unit, factor = stress_unit(limit)
+    for number, (axes, snapshot) in enumerate(zip(grid.ravel(), snapshots, strict=False)):
+        if pictures:
+            axes.imshow(pictures[number], extent=(low[0], high[0], low[1], high[1]))
         else:
-            _draw_floor_in_space(axes, snapshots, floor)
-        bodies = _draw_bodies(axes, snapshot, factor, limit)
+            _draw_floor(axes, floor, floor - low[1])
+            _draw_bodies(axes, snapshot, factor, limit)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(_title(snapshot, chosen))
         axes.locator_params(axis="x", nbins=3)
@@ -171,8 +217,35 @@ def draw_snapshots(
     for axes in grid[:, 0]:
         axes.set_ylabel("y (m)" if dimension == 2 else "(m)")
     if limit > 0:
-        bar = figure.colorbar(bodies, ax=list(grid.ravel()), extend="max", shrink=0.9)
+        colours = ScalarMappable(Normalize(0, factor * limit), STRESS)
+        bar = figure.colorbar(colours, ax=list(grid.ravel()), extend="max", shrink=0.9)
         bar.set_label(f"von Mises stress ({unit})")
+
+
+def _rendered(
+    snapshots: Sequence[Snapshot], window: tuple[Array, Array], floor: float, limit: float
+) -> list[Any]:
+    """Pictures of snapshots in space that show a window, m, as it is seen."""
+    shown, (wide, high) = _shown(snapshots, floor), window[1] - window[0]
+    size = round(PIXELS * min(1.0, wide / high)), round(PIXELS * min(1.0, high / wide))
+    least, most = shown.min(axis=0), shown.max(axis=0)
+    with display():
+        renderer = Renderer(
+            size, least, most, window=window, floor=floor, limit=limit, beyond=0.0, line=2.0
+        )
+        pictures = [renderer.draw([(s, PLAIN) for s in each.surfaces]) for each in snapshots]
+        renderer.close()
+    return pictures
+
+
+def _shown(snapshots: Sequence[Snapshot], floor: float) -> Array:
+    """Places in space that all panels show, m, (n, 3): the bodies and the floor around them."""
+    places = np.concatenate([snapshot.places for snapshot in snapshots])
+    least, most = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
+    margin = BEYOND * float(np.max(most - least))
+    (left, front), (right, back) = least - margin, most + margin
+    ring = (left, front), (right, front), (right, back), (left, back)
+    return np.concatenate([places, [(*corner, floor) for corner in ring]])
 
 
 def _columns(ratio: float, count: int) -> int:
@@ -192,12 +265,13 @@ def _title(snapshot: Snapshot, chosen: Sequence[Instant]) -> str:
     return f"{nearest.name}\n{time}" if nearest.name else time
 
 
-def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> Any:
-    """The cells of all bodies, coloured by stress where there is any."""
+def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> None:
+    """The cells of all bodies in the plane, coloured by stress where there is any."""
     from matplotlib.collections import PolyCollection
 
+    outlines = [face[:, :2] for surface in snapshot.surfaces for face in polygons(surface)]
     bodies = PolyCollection(
-        snapshot.outlines, cmap="viridis", edgecolors=(0, 0, 0, 0.35), linewidths=0.2, zorder=1
+        outlines, cmap=STRESS, edgecolors=(0, 0, 0, 0.35), linewidths=0.2, zorder=1
     )
     bodies.set_snap(False)  # upright cells are not to be drawn a pixel beside others
     if limit > 0:
@@ -206,21 +280,20 @@ def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> 
     else:
         bodies.set(facecolor=PLAIN, edgecolor="black", linewidth=0.5)
     axes.add_collection(bodies)
-    return bodies
 
 
 def _window(snapshots: Sequence[Snapshot], floor: float, dimension: int) -> tuple[Array, Array]:
-    """Least and greatest place that all panels show, m.
+    """Least and greatest place that all panels show, as it is seen, m.
 
     What falls below the floor is not followed.
     """
-    low = np.min([snapshot.low for snapshot in snapshots], axis=0)
-    high = np.max([snapshot.high for snapshot in snapshots], axis=0)
-    if dimension == 2:
-        low[1] = floor
+    if dimension == 3:
+        seen = in_view(_shown(snapshots, floor))
     else:
-        corners = _floor_corners(snapshots, floor)
-        low, high = np.minimum(low, corners.min(axis=0)), np.maximum(high, corners.max(axis=0))
+        seen = np.concatenate([snapshot.places[:, :2] for snapshot in snapshots])
+        seen[:, 1] = np.maximum(seen[:, 1], floor)
+        seen = np.vstack([seen, [seen[0, 0], floor]])
+    low, high = seen.min(axis=0), seen.max(axis=0)
     margin = 0.06 * float(np.max(high - low))
     return low - margin, high + margin
 
@@ -237,20 +310,3 @@ def _draw_floor(axes: Any, level: float, depth: float) -> None:
         zorder=2,
     )
     axes.axhline(level, color="black", linewidth=0.8, zorder=2)
-
-
-def _floor_corners(snapshots: Sequence[Snapshot], level: float) -> Array:
-    """Corners of the piece of floor that is drawn in space, as they are seen, m, (4, 2)."""
-    least = np.min([snapshot.least[:2] for snapshot in snapshots], axis=0)
-    most = np.max([snapshot.most[:2] for snapshot in snapshots], axis=0)
-    margin = 0.3 * float(np.max(most - least))
-    (left, front), (right, back) = least - margin, most + margin
-    ring = (left, front), (right, front), (right, back), (left, back)
-    return seen_from_front(np.array([(*corner, level) for corner in ring]))[:, :2]
-
-
-def _draw_floor_in_space(axes: Any, snapshots: Sequence[Snapshot], level: float) -> None:
-    """The floor below the bodies, as a plane."""
-    axes.fill(
-        *_floor_corners(snapshots, level).T, facecolor="#f0f0f0", edgecolor=FLOOR_EDGE, zorder=0
-    )

@@ -24,10 +24,10 @@ from solver.pictures.style import (
     zero_line,
 )
 from solver.results.endings import fell_at, overturned_at
+from solver.results.energy import gravity_above_upright
 from solver.results.moving import moving_span
 from solver.results.report import CAUSES
 from solver.results.runs import Run
-from solver.results.upright import gravity_above_upright
 
 #: A fall is cut off where the picture would be so many times as high.
 DWARFED = 1.5

@@ -13,9 +13,14 @@ from solver.errors import SceneError
 from solver.pictures.angles import draw_angle, draw_overlay, draw_phase
 from solver.pictures.deformed import deformed_figure
 from solver.pictures.energy import draw_energy
-from solver.pictures.floors import draw_floors, write_floors
 from solver.pictures.forces import draw_forces, draw_platform
-from solver.pictures.ground import draw_motion, ground_of, sampled_motions
+from solver.pictures.ground import (
+    draw_floors,
+    draw_motion,
+    ground_of,
+    sampled_motions,
+    write_floors,
+)
 from solver.pictures.style import save_as
 from solver.reference.answer import reference_history, reference_name
 from solver.results.floor_spectra import floor_spectra, has_floors

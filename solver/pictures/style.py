@@ -20,6 +20,9 @@ BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 PURPLE, SKY, GREY = "#CC79A7", "#56B4E9", "#666666"
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)
 
+#: Colours of bodies without stress, of the floor and its edge, and the map of stresses.
+PLAIN, FLOOR, FLOOR_EDGE, STRESS = "#d9dee5", "#dddddd", "#999999", "viridis"
+
 DASHES = (0, (4, 1.5))
 
 #: Width of a column of text, in.
@@ -113,6 +116,11 @@ def legend_over(axes: Any, columns: int = 5) -> None:
     axes.legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderpad=0.1, columnspacing=1.2
     )
+
+
+def stress_unit(limit: float) -> tuple[str, float]:
+    """Unit of stresses up to a limit, Pa, and how many there are in one Pa."""
+    return ("MPa", 1e-6) if limit >= 1e5 else ("kPa", 1e-3)
 
 
 def colour(number: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,15 @@ from solver.errors import SceneError
 from solver.excitation.kinds import BaseMotion
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
+from solver.history.events import NAME as EVENTS
+from solver.history.events import events_text
 from solver.history.history import History, scene_columns
 from solver.reference.housner import RockingReference, housner
 from solver.reference.initiation import expected_mode, resistance
 from solver.reference.phases import EXACT, Acceleration, still
 from solver.reference.sliding import SlidingReference, sliding
 from solver.results.endings import Watch
+from solver.results.events import Recorder
 from solver.scene import Scene
 from solver.scene.checking import shown
 from solver.types import Array
@@ -93,6 +97,12 @@ def as_history(
     if last % every:
         history.append(table[last])
     history.flush()
+    recorder = Recorder(scene, history.columns, rigid=True)
+    recorder.add(table[: last + 1])
+    # Its forces have no impulses.
+    history.events = tuple(replace(event, impulse_Ns=np.nan) for event in recorder.finish())
+    if file is not None:
+        file.with_name(EVENTS).write_text(events_text(history.events), encoding="utf-8")
     return history, ending.reason if ending else ""
 
 

@@ -64,6 +64,23 @@ class Resistance:
         mu = law.dynamic + jump * math.exp(-law.decay * speed)
         return self._cohesion(slipped=True) + mu * normal
 
+    def direction(self, rate: float, needed: float, normal: float, slipped: bool) -> float:
+        """Direction in which a block slides from here on, +1 or -1; 0 if it sticks.
+
+        One that has just come to a stop goes on at once where friction cannot hold it.
+
+        Args:
+            rate: Slip rate, m/s.
+            needed: Force that holds it, m/s^2.
+            normal: Normal force, m/s^2.
+            slipped: True if it has slid before.
+        """
+        if rate or self.none:
+            return math.copysign(1, rate)
+        limit = self.slides(normal, 0.0) if slipped else self.holds(normal, slipped)
+        # The block stays behind what it stands on.
+        return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
+
     def _cohesion(self, slipped: bool) -> float:
         return 0.0 if slipped and self.law.cohesion_lost else self.cohesion
 
@@ -177,18 +194,6 @@ class _Slider:
             return self.needed(time, state)
         return -math.copysign(self.law.slides(self.normal(time), abs(rate)), rate)
 
-    def direction(self, time: float, state: State, slipped: bool) -> float:
-        """Direction in which the block slides from here on, +1 or -1; 0 if it sticks.
-
-        One that has just come to a stop goes on at once where friction cannot hold it.
-        """
-        if state[1] or self.law.none:
-            return math.copysign(1, state[1])
-        needed, normal = self.needed(time, state), self.normal(time)
-        limit = self.law.slides(normal, 0.0) if slipped else self.law.holds(normal, slipped)
-        # The block stays behind what it stands on.
-        return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
-
     def history(self, times: Array, states: Array) -> SlidingReference:
         """The history, with accelerations and forces from the states, (n, 4)."""
         rows = [(float(time), states[row]) for row, time in enumerate(times)]
@@ -211,7 +216,8 @@ class _Slider:
         recorder = Recorder(times, size=4)
         time, slipped = 0.0, bool(state[1])
         while time < end:
-            way = self.direction(time, state, slipped)
+            needed, normal = self.needed(time, state), self.normal(time)
+            way = self.law.direction(state[1], needed, normal, slipped)
             if not way and self.platform is None:
                 recorder.rest(time, state[0])
                 start = self._uphold(slipped, time, end, step)
@@ -264,8 +270,7 @@ class _Linear:
 
     def __init__(self, block: _Slider, normal: float):
         """Set up A of sticking (0) and of sliding forwards (1) and backwards (-1)."""
-        self._block, self._time = block, 0.0
-        self._law, self._normal = block.law, normal
+        self._block, self._law, self._normal = block, block.law, normal
         self._matrices = {way: self._matrix(way) for way in (0.0, 1.0, -1.0)}
         self._needed = np.array([0.0, 0, 0, 0, 1, 0, 0])
         if block.platform is not None:
@@ -321,11 +326,8 @@ class _Linear:
 
     def _direction(self, z: Array, slipped: bool) -> float:
         """Direction in which the block slides from here on, +1 or -1; 0 if it sticks."""
-        if z[1] or self._law.none:
-            return math.copysign(1, z[1])
-        law, needed = self._law, self._needed @ z
-        limit = law.slides(self._normal, 0.0) if slipped else law.holds(self._normal, slipped)
-        return 0.0 if abs(needed) <= limit else -math.copysign(1, needed)
+        needed = float(self._needed @ z)
+        return self._law.direction(float(z[1]), needed, self._normal, slipped)
 
     def _until_event(
         self, z: Array, way: float, slipped: bool, length: float, idle: bool

@@ -10,7 +10,6 @@ columns of a history, in the same way for all engines.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -20,6 +19,7 @@ import numpy as np
 
 from geometry.boxes import Boxes
 from solver.excitation.motion import GroundMotion
+from solver.history.columns import Rows
 from solver.history.history import scene_columns
 from solver.results.motion import Columns, boxes, centres, slenderness, total_lean
 from solver.results.rocking import no_return
@@ -68,10 +68,11 @@ class Watch:
         self._scene, self._names = scene, scene_columns(scene)
         self._before: Array | None = None
         self._overturning = scene.blocks if scene.time.stop == "overturned" else ()
-        self._falling = () if scene.is_rigid else tuple(b for b in scene.blocks if _ends(scene, b))
+        self._falling = (
+            () if scene.is_rigid else tuple(b for b in scene.blocks if has_ends(scene, b))
+        )
         without_ends = scene.is_rigid and scene.foundation.top is not None
         self._leaving = scene.blocks if without_ends else ()
-        self._tops = [_Top(scene, self._names, block) for block in self._falling]
 
     @property
     def ends_runs(self) -> bool:
@@ -91,13 +92,8 @@ class Watch:
         """The first of some rows, (n, columns), after which the run ends; None: it goes on."""
         if not self.ends_runs:
             return None
-        if len(rows) == 1 and not (self._overturning or self._leaving):
-            values = rows[0].tolist()
-            if all(top.carries(values) for top in self._tops):
-                self._before = rows.copy()
-                return None
         before = rows[:1] if self._before is None else self._before
-        table = _Rows(self._names, np.vstack([before, rows]))
+        table = Rows(self._names, np.vstack([before, rows]))
         self._before = rows[-1:].copy()
         lost = [(fallen(self._scene, table, block), block, "fell") for block in self._falling]
         lost += [(beyond_return(table, block), block, "overturned") for block in self._overturning]
@@ -115,61 +111,6 @@ def _where(history: Columns, block: BlockSpec, row: int) -> str:
     """Off what a block fell in a row, and where its centre was then, in words."""
     place = zip("xyz", centres(history, block.name)[row, :-1], strict=False)
     return f", off {block.on} with its centre at " + ", ".join(f"{a} = {x:.4g} m" for a, x in place)
-
-
-class _Top:
-    """The top of what carries a block in the plane or of a foundation, for a row in Python's time.
-
-    Nearly always the centre of a block is over it, and then it has not fallen (`fallen`).
-    """
-
-    def __init__(self, scene: Scene, names: tuple[str, ...], block: BlockSpec):
-        """Find the columns."""
-        axes, carrier = ("xy", "xyz")[scene.dimension - 2], scene.carrier_of(block)
-        place = names.index
-        self._centre = [place(f"{block.name}.centre_{axis}_m") for axis in axes]
-        self._carrier: list[int] | None = None
-        self._turn: int | None = None
-        self._drift: list[int | None] = []
-        if carrier is None:
-            assert scene.foundation.top is not None
-            self._half = [length / 2 for length in scene.foundation.top[: len(axes) - 1]]
-            drifts = [f"platform.drift{way}_m" for way in ("", "_second")[: len(axes) - 1]]
-            self._drift = [place(name) if name in names else None for name in drifts]
-        else:
-            self._half = list(carrier.shape.half_lengths(len(axes)))
-            self._carrier = [place(f"{carrier.name}.centre_{axis}_m") for axis in axes]
-            self._turn = place(f"{carrier.name}.angle_rad")
-        self._knows = carrier is None or len(axes) == 2
-
-    def carries(self, row: list[float]) -> bool:
-        """Whether the centre of the block is over the top; False also where that is not known."""
-        if not self._knows:
-            return False
-        *along, height = (row[k] for k in self._centre)
-        if self._carrier is None or self._turn is None:
-            drift = [0.0 if k is None else row[k] for k in self._drift]
-            aside = [x - moved for x, moved in zip(along, drift, strict=True)]
-        else:
-            x, y = (row[a] - row[b] for a, b in zip(self._centre, self._carrier, strict=True))
-            cosine, sine = math.cos(row[self._turn]), math.sin(row[self._turn])
-            aside, height = [cosine * x - sine * y], sine * x + cosine * y - self._half[-1]
-        sides = zip(aside, self._half, strict=False)
-        return height >= 0.0 and all(abs(x) <= half for x, half in sides)
-
-
-class _Rows:
-    """Rows by the names of their columns."""
-
-    def __init__(self, names: tuple[str, ...], rows: Array):
-        self._place = {name: number for number, name in enumerate(names)}
-        self._rows = rows
-
-    def __contains__(self, column: object) -> bool:
-        return column in self._place
-
-    def __getitem__(self, column: str) -> Array:
-        return self._rows[:, self._place[column]]
 
 
 def overturned_at(history: Columns, block: BlockSpec) -> float | None:
@@ -190,7 +131,7 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
 
 def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
     """When a block has fallen off what carried it, s; None where it has not."""
-    if not _ends(scene, block):
+    if not has_ends(scene, block):
         return None
     rows = np.flatnonzero(fallen(scene, history, block))
     return float(history["time_s"][rows[0]]) if len(rows) else None
@@ -234,7 +175,7 @@ def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     return np.asarray(falls & (below | beside))
 
 
-def _ends(scene: Scene, block: BlockSpec) -> bool:
+def has_ends(scene: Scene, block: BlockSpec) -> bool:
     """Whether what carries a block has ends over which it may fall."""
     return scene.carrier_of(block) is not None or scene.foundation.top is not None
 

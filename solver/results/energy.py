@@ -1,4 +1,4 @@
-"""Energy balance of a run: pure functions of columns of its history."""
+"""Energy balance of a run, from columns of its history."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import numpy as np
 
 from solver.history.columns import DISSIPATED_ENERGIES
 from solver.history.history import History
+from solver.results.motion import centres
+from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
 
@@ -40,3 +42,23 @@ def _over(energy: float, scale: float) -> float:
 def losses(history: History) -> dict[str, float]:
     """Energy dissipated by the end, by cause, J."""
     return {f"{name}_J": float(history[f"energy.{name}_J"][-1]) for name in DISSIPATED_ENERGIES}
+
+
+def upright_centre(scene: Scene, block: BlockSpec) -> Array:
+    """Centre of a block that stands upright at its place, on all that carries it, m, (d,).
+
+    In the frame of the foundation: its surface is at level 0, its centre at x = 0.
+    """
+    middle = np.zeros(scene.dimension)
+    middle[-1] = block.height / 2
+    return scene.poses(upright=True)[block.name](middle[None])[0]
+
+
+def gravity_above_upright(scene: Scene, history: History) -> Array:
+    """Gravity energy of all blocks above that of their upright places, J, over the rows."""
+    gravity = np.array(scene.gravity_vector)
+    energy = np.zeros(len(history))
+    for block in scene.blocks:
+        raised = centres(history, block.name) - upright_centre(scene, block)
+        energy -= block.shape.mass * (raised @ gravity)
+    return energy

@@ -1,4 +1,4 @@
-"""Motion of a block from its columns of the history, in the plane and in space alike.
+"""Motion of a block from its columns of the history, and its mode, in the plane and in space.
 
 In space everything is told in the one upright plane in which the block leans most: its signed lean
 there is the angle of two dimensions, and the width of its base across that plane is the width.
@@ -6,6 +6,7 @@ there is the angle of two dimensions, and the width of its base across that plan
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -15,6 +16,7 @@ from geometry.block import Block
 from geometry.boxes import Boxes
 from solver.history.block_columns import STEEPEST_TOP
 from solver.history.history import History
+from solver.results.rocking import SMALLEST_SWING, overturned
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Mask
 
@@ -28,6 +30,9 @@ and elastic blocks hop on them by less (the paper's block by 8e-4)."""
 CLEAR = 1e-6
 """Gap of its lowest bottom corner over its width from which on a block is clear of its carrier."""
 
+
+SMALLEST_LIFT = 2e-4
+"""A block rocks when a corner is lifted by more than this part of its width, in a swing."""
 
 ACCELERATIONS = (
     ("base.acceleration_m_s2", "platform.acceleration_m_s2"),
@@ -94,22 +99,16 @@ class BlockMotion:
     """Whether it ends below what carried it."""
     aside: Array
     """Lean out of that plane, rad; 0 in 2-D."""
-    base: Array | None
-    """Acceleration of the ground, or of the platform, less that of gravity, in that plane, m/s2:
-    along it, and upwards, (rows, 2); None where neither moves and the ground is level."""
 
 
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
     """The motion of a block as its columns give it."""
     name, carrier = block.name, scene.carrier_of(block)
     leans = leaning(history, block, carrier)
-    if is_spatial(history, name):
-        gaps, second = [f"gap_{corner}_m" for corner in (1, 2, 3, 4)], ["", "_second"]
-    else:
-        gaps, second = ["gap_left_m", "gap_right_m"], [""]
+    second = ["", "_second"] if is_spatial(history, name) else [""]
     displacement = _stack(history, name, [f"slip{direction}_m" for direction in second])
-    corners = _stack(history, name, gaps)
-    flies = _flights(history[f"{name}.normal_force_N"], corners, displacement, block.width)
+    corners = gaps_of(history, name)
+    flies = flights(history[f"{name}.normal_force_N"], corners, displacement, block.width)
     steps = np.diff(displacement, axis=0, prepend=displacement[:1])
     return BlockMotion(
         time=history["time_s"],
@@ -125,11 +124,37 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         shape=leans.shape,
         fell=_fell(history, block, carrier),
         aside=leans.aside,
-        base=_base(scene, history, leans.direction),
     )
 
 
-def leaning(history: History, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:
+def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
+    """Mode of a block: "fell", "overturned", or all of "slide", "turn", "rock", "hop" that it did.
+
+    These are joined by hyphens in that order, as in "slide-rock"; "rest" where it did none.
+
+    Args:
+        block: Its shape.
+        motion: What it did.
+        fell: True if it left what carried it, besides where `motion` says so.
+    """
+    if fell or motion.fell:
+        return "fell"
+    shape = motion.shape
+    if overturned(motion.lean, shape.slenderness):
+        return "overturned"
+    swinging = np.abs(motion.angle) > SMALLEST_SWING * shape.slenderness
+    lifted = motion.lift > SMALLEST_LIFT * shape.width
+    round_corners = np.abs(motion.turn) * math.hypot(block.width, block.thickness) / 2
+    found = {
+        "slide": np.linalg.norm(motion.slip, axis=1) > SMALLEST_WAY * shape.width,
+        "turn": round_corners > SMALLEST_WAY * block.width,
+        "rock": swinging & lifted,
+        "hop": motion.flies,
+    }
+    return "-".join(word for word, rows in found.items() if np.any(rows)) or "rest"
+
+
+def leaning(history: Columns, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:
     """How a block leans most: against its carrier, or from upright where none is given."""
     if is_spatial(history, block.name):
         return _leaning_in_space(history, block, carrier)
@@ -159,6 +184,12 @@ def centres(history: Columns, name: str) -> Array:
     return _stack(history, name, [f"centre_{axis}_m" for axis in axes])
 
 
+def gaps_of(history: Columns, name: str) -> Array:
+    """Gaps of the bottom corners of a block, m, (rows, corners)."""
+    names = (1, 2, 3, 4) if is_spatial(history, name) else ("left", "right")
+    return _stack(history, name, [f"gap_{corner}_m" for corner in names])
+
+
 def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask:
     """In which rows a block has lost the one that carried it, by `has_lost_carrier`."""
     below = boxes(history, carrier)
@@ -171,7 +202,7 @@ def total_lean(history: Columns, name: str) -> Array:
     """Angle of a block from upright, rad: signed and unwrapped in 2-D, 0 to pi in 3-D."""
     if not is_spatial(history, name):
         return history[f"{name}.angle_rad"]
-    return _angle_from_up(_axes(history, name))
+    return _angle_from_up(upright_axes(history, name))
 
 
 def slenderness(history: Columns, block: BlockSpec) -> Array:
@@ -216,7 +247,7 @@ def rotated(rotations: Array, vectors: Array) -> Array:
     return along + np.cos(angle) * (vectors - along) + np.sin(angle) * across
 
 
-def _flights(normal: Array, corners: Array, way: Array, width: float) -> Mask:
+def flights(normal: Array, corners: Array, way: Array, width: float) -> Mask:
     """Rows of flights in which a block clears its carrier, or moves, by `SMALLEST_WAY` or more.
 
     The row with which a flight ends is one of them: what it moved up to there, it flew. An elastic
@@ -258,7 +289,7 @@ def _rotations(history: Columns, name: str) -> Array:
     return _stack(history, name, [f"angle_{axis}_rad" for axis in "xyz"])
 
 
-def _axes(history: Columns, name: str) -> Array:
+def upright_axes(history: Columns, name: str) -> Array:
     """Direction of a block's upright axis, (rows, 3)."""
     return rotated(_rotations(history, name), UP)
 
@@ -268,29 +299,14 @@ def _angle_from_up(axes: Array) -> Array:
     return np.arctan2(np.linalg.norm(axes[:, :2], axis=1), axes[:, 2])
 
 
-def _base(scene: Scene, history: History, direction: Array) -> Array | None:
-    """What `BlockMotion.base` says, along a horizontal direction."""
-    if not (scene.motion or scene.carrier_moves or scene.gravity_tilt_deg):
-        return None
-    found = np.zeros((len(history["time_s"]), 2))
-    for part, columns in zip(direction, ACCELERATIONS, strict=False):
-        for column in columns:
-            if column in history:
-                found[:, 0] += part * history[column]
-    if "base.vertical_acceleration_m_s2" in history:
-        found[:, 1] = history["base.vertical_acceleration_m_s2"]
-    gravity = scene.gravity_vector
-    return found - np.array([direction[0] * gravity[0], gravity[-1]])
-
-
-def _leaning_in_space(history: History, block: BlockSpec, carrier: BlockSpec | None) -> Leaning:
+def _leaning_in_space(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Leaning:
     """How a block in space leans against its carrier, or from upright."""
     rotations = _rotations(history, block.name)
     axes = rotated(rotations, UP)
     # The carrier's upright axis as the block sees it tells where the block leans, in its own frame.
     below = np.broadcast_to(UP, axes.shape)
     if carrier is not None:
-        below = _axes(history, carrier.name)
+        below = upright_axes(history, carrier.name)
         axes = rotated(-_rotations(history, carrier.name), axes)
     most = int(np.argmax(_angle_from_up(axes)))
     own = -rotated(-rotations, below)[most, :2]
@@ -329,7 +345,7 @@ def _fell(history: History, block: BlockSpec, carrier: BlockSpec | None) -> bool
         return bool(centre[-1] < 0)
     above = centre - centres(history, carrier.name)[-1]
     if is_spatial(history, carrier.name):
-        normal = _axes(history, carrier.name)[-1]
+        normal = upright_axes(history, carrier.name)[-1]
     else:
         angle = history[f"{carrier.name}.angle_rad"][-1]
         normal = np.array([np.sin(angle), np.cos(angle)])

@@ -9,7 +9,7 @@ from typing import Any
 
 from solver.results.cautions import loss_shares
 from solver.results.endings import cut_short
-from solver.results.rocking import NO_SWING
+from solver.results.events import ENDS
 
 UNKNOWN = "unknown"
 """What stands in the place of a number that nobody knows."""
@@ -88,7 +88,7 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         times = " ".join(f"{impact['time_s']:.4f}" for impact in impacts[:LISTED])
         known = [impact["restitution"] for impact in impacts]
         ratios = " ".join(_number(ratio, ".3f") for ratio in known[:LISTED]) + more
-        reasons = Counter(i["reason"] for i in impacts if i.get("reason", NO_SWING) != NO_SWING)
+        reasons = Counter(i["reason"] for i in impacts if i.get("reason", ENDS) != ENDS)
         none = "; ".join(f"{reason} ({count})" for reason, count in reasons.items())
         if all(_number(ratio) == UNKNOWN for ratio in known):
             ratios = "" if none else UNKNOWN

@@ -83,6 +83,7 @@ def read_run(folder: str | Path) -> Run:
     if (folder / "summary.json").is_file():
         summary = _read_summary(folder / "summary.json", scene)
     else:
+        history.events = None  # of what had been written, not of all rows
         reason = "killed, or still going on: made from the history"
         nothing: dict[str, Any] = {}
         summary = summarise(

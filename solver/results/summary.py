@@ -13,9 +13,9 @@ import numpy as np
 
 from solver.errors import of_file
 from solver.excitation.motion import GroundMotion
+from solver.history.events import Event
 from solver.history.history import History
 from solver.results import energy, rocking
-from solver.results.angular_velocity import rocking_acceleration
 from solver.results.cautions import (
     cautions_of_end,
     cautions_of_impacts,
@@ -24,15 +24,12 @@ from solver.results.cautions import (
     loss_shares,
 )
 from solver.results.endings import fell_at, motion_end, overturned_at
+from solver.results.events import recorded
 from solver.results.felt_mass import friction_mass_ratio
 from solver.results.flutter import cautions_of_flutter
-from solver.results.impact_rates import rated_by_velocities
-from solver.results.modes import mode
-from solver.results.motion import BlockMotion, block_motion, lean_over_alpha
+from solver.results.motion import block_motion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
-from solver.results.upright import gravity_above_upright
 from solver.scene import BlockSpec, Scene
-from solver.types import Array
 
 #: Version of the layout of summary.json.
 SCHEMA = 1
@@ -57,7 +54,8 @@ def summarise(
     name it; empty: what the scene says. The cautions are those that were known before. The ground
     tells when its motion is over.
     """
-    blocks = {b.name: _block(b, scene, history) for b in scene.blocks} if len(history) else {}
+    events = recorded(scene, history) if len(history) else ()
+    blocks = {b.name: _block(b, scene, history, events) for b in scene.blocks if len(history)}
     platform = _platform(history) if len(history) else {}
     balance = _energy(scene, history) if len(history) else {}
     found = cautions_of_steps(scene, cost)
@@ -89,25 +87,13 @@ def _model(scene: Scene) -> str:
     return "rigid blocks" if scene.is_rigid else "finite elements"
 
 
-def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
+def _block(
+    block: BlockSpec, scene: Scene, history: History, events: Sequence[Event]
+) -> dict[str, Any]:
     """Entries of one block."""
     motion = block_motion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
-    damping = scene.damping_of(block) if block.model == "elastic" else None
-    drag = damping.mass if damping else 0.0
-    impacts = rocking.impacts(
-        time,
-        angle,
-        shape,
-        scene.gravity,
-        _free_acceleration(motion, drag),
-        gives_way=scene.carrier_moves,
-        aside=motion.aside,
-        low=motion.low,
-        drag=drag,
-    )
-    impacts = rated_by_velocities(scene, history, block, impacts)
     over, off = overturned_at(history, block), fell_at(scene, history, block)
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
     peaks = rocking.peaks(time, angle, shape.slenderness)
@@ -136,28 +122,18 @@ def _block(block: BlockSpec, scene: Scene, history: History) -> dict[str, Any]:
     if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
-        "impacts": [_impact(impact) for impact in impacts],
+        "impacts": [_impact(e) for e in events if (e.kind, e.block) == ("impact", block.name)],
         "peaks": [{"time_s": at, "angle_rad": abs(value)} for at, value in peaks],
     }
 
 
-def _impact(impact: rocking.Impact) -> dict[str, Any]:
+def _impact(event: Event) -> dict[str, Any]:
     """Entries of an impact: its restitution, or why it has none, and what was read instead."""
-    known: dict[str, Any] = {"time_s": impact.time_s, "restitution": impact.restitution}
-    if impact.restitution is None:
-        known["reason"] = impact.reason
-    return known | ({} if impact.ratio is None else {"ratio": impact.ratio})
-
-
-def _free_acceleration(motion: BlockMotion, drag: float) -> Array | None:
-    """Angular acceleration of a rigid block on such a base, 1/s2; None where it is at rest.
-
-    With a drag, lambda of the block, 1/s, less lambda theta'.
-    """
-    if motion.base is None:
-        return None
-    free = rocking_acceleration(motion.angle, motion.shape, motion.base[:, 0], motion.base[:, 1])
-    return free - drag * np.gradient(motion.angle, motion.time) if drag else free
+    known: dict[str, Any] = {"time_s": event.time_s, "restitution": event.restitution}
+    if not event.reason:
+        return known
+    known |= {"restitution": None, "reason": event.reason}
+    return known | ({} if math.isnan(event.restitution) else {"ratio": event.restitution})
 
 
 def _platform(history: History) -> dict[str, float]:
@@ -178,7 +154,7 @@ def _platform(history: History) -> dict[str, float]:
 def _energy(scene: Scene, history: History) -> dict[str, Any]:
     """Entries on the energy balance and on where energy went."""
     total, work = history["energy.total_J"], history["energy.input_J"]
-    raised = float(gravity_above_upright(scene, history)[0])
+    raised = float(energy.gravity_above_upright(scene, history)[0])
     scale = energy.scale(
         work,
         above_rest=float(history["energy.kinetic_J"][0]) + raised,

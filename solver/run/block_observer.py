@@ -2,27 +2,45 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from solver.bodies.kinematics import RigidMotion, vector_of
 from solver.bodies.rigid_body import RigidBox
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import Key, NitschePoints
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
-from solver.history.block_columns import has_lost_carrier
+from solver.history.block_columns import (
+    has_lost_carrier,
+    lean_in_space,
+    write_plane_motion,
+    write_space_motion,
+)
 from solver.history.columns import positions
-from solver.run.block_rows import write_block
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
-from solver.types import Array, Indices
+from solver.types import Array, Indices, Mask
 
 LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
+
+
+def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Mask:
+    """The closed points, or else the lowest one and all that are within `level` of it (m).
+
+    Where no point may touch, these are all. Points are given by their forces and places, (n, d).
+    """
+    closed = np.asarray(force[:, 0] > 0)
+    if closed.any():
+        return closed
+    height = np.where(may_touch, place[:, 0], np.inf)
+    return np.asarray(height <= height.min() + level)
 
 
 class BlockObserver:
@@ -34,16 +52,15 @@ class BlockObserver:
         """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
         self._links: Sequence[Link] = stepper.links
-        self._own, self._shape = stepper.system.slices[member.number], member.spec.shape
-        d, shape = stepper.system.dimension, self._shape
+        self._own = stepper.system.slices[member.number]
+        d = stepper.system.dimension
         self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
-        self._inertia = np.array([shape.rotary_inertia] if d == 2 else shape.principal_inertias)
-        at = positions("block", d)
+        self._at = at = positions("block", d)
         # The columns of the gaps stand one after another.
         gaps = ("gap_left_m", "gap_right_m") if d == 2 else ("gap_1_m", "gap_4_m")
         self._gaps = slice(getattr(at, gaps[0]), getattr(at, gaps[1]) + 1)
         forces = ("normal_force_N", "friction_force_N", "friction_force_second_N")[:d]
-        self._forces, self._depth = [getattr(at, name) for name in forces], at.penetration_m
+        self._forces = [getattr(at, name) for name in forces]
         self._take_interface()
         self._known = self._first_home(state)
         self._take_homes()
@@ -68,7 +85,6 @@ class BlockObserver:
         """Look at the points that the block has now."""
         self._interface = self._link.interface
         self._level = LEVEL * self._interface.size
-        self._touching = np.empty(self._interface.count, dtype=bool)
         self._corners = self._bottom()
 
     def _take_homes(self) -> None:
@@ -131,29 +147,47 @@ class BlockObserver:
             height = carrier.kinematics(corners, memory.kinematics.carrier).place[:, 0]
         row[self._gaps] = height
         if edges:
-            row[self._depth] = max(row[self._depth], self._penetration(state, edges))
+            depth = self._at.penetration_m
+            row[depth] = max(row[depth], self._penetration(state, edges))
         if edges or lost:
             row[self._forces] = self._force(state, lost)
 
     def _write_own(self, state: State, memory: Memory, row: Array) -> bool:
-        """The columns but the gaps, by the block's own points; False where a home is unknown."""
-        body = self._member.body
-        return write_block(
-            row,
-            memory.force,
-            memory.kinematics.place,
-            memory.may_touch,
-            self._interface.inside(memory),
-            self._home,
-            self._level,
-            *state.rigid_motion(self._stepper.system, self._member.number),
-            self._shape.mass,
-            body.centre,
-            self._inertia,
+        """The columns but the gaps, by the block's own points; False where a home is unknown.
+
+        Then only the points that touch are found.
+        """
+        place, at = memory.kinematics.place, self._at
+        self._touching = touching(memory.force, place, memory.may_touch, self._level)
+        slip = (place[self._touching, 1:] - self._home[self._touching]).mean(axis=0)
+        if np.isnan(slip[0]):
+            return False
+        self._slip = slip
+        motion = state.rigid_motion(self._stepper.system, self._member.number)
+        self._write_motion(motion, row)
+        gaps = place[self._interface.inside(memory), 0]
+        row[at.penetration_m] = 0.0 - min(0.0, float(np.min(gaps, initial=0.0)))
+        row[self._forces] = memory.force.sum(axis=0)
+        row[at.slip_m] = slip[0]
+        if len(slip) == 2:
+            row[at.slip_second_m] = slip[1]
+        return True
+
+    def _write_motion(self, motion: RigidMotion, row: Array) -> None:
+        """Carry on the angles of the block, and fill in what follows from its motion."""
+        angles, turn, centre = (
             self._angles,
-            self._slip,
-            self._touching,
+            motion.rotation,
+            self._member.body.centre + motion.moved,
         )
+        if len(turn) == 2:
+            lean = math.atan2(-turn[1, 0], turn[0, 0])
+            angles[0] = lean + 2 * math.pi * round((angles[0] - lean) / (2 * math.pi))
+            write_plane_motion(row, angles[0], motion.spin[0], centre)
+            return
+        angles[0] = lean_in_space(turn, angles[0])
+        vector_of(turn, angles[1:])
+        write_space_motion(row, angles, motion.spin, centre)
 
     def _lost_its_carrier(self, state: State) -> bool:
         """Whether the block has lost the block that carried it (`has_lost_carrier`)."""

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.excitation.motion import GroundMotion
-from solver.fields.pvd import FieldsBefore
+from solver.fields.vtu import FieldsBefore
 from solver.history.history import History
 from solver.results.endings import Watch
+from solver.results.events import Recorder
 from solver.run.files import Fields, RunFiles
 from solver.run.interruption import Interruption
 from solver.scene import Scene
@@ -79,6 +80,8 @@ class RunContext:
     """Signals and the limit of wall time."""
     watch: Watch
     """Looks for blocks that overturn or fall, where that ends the run."""
+    recorder: Recorder
+    """Finds the events in the steps that are taken."""
     progress: ProgressReport | None
     """A display."""
     ground: GroundMotion
@@ -86,10 +89,13 @@ class RunContext:
 
     def keep(self, engine: Engine, step: int, now: float, *, ends: bool = False) -> None:
         """Write what waits, and a checkpoint where one is due or the run is interrupted there."""
-        self.files.flush_in_time()
+        if self.files.late:
+            self.history.events = self.recorder.events
+            self.files.flush()
         schedule = self.files.schedule
         if schedule.is_due(step) or (ends and schedule.wanted):
-            self.files.keep(self.ground, now, (engine.saved(), self.watch.before))
+            saved = engine.saved(), self.watch.before, self.recorder.saved()
+            self.files.keep(self.ground, now, saved)
 
     def show(self, now: float, step: float, iterations: int) -> None:
         """Tell the display of a finished step."""

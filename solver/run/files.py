@@ -11,7 +11,9 @@ from typing import Any, Protocol, TextIO
 
 from solver.errors import OutputTrouble
 from solver.excitation.motion import GroundMotion
-from solver.fields.pvd import FieldsBefore
+from solver.fields.vtu import FieldsBefore
+from solver.history.events import NAME as EVENTS
+from solver.history.events import events_text
 from solver.history.history import History
 from solver.parallel import Comm, Single, on_first_rank
 from solver.results.summary import write_json, write_whole
@@ -20,21 +22,14 @@ from solver.run.folders import hold_folder, refuse_hidden, release_folder
 from solver.scene import Scene, scene_to_toml
 
 PAUSE = 1.0
-"""Seconds for which rows and fields may wait to be written."""
+"""Seconds for which rows may wait to be written."""
 
 
 class Fields(Protocol):
     """What writes the fields of a run; collective."""
 
-    @property
-    def waiting(self) -> bool:
-        """Whether any wait to be written; never on several ranks."""
-
     def write(self, time: float) -> None:
-        """Write the fields as they are at a time (s), or let them wait for `flush`."""
-
-    def flush(self) -> None:
-        """Write those that wait."""
+        """Write the fields as they are at a time (s)."""
 
     def close(self) -> None:
         """Finish the files."""
@@ -43,9 +38,9 @@ class Fields(Protocol):
 class RunFiles:
     """Scene, history, log, fields and summary; nothing at all without a folder.
 
-    Rank 0 writes all but the fields. On one rank rows and fields of small bodies wait for a second,
-    or until a step that takes longer is over; on several they are written with every snapshot. So a
-    killed run leaves what it had.
+    Rank 0 writes all but the fields. Rows are written with every snapshot; on one rank they also
+    wait no longer than a second, or until a step that takes longer is over. So a killed run leaves
+    what it had.
     """
 
     def __init__(
@@ -119,15 +114,12 @@ class RunFiles:
             if self._writes and self._folder is not None:
                 release_folder(self._folder)
 
-    def _write_fields(self) -> None:
-        """Write the fields that are not in their files yet."""
-        if self._fields is not None:
-            self._fields.flush()
-
     def _write_rows(self) -> None:
         """Write the rows that are not in the file yet."""
         if self._history is not None:
             self._history.flush()
+            if self._writes and self._folder is not None and self._history.events is not None:
+                write_whole(self._folder / EVENTS, events_text(self._history.events))
 
     def _together(self, action: Callable[[], None]) -> None:
         """Write something, each rank its part; collective.
@@ -218,17 +210,16 @@ class RunFiles:
         return (math.floor(now / every + 1e-9) + 1) * every
 
     def snapshot(self, now: float) -> None:
-        """Take the fields at a time (s), once; collective."""
+        """Write the fields at a time (s), once; collective."""
         if self._folder is None or self._taken == now:
             return
-        began, fields, self._taken = time.perf_counter(), self._fields, now
+        fields, self._taken = self._fields, now
+        if self._comm.size > 1 or fields is not None:
+            self.flush()  # where there is no room for fields, there is for rows beside them
         if fields is not None:
-            if self._comm.size > 1:  # they are written at once
-                self._together(self._write_rows)
+            began = time.perf_counter()
             self._together(lambda: fields.write(now))
-        self.output_seconds += time.perf_counter() - began
-        if self._comm.size > 1 or (fields is not None and not fields.waiting):
-            self.flush()
+            self.output_seconds += time.perf_counter() - began
 
     @property
     def late(self) -> bool:
@@ -236,19 +227,12 @@ class RunFiles:
         files = self._folder is not None and self._comm.size == 1
         return files and time.perf_counter() - self._flushed >= PAUSE
 
-    def flush_in_time(self) -> None:
-        """Write what may have waited long."""
-        if self.late:
-            self.flush()
-
     def flush(self) -> None:
-        """Write the rows and the fields that wait; collective."""
+        """Write the rows that wait; collective."""
         if self._folder is None:
             return
         began = time.perf_counter()
-        # Rows first: where there is no room for fields, there is for what they are read beside.
         self._together(self._write_rows)
-        self._together(self._write_fields)
         self._flushed = time.perf_counter()
         self.output_seconds += self._flushed - began
 

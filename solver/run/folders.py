@@ -23,6 +23,7 @@ REPORT = "report.html"
 #: What a run or its pictures leave in a folder; a new run with --force removes these, nothing else.
 LEFT_BEHIND = (
     "history.csv",
+    "events.csv",
     "summary.json",
     *("summary.json.part", "scene.toml.part", f"{REPORT}.part", "film.part.mp4", "film.part.gif"),
     "floor_spectra.csv",

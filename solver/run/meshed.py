@@ -13,7 +13,7 @@ import numpy as np
 from solver.build.assembly import Assembly, build, initial_state
 from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion
-from solver.fields.pvd import FieldsBefore
+from solver.fields.vtu import FieldsBefore
 from solver.history.history import scene_columns
 from solver.parallel import any_rank
 from solver.run.context import RunContext
@@ -205,6 +205,7 @@ class MeshedRun:
         self._iterations += exchange.iterations
         self._coarse += is_coarse
         self._row = self._observer.row(new, exchange, dt)
+        context.recorder.add(self._row[None])
         found = context.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(context)
@@ -231,5 +232,5 @@ class MeshedRun:
             "linear_solvers": sorted({name for body in bodies for name in body.solvers}),
             "unknowns": system.unknowns,
             "ranks": system.comm.size,
-            "local_problems_rescued": dict(stepper.local.rescues),
+            "local_problems_rescued": dict(stepper.local.fallbacks),
         }

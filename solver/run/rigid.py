@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.fields.pvd import FieldsBefore
 from solver.fields.rigid_snapshots import RigidSnapshots
+from solver.fields.vtu import FieldsBefore
 from solver.history.columns import positions
 from solver.history.history import scene_columns
-from solver.law.compiled import NUMBA, runs_machine_code
+from solver.law.compiled import runs_machine_code
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.system import Advance
 from solver.run.context import RunContext
@@ -68,7 +68,7 @@ class RigidRun:
         self._row: Array | None = None
         """The last row, unless the history holds it."""
         how = "compiled" if machine_code else "interpreted"
-        if NUMBA is None:
+        if not machine_code:
             how += ": numba is not installed, or not wanted"
         self.description = (
             f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks, {how}"
@@ -193,6 +193,7 @@ class RigidRun:
     def _keep(self, context: RunContext, outcome: Advance) -> None:
         """Append the rows that the history holds; another one waits, since it may be the last."""
         rows = outcome.rows[:, self._columns]
+        context.recorder.add(rows)
         number = np.arange(self._steps + 1, self._steps + 1 + len(rows))
         kept = number % self._scene.output.history_every == 0
         context.history.extend(rows[kept])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -17,14 +16,14 @@ import numpy as np
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
-from solver.fields.hdf_file import refuse_without_h5py
+from solver.fields.vtkhdf import refuse_without_h5py
 from solver.history.history import History, scene_columns
 from solver.info import versions
-from solver.law.late_linking import watching
-from solver.law.switch import chosen_for
+from solver.law.compiled import watching
 from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
+from solver.results.events import Recorder
 from solver.results.report import overlap_lines
 from solver.results.summary import summarise
 from solver.run.checkpoint import Checkpoint, read_checkpoint
@@ -59,28 +58,23 @@ class _Compilations:
     """
 
     def __init__(self, log: Log, progress: ProgressReport | None):
-        """Know who is told."""
+        """Begin with none."""
         self._log, self._progress = log, progress
-        self._began = self.seconds = 0.0
-        self._said = False
+        self._said, self.seconds = False, 0.0
 
-    def pause(self) -> None:
-        """Begin to read back or to compile."""
-        self._began = time.perf_counter()
-        if self._progress is not None:
-            self._progress.pause("")
-
-    def say(self, why: str) -> None:
-        """Say why it takes so long, once."""
-        if not self._said:
+    def pause(self, why: str) -> None:
+        """Begin to read back, or for a reason to compile, which is said once."""
+        if why and self._said:
+            return
+        if why:
             self._said = True
             self._log(why)
-            if self._progress is not None:
-                self._progress.pause(why)
+        if self._progress is not None:
+            self._progress.pause(why)
 
-    def go_on(self) -> None:
-        """Be done with it."""
-        self.seconds += time.perf_counter() - self._began
+    def go_on(self, seconds: float) -> None:
+        """Be done with it after some seconds."""
+        self.seconds += seconds
         if self._progress is not None:
             self._progress.go_on()
 
@@ -103,13 +97,6 @@ def engine_for(
     return MeshedRun(scene, files.log, ground, petsc_options=petsc_options, comm=comm)
 
 
-def _interpretable_steps(scene: Scene) -> float:
-    """Steps times blocks of a run that could as well be interpreted; infinite for others."""
-    if not scene.is_rigid or scene.dimension == 3:
-        return math.inf
-    return scene.time.end / scene.time.step * len(scene.blocks)
-
-
 def simulate(
     scene: Scene,
     *,
@@ -120,7 +107,6 @@ def simulate(
     seconds: float | None = None,
     comm: Comm | None = None,
     ground: GroundMotion | None = None,
-    many: bool = False,
     resume: bool = False,
 ) -> Result:
     """Run a scene; collective on all ranks of `comm`.
@@ -138,7 +124,6 @@ def simulate(
         ground: Motion of the ground, as it was read; None: it is read here, by rank 0, before
             anything is written.
         resume: Go on from the checkpoint in the folder, of this scene or one with an earlier end.
-        many: Whether this process runs many scenes, so that machine code is worth its import.
 
     Returns:
         The result; a run that cannot go on or is interrupted returns what it has, and says so.
@@ -161,7 +146,6 @@ def simulate(
         on_first_rank(comm, partial(renew_folder, folder))
     with (
         ExitStack() as stack,
-        chosen_for(math.inf if many else _interpretable_steps(scene)),
         RunFiles(scene, folder, comm, log, resumed) as files,
         Interruption(comm, seconds) as interruption,
     ):
@@ -171,10 +155,11 @@ def simulate(
         stack.enter_context(watching(compiling))
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
-        context = RunContext(scene, history, files, interruption, Watch(scene), progress, ground)
+        watch, recorder = Watch(scene), Recorder(scene, history.columns)
+        context = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
         until = None if seconds is None else began + seconds
-        twin = partial(_twin, comm=comm, many=many, until=until, petsc_options=petsc_options)
+        twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
         status, summary = _run(engine, context, began, cautions, resumed, compiling, twin)
     return Result(status, history, summary)
 
@@ -195,12 +180,10 @@ def _refuse(scene: Scene, folder: Path | None, options: Sequence[str], *, resume
         check_options(options)
 
 
-def _twin(
-    scene: Scene, *, comm: Comm, many: bool, until: float | None, petsc_options: Sequence[str]
-) -> Result:
+def _twin(scene: Scene, *, comm: Comm, until: float | None, petsc_options: Sequence[str]) -> Result:
     """The twin of a scene, run without any files, up to a time of the performance counter, s."""
     left = None if until is None else until - time.perf_counter()
-    alike: dict[str, Any] = {"comm": comm, "many": many, "petsc_options": petsc_options}
+    alike: dict[str, Any] = {"comm": comm, "petsc_options": petsc_options}
     return simulate(finer_twin_of(scene), seconds=left, **alike)
 
 
@@ -226,13 +209,15 @@ def _run(
     for text in cautions:
         files.log(f"caution: {text}")
     if resumed is None:
-        first = engine.first_row()
+        first = np.array(engine.first_row())
         history.append(first)
-        context.watch.look(np.array(first)[None])
+        context.watch.look(first[None])
+        context.recorder.add(first[None])
     else:
-        own, before = resumed.saved
+        own, before, recorded = resumed.saved
         engine.resume(own)
         context.watch.resume(before)
+        context.recorder.resume(recorded)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
     ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
@@ -241,6 +226,7 @@ def _run(
     gc.freeze()  # what dolfinx, UFL and numba have loaded is no garbage: 5 % of a small step
     try:
         status, reason = engine.loop(context)
+        history.events = context.recorder.finish()
         files.flush()
     finally:
         gc.unfreeze()

@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 @dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Coefficients of the scheme, all from `rho_inf` in [0, 1]; a step asks for them many times.
+    """Coefficients of the scheme, all from `rho_inf` in [0, 1], each computed once.
 
     With beta = gamma_n/2 the spectral radius at infinite frequency is 1 for every `rho_inf`: it
     sets the damping of the middle frequencies only.

@@ -30,7 +30,7 @@ class Ladder:
         self.lead_to(end)
         self._wait, self._succeeded = 1, 0
         self._tries = False
-        """Whether the next step is the first one after climbing."""
+        """True if the next step is the first one after climbing."""
         self.rejected = 0
 
     def lead_to(self, end: float) -> None:
@@ -44,7 +44,7 @@ class Ladder:
 
     @property
     def done(self) -> bool:
-        """Whether the end is reached."""
+        """True if the end is reached."""
         return self._now >= self._end
 
     @property
@@ -119,7 +119,7 @@ class Tolerance:
     GROWTH = 8.0
     """By what the error grows when the step doubles."""
     MARGIN = 1.15
-    """What a step that may double has left besides."""
+    """Reserve of a step that may double."""
 
     def __init__(self, tolerance: float, left: float = 0.0):
         """Judge by a tolerance, which is about the error of the restitution of an impact.
@@ -146,7 +146,7 @@ class Tolerance:
         return max(shares) / self._tolerance
 
     def climbs(self, used: float) -> bool:
-        """Whether twice the step may be tried after one that used this share."""
+        """True if twice the step may be tried after one that used this share."""
         return self.MARGIN * self.GROWTH * used <= 1.0
 
     def halvings(self, used: float) -> int:

@@ -45,7 +45,7 @@ correction helps is 0.3 to 1.3 of the estimate."""
 
 
 class Balance(NamedTuple):
-    """What is solved for u: internal forces + mass M (u - start - way) + constant = contact."""
+    """Balance for u: internal forces + mass M (u - start - way) + constant = contact."""
 
     contact: Sequence[Memory]
     """Memory of each interface that the step starts from, in the frame of the step."""
@@ -64,11 +64,11 @@ class Balance(NamedTuple):
     step: float = np.inf
     """dt, s, for the speed of slip; infinite in equilibrium."""
     glued: bool = False
-    """Whether closed points hold any friction."""
+    """True if closed points hold any friction."""
 
     @property
     def static(self) -> bool:
-        """Whether it is an equilibrium."""
+        """True if it is an equilibrium."""
         return self.way is None
 
     @property
@@ -77,7 +77,7 @@ class Balance(NamedTuple):
         return self.weights[0].contact
 
     def tolerance(self, system: System, guess: Array) -> ResidualTolerance:
-        """What counts as zero: a part of the forces, or round-off of the stresses.
+        """Residuals that count as zero: a part of the forces, or round-off of the stresses.
 
         Displacements at both ends of the step, the guess (m) among them, make the round-off: a body
         that comes down without loads may touch just where its displacement is zero.
@@ -152,7 +152,7 @@ class Contact(NamedTuple):
         kinematics: Their gaps and tangential positions.
         force: Point forces f, (points, d), N.
         bounds: Bounds of friction at all points.
-        clear: As in its memory: how far it may move before anybody has to look at it, m.
+        clear: As in its memory: distance that it may move unobserved, m.
     """
 
     surface: SurfaceState
@@ -167,19 +167,19 @@ class Contact(NamedTuple):
         return self.surface, self.kinematics
 
     def was_skipped(self, before: Memory) -> bool:
-        """Whether the step did not even look where it is: it stays as it was remembered before."""
+        """True if the step did not observe it: it stays as it was remembered before."""
         return self.surface is before.surface
 
 
 class StepSolution(NamedTuple):
-    """What balances, and how the iteration came to it."""
+    """The solution of a balance, and how the iteration came to it."""
 
     u: Array
     """Displacement of the owned unknowns, m."""
     contacts: Sequence[Contact]
     """Interfaces and point forces; empty where the iteration did not converge."""
     residual: Array
-    """What is left of the out-of-balance force, N."""
+    """Rest of the out-of-balance force, N."""
     inertia: Array
     """M (u - u_n - dt v_n), kg m; zero in equilibrium."""
     outcome: NewtonOutcome
@@ -189,7 +189,7 @@ class StepSolution(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What is settled of a step before it is solved.
+    """Data of a step that are settled before it is solved.
 
     Attributes:
         dt: Length, s.
@@ -213,7 +213,7 @@ class Step(NamedTuple):
 def balance_of(
     system: System, state: State, step: Step, weights: Sequence[TangentWeights]
 ) -> Balance:
-    """The balance of a step; bodies are told what they start from."""
+    """The balance of a step; bodies keep the start of it."""
     scheme, dt = step.scheme, step.dt
     af, am, beta = scheme.alpha_f, scheme.alpha_m, scheme.beta
     weighted = scheme.contact_weight * step.load

@@ -1,4 +1,4 @@
-"""Contact compliance (Delassus operator) of a meshed body: what unit forces at its ports move.
+"""Contact compliance (Delassus operator) of a meshed body among its ports.
 
 Ports are points where forces act and motions are read, as rows on the nodes of the body. Columns
 K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so that a
@@ -39,7 +39,7 @@ class InterfaceDofs:
     count: int
     """Number of points."""
     symmetric: bool
-    """Whether both are the same numbers."""
+    """True if both are the same numbers."""
 
 
 class PointRows(NamedTuple):
@@ -59,7 +59,7 @@ class PointRows(NamedTuple):
 
 
 class Compliance:
-    """What unit forces at the ports of a body move, K^-1 (force rows)^T, by other rows."""
+    """Motion of the ports of a body under unit forces, K^-1 (force rows)^T by other rows."""
 
     def __init__(
         self, body: ElasticBody | ReducedBody, factor: Inverse, ports: Sequence[InterfaceDofs]
@@ -96,7 +96,7 @@ class Compliance:
         return self._matrix[np.ix_(rows, rows)]
 
     def displacement(self, ports: Indices, forces: Array) -> Array:
-        """What forces (m, d) at some ports do to the owned unknowns, m; collective."""
+        """Displacement of the owned unknowns by forces (m, d) at some ports, m; collective."""
         self._compute_missing(ports)
         if self.columns is not None:
             moved: Array = np.zeros(self.body.size)

@@ -255,14 +255,14 @@ class StepProblem:
         )
 
     def continues(self, u: Array) -> bool:
-        """Whether the solution u is none: an interface wakes up, points sink in or break loose."""
+        """True if u is no solution: an interface becomes active, points sink in or break loose."""
         if self.active_set.activate(u):
             self._active = self._pairs()
             return True
         return self._sinks_in() or self.contact.friction.break_loose(self.contact.force)
 
     def _sinks_in(self) -> bool:
-        """Whether points sink in at the iterate that no correction has looked at."""
+        """True if points sink in at the iterate that were in no correction."""
         y = self._positions()
         self._deactivate(y)
         return self.contact.sinks_in(y)
@@ -273,7 +273,7 @@ class StepProblem:
             y[self._beyond, 0] = self._points.size[self._beyond]
 
     def contacts(self) -> list[Contact]:
-        """Every interface at the end of the step, after `continues` was asked."""
+        """Every interface at the end of the step, after `continues`."""
         found, active_set = [], self.active_set
         for number, own in enumerate(self._points.own):
             inactive = active_set.inactive[number]
@@ -315,7 +315,7 @@ class ContactSolve:
         self._solver.destroy()
 
     def saved(self) -> dict[str, Any]:
-        """What the digits of further solves depend on, for `resume`."""
+        """State that the digits of further solves depend on, for `resume`."""
         return {
             "tangents": [
                 (weights, saved_compliances(tangents.responses), tangents.operator)
@@ -385,13 +385,13 @@ class ContactSolve:
         self._model.margin.keep_active(gaps, may_touch)
 
     def _was_strained_at(self, start: Array) -> bool:
-        """Whether the stiffness was made anew at this very displacement; collective."""
+        """True if the stiffness was made anew at this very displacement; collective."""
         before = self._strained_at
         another = before is None or not np.array_equal(before, start)
         return not any_rank(self._model.system.comm, another)
 
     def _tangents_for(self, weights: tuple[TangentWeights, ...]) -> Tangents:
-        """What the bodies offer for a step size and rho_inf."""
+        """Responses of the bodies for a step size and rho_inf."""
         if weights not in self._tangents:
             self._make_room()
             system, links = self._model.system, self._model.points.links

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 
 class IterationVerdict(IntEnum):
-    """What SNES is told after an iteration, by PETSc's numbers (`SNESConvergedReason`)."""
+    """The verdict after an iteration, by PETSc's numbers (`SNESConvergedReason`)."""
 
     ITERATING = 0
     SMALL_RESIDUAL = 2
@@ -34,7 +34,7 @@ class IterationRecord(NamedTuple):
     """Largest norm of the contact forces so far, N."""
     acceleration: Callable[[], float]
     """Gives the largest acceleration of a body by the resultant of the residual, m/s2; collective,
-    and asked for only where the residual itself is small."""
+    and used only where the residual itself is small."""
 
 
 class ResidualTolerance(NamedTuple):
@@ -57,7 +57,7 @@ class ResidualTolerance(NamedTuple):
 
 
 class IterationTolerances(NamedTuple):
-    """What counts as zero.
+    """Tolerances of an iteration.
 
     Attributes:
         residual: Of a residual itself.
@@ -89,7 +89,7 @@ class Convergence:
     itself it is far above round-off, so that one and several ranks take the same number of
     corrections, and their histories differ by no more than round-off."""
     patience: int = 30
-    """Iterations that are allowed before progress is asked for; found with soft strips whose volume
+    """Iterations that are allowed before progress is required; found with soft strips whose volume
     hardly changes (nu close to 0.5), which converge slowly, but surely, where they are strained or
     turn fast."""
     window: int = 15
@@ -129,7 +129,7 @@ class Convergence:
         return IterationVerdict.ITERATING
 
     def _settled(self, past: Sequence[float], tolerance: float) -> bool:
-        """Whether the last correction was expected to leave so little."""
+        """True if the last correction was expected to leave so little."""
         if len(past) == 2:
             # One correction tells no rate; bodies that do not turn need no more than one.
             return True
@@ -137,7 +137,7 @@ class Convergence:
         return past[-2] * rate <= self.expected * tolerance
 
     def _stagnates(self, past: Sequence[float], round_off: float) -> bool:
-        """Whether round-off keeps the residual from falling any further."""
+        """True if round-off keeps the residual from falling any further."""
         if len(past) == 2:
             return False
         return past[-1] > self.stagnation * past[-2] and past[-1] < self.round_offs * round_off

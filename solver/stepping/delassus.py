@@ -71,7 +71,7 @@ def of_no_points(d: int) -> Delassus:
 
 @dataclass(slots=True)
 class Tangents:
-    """What bodies offer for one step size and rho_inf.
+    """Responses of all bodies for one step size and rho_inf.
 
     Attributes:
         responses: Responses of all bodies.

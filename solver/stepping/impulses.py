@@ -23,7 +23,7 @@ from solver.types import Array, Indices
 
 
 class VelocityCorrection(NamedTuple):
-    """What contact at velocity level does after a step.
+    """Effect of contact at velocity level after a step.
 
     Attributes:
         change: Change of the velocity of the owned unknowns, or (1,) of all alike, m/s.
@@ -103,7 +103,7 @@ class VelocityImpulses:
         self._kept: MassOperator | None = None
 
     def saved(self) -> tuple[list[Any], MassOperator | None]:
-        """What the digits of further corrections depend on, for `resume`."""
+        """State that the digits of further corrections depend on, for `resume`."""
         return saved_compliances(self._responses), self._kept
 
     def resume(self, saved: tuple[list[Any], MassOperator | None]) -> None:

@@ -29,7 +29,7 @@ class Energies:
 
 @dataclass(slots=True)
 class StepSums:
-    """What a step adds up over all bodies."""
+    """Sums of a step over all bodies."""
 
     energies: Energies
     """Energies at t_{n+1}, J."""
@@ -90,15 +90,15 @@ class StepEnds(NamedTuple):
     mean: Array
     """du/dt, m/s."""
     impulsive: Sequence[Array | None]
-    """What `impulsive_force` gives of each body, N; None: it has none."""
+    """`impulsive_force` of each body, N; None: it has none."""
     residual: Array
-    """What the iteration left out of balance, N."""
+    """Residual of the iteration, N."""
     inertia: Array
     """M (u_{n+1} - u_n - dt v_n), kg m."""
 
 
 def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
-    """What a step adds up, from its ends; collective.
+    """Sums of a step, from its ends; collective.
 
     `dp` is p_{n+1} - p_n in the frame of the middle of the step, N.
     """
@@ -136,7 +136,7 @@ def numerical_loss(
     new: Sequence[Memory],
     skew: float,
 ) -> float:
-    """What the averaging of forces takes, skew du.dr, less the work of the residual, J.
+    """Energy that the averaging of forces takes, skew du.dr, less the work of the residual, J.
 
     By what the step adds up, and all interfaces' memories at its ends; skew is 1/2 - alpha_f of the
     scheme of the step.

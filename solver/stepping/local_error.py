@@ -1,4 +1,4 @@
-"""How far a step is wrong, told from third differences of the motion."""
+"""The error of a step, from third differences of the motion."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class StepError(NamedTuple):
 
 
 class Past(NamedTuple):
-    """What earlier steps leave for the estimate."""
+    """Differences over earlier steps, for the estimate."""
 
     u: Array
     """Displacement at t_n, m."""
@@ -77,7 +77,7 @@ class LocalError:
         ]
 
     def start(self, state: State) -> Past:
-        """What there is before the first step, from a state."""
+        """Differences before the first step, from a state."""
         rigid = self._rigid_velocity(state)
         return Past(
             u=state.u,
@@ -135,7 +135,7 @@ class Judge:
         self._used = 0.0
 
     def saved(self) -> Any:
-        """What earlier steps leave, for `resume`."""
+        """Differences over earlier steps, for `resume`."""
         return self._past, self._used
 
     def resume(self, saved: Any) -> None:
@@ -146,7 +146,7 @@ class Judge:
     def accepts(
         self, new: State, dt: float, following: Callable[[State, float], State | None]
     ) -> bool:
-        """Whether a step is good enough.
+        """True if a step is good enough.
 
         Args:
             new: Where it led.
@@ -173,7 +173,7 @@ class Judge:
 
     @property
     def halvings(self) -> int:
-        """How often the step that was judged last, and refused, is halved."""
+        """Halvings of the step that was judged last, and refused."""
         return self._tolerance.halvings(self._used)
 
     def climbs(self) -> bool:

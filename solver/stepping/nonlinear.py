@@ -1,4 +1,4 @@
-"""PETSc SNES, told what the residual is and how to correct it.
+"""PETSc SNES with a residual and its correction.
 
 SNES drives, monitors and judges; the correction (free step, local contact problem, compliance)
 stands where a preconditioned Krylov method stands elsewhere: `newtonls`, line search `basic`,
@@ -53,10 +53,10 @@ REASONS = {
 
 
 class NewtonOutcome(NamedTuple):
-    """How a nonlinear solve ended."""
+    """Outcome of a nonlinear solve."""
 
     converged: bool
-    """Whether it found a solution."""
+    """True if it found a solution."""
     iterations: int
     """Corrections that it took."""
     residual: float
@@ -107,7 +107,7 @@ class Correction:
 
 
 def _last_line(error: PETSc.Error) -> str:
-    """What PETSc says in the end."""
+    """The last line of an error of PETSc."""
     return str(error).splitlines()[-1]
 
 

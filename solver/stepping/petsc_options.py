@@ -10,7 +10,7 @@ PREFIX = "rockslip_"
 """Beginning of every option of the nonlinear solver, as in `-rockslip_snes_monitor`."""
 
 SOLVER = ("snes_", "ksp_", "pc_")
-"""What such options begin with without the prefix, which may be left out."""
+"""Beginnings of such options without the prefix, which may be left out."""
 
 
 def parse_options(words: Sequence[str]) -> dict[str, str | None]:

@@ -62,12 +62,12 @@ class PointTable:
         own: Numbers of the points of each interface.
         count: Number of all points.
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
-        has_bed: Whether points stand on beds.
+        has_bed: True if points stand on beds.
         no_bed: The softness of beds where there are none, (points,), m/N.
-        steady: Whether friction depends on neither speed nor the past.
-        decays: Whether that of some points decays with the speed.
+        steady: True if friction depends on neither speed nor the past.
+        decays: True if that of some points decays with the speed.
         bounds: Bounds of steady friction; None where it is not steady.
-        turns: Whether a carrier turns.
+        turns: True if a carrier turns.
         size: Of the body that each point belongs to, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
     """

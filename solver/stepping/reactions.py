@@ -1,4 +1,4 @@
-"""What the ground does to bodies that supports hold or springs tie to it.
+"""Forces of the ground on bodies that supports hold or springs tie to it.
 
 A step weighs elastic forces by p (M6), so their mean in it is gamma_n p_{n+1} + (1 - gamma_n) p_n:
 with it momentum is balanced to the last digit. At supports p is what (M6) and (M10) make of the
@@ -25,7 +25,7 @@ class HeldForces(NamedTuple):
     balance: Array
     """Residual of the step."""
     inertia: Array
-    """What (M10) makes of p there, with p_n = 0."""
+    """p there by (M10), with p_n = 0."""
 
 
 def ground_forces(
@@ -84,7 +84,7 @@ def with_impulses(system: System, forces: GroundForces, change: Array, dt: float
 
 
 def standing_forces(system: System, state: State, gravity: Array) -> GroundForces:
-    """What the ground does at the start: nothing moves yet; gravity in m/s2, (d,)."""
+    """Forces of the ground at the start, where nothing moves yet; gravity in m/s2, (d,)."""
     nodal, total = state.held.copy(), np.zeros(system.dimension)
     weight = gravity @ system.directional_mass
     nodal[system.fixed] = -state.held[system.fixed] - weight[system.fixed]

@@ -1,4 +1,4 @@
-"""How bodies answer to forces at contact points: their compliance, and the motion they take.
+"""Responses of bodies to forces at contact points: compliance, and motion.
 
 A body takes part in interfaces with its points (it is carried) or with what it carries them on (it
 carries). For all of them together it offers its free motion and its compliance, and takes forces:
@@ -63,7 +63,7 @@ class BodyRole:
         interface: Number of the interface.
         first: Number of its first point among the points of all interfaces.
         count: Number of its points.
-        carries: Whether the body carries the points, or has them.
+        carries: True if the body carries the points, or has them.
         points: The body's own surface points.
         port: Number of the first of them among all ports of the body.
     """
@@ -118,7 +118,7 @@ class CandidateSet(NamedTuple):
 
 
 class Response(Protocol[Configuration, Coupling, Motion]):
-    """What a body offers to the contact problem."""
+    """The face of a body towards the contact problem."""
 
     @property
     def nbytes(self) -> float:
@@ -131,7 +131,7 @@ class Response(Protocol[Configuration, Coupling, Motion]):
         """The configuration in which the mass alone answers; u: owned unknowns."""
 
     def close(self, now: Configuration, before: Configuration) -> bool:
-        """Whether compliances are the same in both, as far as corrections need it."""
+        """True if compliances are the same in both, as far as corrections need it."""
 
     def free(self, at: Configuration, residual: Array) -> Motion:
         """The free motion -K^-1 r, without any change of contact forces."""
@@ -222,7 +222,7 @@ class DenseResponse:
         return DenseConfiguration(pose if self.body.turns else None, rows, level)
 
     def close(self, now: DenseConfiguration, before: DenseConfiguration) -> bool:
-        """Whether the body has not moved, or has the same rows wherever it is."""
+        """True if the body has not moved, or has the same rows wherever it is."""
         if now.pose is None or before.pose is None:
             return True
         return bool((now.pose == before.pose).all())
@@ -305,7 +305,7 @@ class ElasticMotion(NamedTuple):
 
 
 class ElasticCoupling(NamedTuple):
-    """How near points act on the ports of a body.
+    """Coupling of near points to the ports of a body.
 
     Attributes:
         ports: Numbers of the ports that they act on, rising.
@@ -393,7 +393,7 @@ class ElasticResponse:
         return self._unturned
 
     def close(self, now: Array, before: Array) -> bool:
-        """Whether neither rotation has changed to speak of."""
+        """True if neither rotation has changed to speak of."""
         return largest_turn(now, before) <= TURNED
 
     def at_rest(self) -> ElasticMotion:
@@ -498,7 +498,7 @@ class ElasticResponse:
 
 
 def saved_compliances(responses: Sequence[Any]) -> list[Any]:
-    """What the responses of meshed bodies have computed; None for all others."""
+    """Batches of columns of meshed bodies; None for all others."""
     return [
         response.compliance.batches if isinstance(response, ElasticResponse) else None
         for response in responses

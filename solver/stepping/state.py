@@ -68,7 +68,7 @@ class State(NamedTuple):
         strain: Strain energy, J.
         spring: Energy of springs to the ground, J.
         turning: How bodies turned at the start of the last step; None before the first.
-        changed: Whether contact changed in the step that led here.
+        changed: True if contact changed in the step that led here.
         reversal: Speed at which what slipped in that step now slips back, the largest, m/s.
         damped_until: Time until which steps are damped since contact changed, s.
     """
@@ -102,7 +102,7 @@ class State(NamedTuple):
 
 
 class GroundForces(NamedTuple):
-    """What the ground does to meshed bodies that it holds and to a platform on a spring, N."""
+    """Forces of the ground on meshed bodies that it holds and on a platform on a spring, N."""
 
     nodal: Array
     """On each of the owned unknowns of all meshed bodies; 0 for others."""

@@ -111,7 +111,7 @@ class Stepper:
         self._impulses: VelocityImpulses | None = None
 
     def prepare(self, state: State, dt: float) -> StepStart:
-        """What a step of length `dt` (s) from a state starts from.
+        """Start of a step of length `dt` (s) from a state.
 
         The frames of carriers are those of this step afterwards, and faces that have turned to
         their carriers take part; the state stays as it is.
@@ -121,7 +121,7 @@ class Stepper:
         return self._interfaces.start(state, faces, dt)
 
     def standing(self) -> InterfaceState:
-        """How the interfaces stand in the step that was prepared last, for `stand`."""
+        """Frames of the interfaces in the step that was prepared last, for `stand`."""
         assert self._faces is not None
         return InterfaceState.of(self._faces, self.links)
 
@@ -131,7 +131,7 @@ class Stepper:
         standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
-        """What the digits of further steps depend on besides the state, for `resume`."""
+        """Data that the digits of further steps depend on besides the state, for `resume`."""
         bodies = self.system.bodies
         self.local.forget()  # here as in a run that goes on from this
         return {
@@ -159,7 +159,7 @@ class Stepper:
         return self._interfaces.energy(state.faces, state.contacts)
 
     def ground_forces(self, state: State) -> GroundForces:
-        """What the ground does to bodies that it holds at the start of a run."""
+        """Forces of the ground on bodies that it holds at the start of a run."""
         return standing_forces(self.system, state, self.gravity)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
@@ -266,7 +266,7 @@ class Stepper:
         return self._ended(state, step, solution, state.time + dt if end is None else end)
 
     def _begin(self, state: State, dt: float) -> Step:
-        """What is settled before the solve."""
+        """Data that are settled before the solve."""
         start = self.prepare(state, dt)
         bodies = range(len(self.system.bodies))
         motions = [state.rigid_motion(self.system, number) for number in bodies]
@@ -338,7 +338,7 @@ class Stepper:
     def _velocity_correction(
         self, u: Array, v: Array, solution: StepSolution, step: Step, rubbed: float
     ) -> VelocityCorrection:
-        """What contact at velocity level changes after a step in which friction took `rubbed`."""
+        """Changes by contact at velocity level after a step in which friction took `rubbed`."""
         correction: VelocityCorrection | None = None
         pressed = [contact.force[:, 0] > 0 for contact in solution.contacts]
         closed = joined(pressed).nonzero()[0]

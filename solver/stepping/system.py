@@ -1,4 +1,4 @@
-"""The bodies of a scene and who touches whom."""
+"""The bodies of a scene and their interfaces."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class System:
         return np.concatenate([body.settled(u[own]) for body, own in self.members])
 
     def rigid(self, link: Link) -> bool:
-        """Whether neither of the two bodies is meshed: their point forces are not unique then."""
+        """True if neither of the two bodies is meshed: their point forces are not unique then."""
         members = [self.bodies[body] for body in (link.body, link.carrier) if body is not None]
         return all(isinstance(member, DenseBody) for member in members)
 
@@ -117,12 +117,12 @@ class System:
 
 
 def _stands_on_ground(body: Body) -> bool:
-    """Whether supports or springs between a body and the ground exchange forces."""
+    """True if supports or springs between a body and the ground exchange forces."""
     return isinstance(body, Oscillator) or (not isinstance(body, DenseBody) and body.clamped)
 
 
 def _is_tied(body: Body, at_rest: Array) -> bool:
-    """Whether a spring, a dashpot or damping acts on what moves over the ground; collective."""
+    """True if a spring, a dashpot or damping acts on what moves over the ground; collective."""
     return body.spring(at_rest) is not None or body.drag(at_rest) is not None
 
 
@@ -150,7 +150,7 @@ def response_of(
     factor: Inverse | Array,
     weights: TangentWeights | None = None,
 ) -> AnyResponse:
-    """What a body offers to the contact problem, by its number.
+    """The response of a body, by its number.
 
     The factor is the factorized tangent or mass of a meshed body, the diagonal of a rigid one's.
     Weights are those of the tangent, whose points are read with their tractions; None for the mass.

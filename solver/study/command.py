@@ -270,4 +270,4 @@ STUDIES = {
         "solver.study.suite.cases:SuiteStudy.run",
     ),
 }
-"""What each study does, what adds its options, and what runs it."""
+"""Purpose of each study in words, the function that adds its options, the place that runs it."""

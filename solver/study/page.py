@@ -16,7 +16,7 @@ from typing import Any
 
 from solver.errors import SceneError, not_installed
 from solver.parallel import launched_rank
-from solver.pictures.page.html import (
+from solver.pictures.html import (
     cautions,
     document,
     figure,
@@ -95,7 +95,7 @@ def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
 
     (run,) = read_runs([folder])
     try:
-        from solver.pictures.page.run_page import run_page
+        from solver.pictures.page import run_page
 
         if filmed:
             import pyvista  # noqa: F401  (imported when it draws, and missed before that)
@@ -107,7 +107,7 @@ def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
 
 def study_page(folder: Path, kind: str) -> str:
     """The page of the study in a folder, by the name of its table."""
-    from solver.study.study import FILES, SETTINGS, read_mapping
+    from solver.study.study import HELD, SETTINGS, read_mapping
 
     settings = read_mapping(folder / SETTINGS)
     rows = _rows(folder / f"{kind}.csv")
@@ -122,7 +122,7 @@ def study_page(folder: Path, kind: str) -> str:
         parts += [heading("Pictures"), *(figure(_caption(file), file) for file in pictures)]
     parts += [heading("Numbers"), *_numbers(rows, f"{kind}.csv")]
     scene = settings.pop("scene", None)
-    settings.pop(FILES, None)
+    settings.pop(HELD, None)
     if isinstance(scene, dict):
         parts += [heading("Scene"), verbatim(_toml(scene))]
     parts += _repetition(folder, kind, settings)
@@ -137,7 +137,7 @@ def _rows(file: Path) -> list[list[str]]:
 
 
 def _failures(rows: list[list[str]]) -> list[str]:
-    """What did not complete, and why."""
+    """Cases that did not complete, with their reasons."""
     names = rows[0] if rows else []
     if "status" not in names:
         return []
@@ -168,7 +168,7 @@ def _short(word: str) -> str:
 
 
 def _caption(file: Path) -> str:
-    """What a picture is called, as words."""
+    """The name of a picture, as words."""
     return file.stem.replace("_", " ").capitalize()
 
 

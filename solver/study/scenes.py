@@ -81,7 +81,7 @@ def variant(
 
 
 def is_elastic(tables: Tables) -> bool:
-    """Whether the block of a scene can be run as an elastic one: it has E and nu."""
+    """True if the block of a scene can be run as an elastic one: it has E and nu."""
     (block,) = tables["block"]
     return "young" in block and "poisson" in block
 

@@ -42,8 +42,8 @@ from solver.study.tables import write
 
 SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
 
-FILES = "files"
-"""Key of the settings for digests of the files that they name."""
+HELD = "held"
+"""Key of the settings for what a study that is resumed is compared with."""
 
 Row = dict[str, Any]
 
@@ -202,8 +202,8 @@ class Study(ABC, Generic[Case]):
     def claimed(self) -> Self:
         """The study itself, which has made its folder, or refused to write over what is there."""
         options, folder = self.options, self.folder
-        digests = contents(self.settings)
         settings = {"version": VERSION, **self.settings}
+        held = json.loads(json.dumps(with_digests(settings)))
         allowed = "an empty folder, --force, or --resume"
         if folder.exists() and options.scene.resolve().parent == folder.resolve():
             raise SceneError("-o", f"{folder}, which holds the scene itself", "another folder")
@@ -211,11 +211,11 @@ class Study(ABC, Generic[Case]):
             used = make_folder(folder, force=options.force or options.resume, allowed=allowed)
             hold_folder(folder)
             if options.resume and used:
-                self._compare(with_contents(settings, digests))
+                self._compare(held)
                 self.rows = finished(folder)
             else:
                 self._clear()
-            write(folder / SETTINGS, {**settings, FILES: digests})
+            write(folder / SETTINGS, {**settings, HELD: held})
             (folder / CASES).mkdir(exist_ok=True)
         return self
 
@@ -223,7 +223,7 @@ class Study(ABC, Generic[Case]):
         """Remove an earlier study; folders of such names that are of no study are refused."""
         folders = [self.folder / name for name in (CASES, *self.folders)]
         others = [folder for folder in folders if folder.exists()]
-        if others and not {"version", FILES} & read_mapping(self.folder / SETTINGS).keys():
+        if others and "version" not in read_mapping(self.folder / SETTINGS):
             got = f"{self.folder}, which holds {others[0].name}/, but no study"
             raise SceneError("-o", got, "another folder")
         for pattern in (SETTINGS, REPORT, *self.files):
@@ -233,14 +233,12 @@ class Study(ABC, Generic[Case]):
             shutil.rmtree(folder, ignore_errors=True)
 
     def _compare(self, held: Mapping[str, Any]) -> None:
-        """Refuse a folder that was made from something else than settings with what files hold."""
-        earlier = read_mapping(self.folder / SETTINGS)
-        digests = earlier.pop(FILES, {})
-        if not earlier or not isinstance(digests, dict):
-            got = f"{self.folder}, which holds no {self.noun}"
+        """Refuse a folder that was made from something else, or by another version."""
+        earlier = read_mapping(self.folder / SETTINGS).get(HELD)
+        if not isinstance(earlier, dict):
+            got = f"{self.folder}, which holds no {self.noun} of this version"
             raise SceneError("--resume", got, "its folder")
-        now = json.loads(json.dumps(held))
-        keys = sorted(differing(with_contents(earlier, digests), now))
+        keys = sorted(differing(earlier, held))
         if keys:
             more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
             got = f"{self.folder}, made with another {keys[0]}{more}"
@@ -272,30 +270,16 @@ def digest(said: Any) -> str:
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:20]
 
 
-def contents(said: Any) -> dict[str, str]:
-    """Digests of what files hold that tables name, by their names; of those that can be read."""
-    found: dict[str, str] = {}
+def with_digests(said: Any) -> Any:
+    """Tables with digests of what files hold in place of their names, where they can be read."""
     if isinstance(said, Mapping):
-        name = said.get("file")
-        if isinstance(name, str):
-            with suppress(OSError):
-                found[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
-        said = list(said.values())
-    if isinstance(said, (list, tuple)):
-        for value in said:
-            found |= contents(value)
-    return found
-
-
-def with_contents(said: Any, digests: Mapping[str, str]) -> Any:
-    """What tables say, with digests of files instead of their names where there are such."""
-    if isinstance(said, Mapping):
-        changed = {key: with_contents(value, digests) for key, value in said.items()}
+        changed = {key: with_digests(value) for key, value in said.items()}
         if isinstance(said.get("file"), str):
-            changed["file"] = digests.get(said["file"], said["file"])
+            with suppress(OSError):
+                changed["file"] = hashlib.sha256(Path(said["file"]).read_bytes()).hexdigest()
         return changed
     if isinstance(said, (list, tuple)):
-        return [with_contents(value, digests) for value in said]
+        return [with_digests(value) for value in said]
     return said
 
 

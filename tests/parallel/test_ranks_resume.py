@@ -64,7 +64,8 @@ def test_as_many_ranks_go_on_to_the_byte(whole: Path) -> None:
     assert one["block.angle_rad"][-1] < 0 < one["block.angle_rad"][0]
     for name in one.columns:
         np.testing.assert_array_equal(other[name], one[name])
-    assert (folder / "history.csv").read_bytes() == (whole / "on2/history.csv").read_bytes()
+    for name in ("history.csv", "events.csv"):
+        assert (folder / name).read_bytes() == (whole / "on2" / name).read_bytes()
     listed = (folder / "fields.pvd").read_text()
     pieces = [
         line.split('file="')[1].split('"')[0] for line in listed.splitlines() if "file" in line
@@ -74,7 +75,7 @@ def test_as_many_ranks_go_on_to_the_byte(whole: Path) -> None:
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize(("before", "after"), [(2, 1), (1, 2), (2, 3)])
+@pytest.mark.parametrize(("before", "after"), [(2, 1), (1, 2)])
 def test_another_number_of_ranks_is_refused(whole: Path, before: int, after: int) -> None:
     """In one line, with exit code 2; nothing is lost."""
     folder = whole / f"from{before}to{after}"

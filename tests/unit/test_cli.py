@@ -99,7 +99,7 @@ def test_reference_and_its_folder(granite: Path, capsys: Captured) -> None:
     assert "1 impact at 0.1916 s" in text
     folder = granite.parent / "granite.rigid"
     names = {file.name for file in folder.iterdir()}
-    assert names == {"history.csv", "scene.toml", "summary.json"}
+    assert names == {"history.csv", "events.csv", "scene.toml", "summary.json"}
     # what it wrote is a scene that means the same
     before = (folder / "history.csv").read_text()
     assert main(["reference", "granite.rigid/scene.toml", "-o", "again", "-q"]) == 0
@@ -124,7 +124,7 @@ def test_an_earlier_run_is_kept_unless_forced(granite: Path, capsys: Captured) -
     assert mine.read_text() == "mine"
     assert not (folder / "fields_p0_000001.vtu").exists()
     names = {file.name for file in folder.iterdir()}
-    assert names == {"history.csv", "scene.toml", "summary.json", "notes.txt"}
+    assert names == {"history.csv", "events.csv", "scene.toml", "summary.json", "notes.txt"}
 
 
 def test_a_scene_is_never_written_over(granite: Path, capsys: Captured) -> None:

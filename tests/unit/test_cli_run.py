@@ -260,13 +260,9 @@ def test_a_run_that_cannot_converge_says_where(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("steps", "heavy"), [(40, []), (1400, ["numba", "scipy.linalg"])], ids=["short", "long"]
-)
-def test_a_rigid_scene_pays_for_what_it_has(tmp_path: Path, steps: int, heavy: list[str]) -> None:
-    """No MPI on one process, nothing for meshes; numba where its import takes less than the run."""
-    if heavy:
-        pytest.importorskip("numba")
+def test_a_rigid_scene_pays_for_what_it_has(tmp_path: Path) -> None:
+    """No MPI on one process, nothing for meshes; numba, where it is installed."""
+    pytest.importorskip("numba")
     (tmp_path / "granite.toml").write_text(SCENE.replace("[[block]]", '[[block]]\nmodel = "rigid"'))
     script = """
 import sys
@@ -278,12 +274,12 @@ print(code, *sorted(heavy & set(sys.modules)))
     environment = outside_mpirun()
     environment.pop("ROCKSLIP_NO_NUMBA", None)
     done = subprocess.run(
-        [sys.executable, "-c", script, "run", "granite.toml", "--set", f"time.end={steps / 1000}"],
+        [sys.executable, "-c", script, "run", "granite.toml", "--set", "time.end=0.04"],
         cwd=tmp_path,
         env=environment | {"PYTHONPATH": str(REPOSITORY)},
         capture_output=True,
         text=True,
         check=True,
     )
-    assert done.stdout.splitlines()[-1].split() == ["0", *heavy]
-    assert ("numba" in summary_of(tmp_path / "granite.out")["versions"]) == bool(heavy)
+    assert done.stdout.splitlines()[-1].split() == ["0", "numba", "scipy.linalg"]
+    assert "numba" in summary_of(tmp_path / "granite.out")["versions"]

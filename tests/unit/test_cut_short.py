@@ -8,7 +8,7 @@ import pytest
 
 from rockslip import parse_scene, simulate
 from solver.cli import main
-from solver.pictures.page.run_page import run_page
+from solver.pictures.page import run_page
 from solver.results.endings import cut_short
 from solver.results.report import report
 from solver.results.runs import read_run

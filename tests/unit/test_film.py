@@ -53,7 +53,7 @@ def test_a_slide_is_over_where_it_ends(tmp_path: Path) -> None:
 
 def test_forces_act_where_blocks_touch(tmp_path: Path) -> None:
     """The upper block on the corner that it leans to; an impact counts by its impulse."""
-    from solver.pictures.film.contact import State, block_frames
+    from solver.pictures.contact import State, block_frames
 
     run = read_run(stack(tmp_path / "stack"))
     times = np.linspace(0, 2, 101)
@@ -74,7 +74,7 @@ def test_forces_act_where_blocks_touch(tmp_path: Path) -> None:
 
 def test_the_way_of_the_ground(tmp_path: Path) -> None:
     """Twice the integral of a sine."""
-    from solver.pictures.film.take import ground_path
+    from solver.pictures.film import ground_path
 
     scene = parse_scene(IN_SPACE + "[motion]\nkind = 'sine'\namplitude_g = 0.1\nperiod = 1\n")
     values = {"base.acceleration_m_s2": 0.981 * np.sin(2 * np.pi * T)}
@@ -113,8 +113,8 @@ def test_two_runs_side_by_side(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_filmed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from solver.pictures.film.encode import encoder_for
-    from solver.pictures.film.film import FilmOptions, film, frame_times
+    from solver.pictures.encode import encoder_for
+    from solver.pictures.film import FilmOptions, film, frame_times
 
     plane, space = read_run(stack(tmp_path / "a")), read_run(in_space(tmp_path / "b"))
     with pytest.raises(SceneError, match="dimension"):
@@ -133,7 +133,7 @@ def test_what_cannot_be_filmed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 def test_ffmpeg_gets_the_frames(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Even sizes, all bytes; what it complains of is told."""
-    from solver.pictures.film.encode import encoder_for
+    from solver.pictures.encode import encoder_for
 
     program = tmp_path / "ffmpeg"
     program.write_text('#!/bin/sh\nfor last; do :; done\necho "$@" >"$last.words"\ncat >"$last"\n')

@@ -85,29 +85,3 @@ def test_the_ground_is_that_of_the_scene_where_rows_are_far_apart(second: bool) 
 def test_where_nothing_moves_there_are_no_floors() -> None:
     assert floor_spectra(History(columns(["block"]))) == {}
     assert floor_spectra(history(np.array([0.0]))) == {}
-
-
-def test_ground_that_moves_along_y_alone() -> None:
-    """Its spectrum stands beside that of the floor along y; along x nothing moves."""
-    tables = {
-        "dimension": 3,
-        "block": [{"model": "rigid", "width": 1.0, "thickness": 1.0, "height": 0.4, "mass": 500.0}],
-        "foundation": {"kind": "oscillator", "mass_ratio": 1.0, "period": 0.4},
-        "motion": {
-            "kind": "none",
-            "second": {"kind": "sine", "amplitude_g": 0.2, "period": 0.5, "cycles": 6},
-        },
-        "time": {"end": 3.0, "step": 2e-3},
-    }
-    result = simulate(parse_scene(tables), many=True)
-    spectra = floor_spectra(result.history)
-    assert list(spectra) == ["ground", "ground along y", "platform", "platform along y"]
-    time = np.arange(0.0, 3.0, 5e-4)
-    samples = 0.2 * 9.81 * np.sin(4 * math.pi * time)
-    exact = response_spectrum(samples, 5e-4, PERIODS)
-    np.testing.assert_allclose(spectra["ground along y"], exact, rtol=0.01)
-    assert spectra["ground"].max() == 0.0
-    assert spectra["platform"].max() < 1e-9 < spectra["platform along y"].max()
-    ratio = result.summary["blocks"]["block"]["friction_mass_ratio"]
-    assert math.isnan(ratio)
-    assert len(draw_floors(spectra).axes[0].lines) == 4

@@ -263,7 +263,7 @@ def test_no_closed_point_no_correction():
     nothing = impulse_correction(
         local, empty, np.zeros((0, 2, 0, 2)), empty, Bounds.uniform(0.5, 0), 0.0
     )
-    assert nothing is None and not local.rescues
+    assert nothing is None and not local.fallbacks
 
 
 def test_a_correction_that_would_add_energy_is_left_out():
@@ -273,4 +273,4 @@ def test_a_correction_that_would_add_energy_is_left_out():
     impulse = np.array([[1.0, 0.0]])
     result = impulse_correction(local, velocity, W, impulse, Bounds.uniform(5.0, 1), 0.0)
     assert result is None
-    assert local.rescues["velocity solve left out"] == 1
+    assert local.fallbacks["velocity solve left out"] == 1

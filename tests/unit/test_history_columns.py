@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from rockslip import Scene, parse_scene
 from solver.history.block_columns import lean_in_space
 from solver.history.columns import Structure, check_filled, columns, positions, row_layout
 from solver.history.table import TABLE
-from solver.rigid.plane.system import PlaneSystem
-from solver.rigid.space.system import SpaceSystem
-
-
-def scene(dimension: int) -> Scene:
-    blocks = [
-        {"name": "a", "width": 1.0, "height": 0.5, "density": 2400.0, "model": "rigid"},
-        {"name": "b", "width": 0.4, "height": 0.4, "density": 2400.0, "model": "rigid", "on": "a"},
-    ]
-    time = {"end": 0.1, "step": 1e-3}
-    return parse_scene({"dimension": dimension, "block": blocks, "time": time})
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -74,52 +60,6 @@ def test_columns_that_are_nan_throughout_are_named() -> None:
     with pytest.raises(ValueError, match=r"no value for the columns slip$"):
         check_filled(["time", "slip", "gap"], rows)
     check_filled(["time", "slip", "gap"], rows[:0])
-
-
-@pytest.mark.parametrize(
-    ("dimension", "system", "engine"),
-    [(2, PlaneSystem, "plane.system.advance"), (3, SpaceSystem, "space.system.run")],
-)
-def test_a_rigid_engine_that_leaves_a_column_out_is_noticed(
-    dimension: int, system: Any, engine: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """By its name, in the first rows already."""
-    given = system.from_scene(scene(dimension))
-
-    def forgets(*arguments: Any) -> tuple[int, int]:
-        rows = arguments[-1]
-        rows[:] = 0.0
-        rows[:, given.columns.index("b.slip_m")] = np.nan
-        return len(rows), 0
-
-    monkeypatch.setattr(f"solver.rigid.{engine}", forgets)
-    with pytest.raises(ValueError, match=r"no value for the columns b\.slip_m$"):
-        given.advance(3, 1e-3)
-
-
-def test_so_is_a_meshed_engine_that_does() -> None:
-    from solver.build.assembly import build, initial_state
-    from solver.history.history import scene_columns
-    from solver.run.observer import Observer
-    from solver.stepping.state import Exchange
-
-    tables = scene(2).to_dict()
-    tables["block"][0] |= {"model": "elastic", "young": 1e9, "poisson": 0.2, "cells": [2, 1]}
-    given = parse_scene(tables)
-    assembly = build(given)
-    state, _ = initial_state(given, assembly)
-    observer = Observer(assembly, state, scene_columns(given))
-    forgetful: Any = observer._blocks[1]
-    write, at = forgetful.write, positions("block", 2)
-
-    def forgets(state: Any, links: Any, row: Any) -> None:
-        write(state, links, row)
-        row[[at.angle_rad, at.angular_velocity_rad_s, at.centre_x_m, at.centre_y_m]] = np.nan
-
-    forgetful.write = forgets
-    names = r"b\.angle_rad, b\.angular_velocity_rad_s, b\.centre_x_m, b\.centre_y_m"
-    with pytest.raises(ValueError, match=f"no value for the columns {names}$"):
-        observer.row(state, Exchange(), 1e-3)
 
 
 def test_a_lean_is_carried_on_beyond_half_a_turn() -> None:

@@ -1,6 +1,7 @@
 """The condensed contact problem: the law itself, all 4^m states one by one, and the hard cases."""
 
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,9 +10,18 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from solver.law.friction import TOUCHING_SLOPE, Bounds
-from solver.law.local_problem import LocalProblem, NoContactSolution, image
-from solver.law.newton import OPEN, STICK, Local, lengths, newton
-from solver.law.rescues import RESCUES, rescue
+from solver.law.local_problem import (
+    FALLBACKS,
+    LocalProblem,
+    NoContactSolution,
+    fallback,
+    image,
+    named,
+    new_counts,
+    solve,
+)
+from solver.law.newton import FEW, OPEN, STICK, Local, lengths, newton, solve_dense
+from solver.law.newton import product as matrix_product
 
 deterministic = settings(derandomize=True, deadline=None, max_examples=60)
 SEEDS = st.integers(0, 10**6)
@@ -333,17 +343,17 @@ def test_without_points_there_is_no_force(d):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-@pytest.mark.parametrize("method", range(len(RESCUES)), ids=RESCUES)
+@pytest.mark.parametrize("method", range(len(FALLBACKS)), ids=FALLBACKS)
 @pytest.mark.parametrize("points", [1, 3, 8])
-def test_every_rescue_finds_what_newton_finds(d, method, points):
+def test_every_fallback_finds_what_newton_finds(d, method, points):
     for seed in range(10):
         W, q = easy(400 + seed, points, d)
         local, bounds = LocalProblem(), Bounds.uniform(0.6, points)
         expected = local.solve(W, q, np.zeros_like(q), bounds)
-        assert not local.rescues
+        assert not local.fallbacks
         problem = Local(d, W.reshape(q.size, q.size), q.ravel(), bounds)
         found, states = np.zeros(q.size), np.empty(points, dtype=np.int64)
-        settled = rescue(method, problem, found, states)
+        settled = fallback(method, problem, found, states)
         assert settled
         assert found.reshape(q.shape) == pytest.approx(expected, abs=1e-9)
         assert ((states != OPEN) == (expected[:, 0] > 0)).all()
@@ -367,7 +377,7 @@ def test_hard_cases(points, seed):
     local, bounds = LocalProblem(), Bounds.uniform(friction, points)
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-10
-    assert sum(local.rescues.values()) == 1
+    assert sum(local.fallbacks.values()) == 1
     if points <= 4:
         (expected,) = all_solutions(W, q, friction)
         assert f == pytest.approx(expected, rel=1e-8, abs=1e-8 * np.abs(f).max())
@@ -388,7 +398,7 @@ def test_hard_cases_in_space(points, seed):
     local = LocalProblem()
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
-    assert sum(local.rescues.values()) == 1
+    assert sum(local.fallbacks.values()) == 1
 
 
 def test_a_case_that_was_hard_for_lengths_by_the_diagonal():
@@ -396,10 +406,10 @@ def test_a_case_that_was_hard_for_lengths_by_the_diagonal():
     local = LocalProblem()
     f = local.solve(W, q, np.zeros_like(q), bounds)
     assert violation(W, q, f, bounds) < 1e-9
-    assert not local.rescues
+    assert not local.fallbacks
 
 
-def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
+def test_blocks_on_their_corners_are_solved_as_a_rule_without_fallbacks():
     rescued = 0
     for seed in range(100):
         W, q, bounds = block(seed, 4)
@@ -407,12 +417,12 @@ def test_blocks_on_their_corners_are_solved_as_a_rule_without_rescue():
         f = local.solve(W, q, np.zeros_like(q), bounds)
         assert violation(W, q, f, bounds) < 1e-9
         # From the solution of the same problem there is nothing to do.
-        if not local.rescues:
+        if not local.fallbacks:
             again = LocalProblem()
             same = again.solve(W, q, f, bounds)
             assert same == pytest.approx(f, abs=1e-8 * np.abs(f).max())
-            assert not again.rescues
-        rescued += sum(local.rescues.values())
+            assert not again.fallbacks
+        rescued += sum(local.fallbacks.values())
     assert rescued <= 20
 
 
@@ -440,3 +450,104 @@ def test_newton_gives_up_forces_beyond_all_numbers(d, halvings):
             if newton(problem, r, f, states, 30, halvings):
                 found.append(f / size)
     assert len(found) == 2 and found[1] == pytest.approx(found[0])
+
+
+def solution(W: np.ndarray, q: np.ndarray, law: Bounds) -> tuple[np.ndarray, np.ndarray]:
+    """Forces and states from a cold start."""
+    count = len(q) // 2
+    f, states = np.zeros(2 * count), np.zeros(count, dtype=np.int64)
+    assert solve(2, W, q, law, f, states, new_counts())
+    return f, states
+
+
+def rigid_problem(seed: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points of one rigid block, more of them than it has unknowns, driven into the floor."""
+    random = np.random.default_rng(seed)
+    G = np.zeros((2 * count, 3))
+    x, y = random.uniform(-1, 1, count), random.uniform(-2, 0, count)
+    G[::2, 1], G[1::2, 0], G[::2, 2], G[1::2, 2] = 1.0, 1.0, -x, y
+    W = G @ np.diag([1.0, 1.0, random.uniform(0.5, 3.0)]) @ G.T
+    W[np.diag_indices(2 * count)] *= 1 + 1e-9
+    return W, G @ (random.normal(size=3) - np.array([0.0, 1.0, 0.0]))
+
+
+def test_cohesion_holds_with_the_pressure() -> None:
+    """|f_t| <= c + mu f_n, and nothing where the point is open."""
+    law = Bounds(np.full(1, 0.5), np.full(1, 0.3))
+    f, _ = solution(np.diag([2.0, 4.0]), np.array([-1.0, -4.0]), law)
+    assert f == pytest.approx((0.5, 0.3 + 0.25))
+    f, _ = solution(np.diag([2.0, 4.0]), np.array([0.1, -4.0]), law)
+    assert not f.any()
+
+
+def test_a_smooth_point_beside_a_rough_one_has_no_tangential_force() -> None:
+    """Its tangential row is dropped, whatever slides; W_nt of the rough one alone counts."""
+    W = np.diag([2.0, 4.0, 2.0, 4.0])
+    W[0, 3] = W[3, 0] = 0.5
+    law = Bounds(np.array([0.0, 0.5]), np.zeros(2))
+    f, _ = solution(W, np.array([-1.0, 7.0, -1.0, -4.0]), law)
+    assert f == pytest.approx(((1.0 - 0.5 * 0.25) / 2, 0.0, 0.5, 0.25))
+
+
+def test_forces_of_the_same_problem_are_kept() -> None:
+    """One linear solve from them, whatever their states."""
+    W, q = rigid_problem(3, 2)
+    law = Bounds.uniform(0.4, 2)
+    expected, states = solution(W, q, law)
+    f, following, counts = expected.copy(), np.zeros_like(states), new_counts()
+    assert solve(2, W, q, law, f, following, counts)
+    assert counts[0] == 1 and not named(counts)
+    assert (following == states).all()
+    assert f == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, FEW, FEW + 1])
+def test_elimination(size: int) -> None:
+    random = np.random.default_rng(1)
+    matrix, right = random.normal(size=(size, size)), random.normal(size=size)
+    solution = right.copy()
+    assert solve_dense(matrix.copy(), solution)
+    np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
+    np.testing.assert_allclose(matrix_product(matrix, solution), matrix @ solution, atol=1e-13)
+    assert not solve_dense(np.zeros((size, size)), np.ones(size))
+
+
+def test_elimination_needs_its_pivots() -> None:
+    """A zero on the diagonal is none; numbers that are none have no solution."""
+    turned, right = np.array([[0.0, 2.0], [1.0, 0.0]]), np.array([4.0, 3.0])
+    assert solve_dense(turned, right)
+    assert right.tolist() == [3.0, 2.0]
+    for wrong in (np.nan, np.inf):
+        assert not solve_dense(np.array([[1.0, 0.0], [0.0, wrong]]), np.ones(2))
+
+
+@pytest.mark.parametrize("case", ["1e4", "1e4_halved", "1e6"])
+@pytest.mark.parametrize("start", [0.0, 1e6])
+def test_a_heavy_block_slides_on_a_light_one(case: str, start: float) -> None:
+    """Density ratios of 1e4 and 1e6: friction above and below the light block is nearly equal.
+
+    Newton's method cycles for both scalings; with a proximal term it settles.
+    """
+    with np.load(Path(__file__).parent / "data" / "heavy_on_light.npz") as recorded:
+        W, q, mu = (recorded[f"{name}_{case}"] for name in ("W", "q", "mu"))
+    f, counts, states = np.full(len(q), start), new_counts(), np.empty(len(mu), np.int64)
+    bounds = Bounds(mu, np.zeros(len(mu)))
+    assert solve(3, W, q, bounds, f, states, counts)
+    m = len(mu)
+    points = W.reshape(m, 3, m, 3), q.reshape(m, 3), f.reshape(m, 3)
+    assert violation(*points, bounds) < 1e-6
+
+
+def test_a_column_of_drums_whose_points_outnumber_its_motions() -> None:
+    """22 points, 66 rows on 30 motions, and a diagonal of 1e-8 that makes the forces unique.
+
+    They are unique nevertheless: the solution is exact, not one to within what the diagonal yields.
+    """
+    with np.load(Path(__file__).parent / "data" / "column_of_drums.npz") as recorded:
+        W, q, mu, start = (recorded[name] for name in ("W", "q", "mu", "start"))
+    f, counts, states = start.copy(), new_counts(), np.empty(len(mu), np.int64)
+    bounds, m = Bounds(mu, np.zeros(len(mu))), len(mu)
+    assert solve(3, W, q, bounds, f, states, counts)
+    points = W.reshape(m, 3, m, 3), q.reshape(m, 3), f.reshape(m, 3)
+    assert violation(*points, bounds) < 1e-12
+    assert named(counts) == {"proximal": 1}

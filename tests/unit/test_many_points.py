@@ -9,9 +9,6 @@ from solver.law import many_points
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image, new_counts, solve_points
 from solver.law.many_points import MANY_ROWS, ManyPoints, gmres
-from solver.law.newton import OPEN, Local, lengths, project, trial_of
-from solver.law.newton_step import StepEquations
-from solver.law.preconditioners import Inverse
 from solver.law.velocity import correct_impulses, impulse_correction
 
 
@@ -113,58 +110,7 @@ def test_factors_serve_a_block_that_lifts_on_one_side() -> None:
     assert solver.factorizations < 8
 
 
-def mixed_step(d: int, smooth: bool) -> StepEquations:
-    """Equations of a step in which points of one problem are open, stick and slip."""
-    W, places = half_space(8, d)
-    q, m = pressed(places, d, tilt=2.0, push=0.4), len(places)
-    mu = np.where(np.arange(m) % 7 == 0, 0.0 if smooth else 0.3, 0.3)
-    cohesion = np.where(np.arange(m) % 7 == 3, 1e-3, 0.0)
-    local = Local(d, W.reshape(d * m, d * m), q.ravel(), Bounds(mu, cohesion))
-    r, f = lengths(d, local.W, True), np.random.default_rng(1).standard_normal(d * m)
-    f[::d] = np.abs(f[::d])
-    trial, states = trial_of(local, r, f), np.empty(m, np.int64)
-    trial[1::d] *= np.linspace(0.0, 1.5, m) ** 3
-    project(local, trial, np.empty_like(f), states)
-    trial[::d][::5] = -1.0
-    states[::5] = OPEN
-    return StepEquations.at(local, r, trial, states)
-
-
-@pytest.mark.parametrize("smooth", [False, True])
-@pytest.mark.parametrize("d", [2, 3])
-def test_the_inverse_solves_the_equations_of_any_states(d: int, smooth: bool) -> None:
-    step = mixed_step(d, smooth)
-    m = len(step.states)
-    assert len(np.unique(np.abs(step.states))) >= 3
-    points = np.arange(3, m + 3)
-    x = np.random.default_rng(2).standard_normal(len(step.rows))
-    found = Inverse(step.local, points).of(step, points)(step.image(x))
-    np.testing.assert_allclose(found, x, rtol=0, atol=1e-9 * np.abs(x).max())
-
-
-def test_the_inverse_takes_points_that_are_gone_for_open_ones() -> None:
-    step = mixed_step(3, False)
-    m = len(step.states)
-    whole = np.arange(m)
-    kept = whole[step.states != OPEN]
-    W = step.local.W.reshape(m, 3, m, 3)[kept][:, :, kept].reshape(3 * len(kept), -1)
-    bounds = Bounds(step.local.bounds.mu[kept], step.local.bounds.cohesion[kept])
-    rest = step.trial.reshape(m, 3)[kept].ravel(), step.states[kept]
-    local = Local(3, np.ascontiguousarray(W), np.zeros(len(W)), bounds)
-    part = StepEquations.at(local, step.r[kept], *rest)
-    x = np.random.default_rng(2).standard_normal(len(part.rows))
-    inverse = Inverse(step.local, whole)
-    assert not inverse.serves(part, kept + m)
-    np.testing.assert_allclose(inverse.of(part, kept)(part.image(x)), x, rtol=0, atol=1e-8)
-
-
-@pytest.mark.parametrize("inverts", [True, False])
-def test_one_inverse_serves_points_that_begin_to_slip_one_after_another(
-    monkeypatch: pytest.MonkeyPatch, inverts: bool
-) -> None:
-    """Without it, factors are made anew forty times."""
-    if not inverts:
-        monkeypatch.setattr(Inverse, "pays", lambda step: False)
+def test_points_that_begin_to_slip_one_after_another_obey_the_law() -> None:
     W, places = half_space(18, 3)
     m, force, solver, slipping = len(places), np.zeros((324, 3)), ManyPoints(), []
     bounds, flat = Bounds.uniform(0.1, m), W.reshape(3 * m, 3 * m)
@@ -177,7 +123,7 @@ def test_one_inverse_serves_points_that_begin_to_slip_one_after_another(
     assert slipping[0] == 0
     assert slipping == sorted(slipping)
     assert slipping[-1] > 200
-    assert solver.factorizations <= 3 if inverts else solver.factorizations > 20
+    assert solver.factorizations < 60
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -204,8 +150,8 @@ def test_impulses_of_many_points_are_those_of_the_small_solver(d: int) -> None:
 def test_gmres_says_when_it_does_not_get_there() -> None:
     rng = np.random.default_rng(0)
     A, b = rng.standard_normal((200, 200)), rng.standard_normal(200)
-    assert gmres(lambda x: A @ x, lambda x: x, b, 5, 1e-8) is None
-    found = gmres(lambda x: A @ x, lambda x: np.linalg.solve(A + 1e-3, x), b, 40, 1e-8)
+    assert gmres(A, lambda x: x, b, 5, 1e-8) is None
+    found = gmres(A, lambda x: np.linalg.solve(A + 1e-3, x), b, 40, 1e-8)
     assert found is not None
     np.testing.assert_allclose(A @ found, b, atol=1e-7 * np.linalg.norm(b))
 

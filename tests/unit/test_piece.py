@@ -1,19 +1,21 @@
-"""Pieces of the fields, read back by VTK."""
+"""Pieces of the fields and their index, read back by VTK."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
-from solver.fields.cells import Cells, in_space
-from solver.fields.piece import COPIES, PieceWriter, write_parts
+from solver.fields.part import Part, in_space, one_cell, rigid_fields
+from solver.fields.vtu import COPIES, FieldsBefore, PieceWriter, PvdFiles, write_parts
 
 pyvista = pytest.importorskip("pyvista")
 
-SQUARES = Cells(
+SQUARES = Part(
     points=in_space(np.array([(x, y) for y in (0.0, 1.0) for x in (0.0, 1.0, 1.0 / 3.0)])),
     nodes=np.array([(0, 2, 5, 3), (2, 1, 4, 5)]),
     kind=9,
@@ -40,7 +42,7 @@ def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
 
 def test_parts_are_opened_together(tmp_path: Path) -> None:
     """Copies are told from what they are copies of; a rank may have no cell at all."""
-    nothing = Cells(points=np.empty((0, 3)), nodes=np.empty((0, 4), dtype=np.int64), kind=0)
+    nothing = Part(points=np.empty((0, 3)), nodes=np.empty((0, 4), dtype=np.int64), kind=0)
     parts = ["piece_p0.vtu", "piece_p1.vtu"]
     for part, cells in zip(parts, (SQUARES, nothing), strict=True):
         nodal = {
@@ -54,3 +56,38 @@ def test_parts_are_opened_together(tmp_path: Path) -> None:
     assert grid.n_cells == 2
     np.testing.assert_array_equal(grid.point_data["pressure"], SQUARES.points[:, 0])
     np.testing.assert_array_equal(grid.cell_data[COPIES], [1, 1])
+
+
+def test_an_index_is_complete_after_every_piece(tmp_path: Path) -> None:
+    """Bodies of one time stand at the same time; on other ranks nothing is written."""
+    corners = np.array([(-1.0, 0.0), (1.0, 0.0), (1.0, 3.0), (-1.0, 3.0)])
+    third = np.full((4, 2), 1 / 3)
+    for writes in (False, True):
+        files = PvdFiles(tmp_path, FieldsBefore(), writes=writes)
+        bodies = [files.body(name, one_cell(corners)) for name in ("lid", "block")]
+        files.begin()
+        for k in range(3):
+            for body in bodies:
+                body.write(0.1 * k, rigid_fields(k * third, -third), {})
+            if writes:
+                entries = list(ET.parse(tmp_path / "fields.pvd").getroot()[0])
+                assert len(entries) == 2 * (k + 1)
+                assert [float(entry.attrib["timestep"]) for entry in entries[-2:]] == [0.1 * k] * 2
+                assert [entry.attrib["part"] for entry in entries[-2:]] == ["0", "1"]
+                assert entries[-1].attrib["file"] == f"fields/fields_block{k:06d}.vtu"
+        assert writes or not list(tmp_path.iterdir())
+    reader = pyvista.get_reader(str(tmp_path / "fields.pvd"))
+    assert reader.time_values == [0.0, 0.1, 0.2]
+    reader.set_active_time_value(0.1)
+    grid = reader.read()[1]
+    np.testing.assert_array_equal(np.asarray(grid.points)[:, :2], corners)
+    np.testing.assert_array_equal(grid.point_data["displacement"][:, :2], third)
+    np.testing.assert_array_equal(grid.point_data["velocity"], [[-1 / 3, -1 / 3, 0]] * 4)
+
+
+@pytest.mark.serial
+def test_rigid_fields_import_neither_dolfinx_nor_vtk() -> None:
+    """They are slow to import, and runs of rigid blocks take less time than that."""
+    code = "import solver.fields.rigid_snapshots, sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"dolfinx", "vtk", "pyvista", "vtkmodules", "matplotlib"} & set(done.stdout.split())

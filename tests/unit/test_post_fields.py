@@ -31,9 +31,8 @@ import numpy as np
 from dolfinx import fem, mesh
 from solver.bodies.elastic_forms import Moduli
 from solver.scene.material import Material
-from solver.fields.body_functions import BodyFunctions
-from solver.fields.meshed_writer import MeshedFieldWriter
-from solver.fields.pvd import PvdIndex
+from solver.fields.functions import BodyFunctions, part_of
+from solver.fields.vtu import FieldsBefore, PvdFiles
 
 file, degree, cell, plane = Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3], sys.argv[4]
 F = np.array([float(f) for f in sys.argv[5].split(",")]).reshape(2, 2)
@@ -47,15 +46,16 @@ lame, shear = 2.0e9, 3.0e9
 material = Material(young=shear * (3 * lame + 2 * shear) / (lame + shear),
                     poisson=lame / (2 * (lame + shear)), density=1.0, plane=plane)
 nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
-index = PvdIndex(file.with_name("all.pvd"), writes=MPI.COMM_WORLD.rank == 0)
-index.begin()
-fields = MeshedFieldWriter(file, BodyFunctions(nodal, Moduli.of(block, material)), index=index)
-with closing(fields) as writer:
-    writer.write(0.0)
+files = PvdFiles(file.parent, FieldsBefore(), writes=MPI.COMM_WORLD.rank == 0)
+files.begin()
+functions = BodyFunctions(nodal, Moduli.of(block, material))
+with closing(files.body("stone", part_of(V))) as writer:
+    write = lambda time: writer.write(time, *functions.arrays())
+    write(0.0)
     u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
     v.interpolate(lambda x: np.array([x[1], -x[0]]))
     p.interpolate(lambda x: 7.0 - x[1])
-    writer.write(0.25)
+    write(0.25)
 """
 
 
@@ -131,10 +131,9 @@ from dolfinx import fem, mesh
 from geometry.block import Block
 from solver.bodies.elastic_forms import Moduli
 from solver.scene.material import Material
-from solver.fields.body_functions import BodyFunctions
-from solver.fields.meshed_writer import MeshedFieldWriter
-from solver.fields.pvd import PvdIndex
-from solver.fields.rigid_writer import RigidFieldWriter
+from solver.fields.functions import BodyFunctions, part_of
+from solver.fields.part import one_cell, rigid_fields
+from solver.fields.vtu import FieldsBefore, PvdFiles
 
 folder, dimension, degree, first = Path(sys.argv[1]), *map(int, sys.argv[2:5])
 comm = MPI.COMM_WORLD
@@ -148,18 +147,20 @@ u, v = fem.Function(V), fem.Function(V)
 p = fem.Function(fem.functionspace(domain, ("Lagrange", degree)))
 plane = ["strain", "solid"][dimension - 2]
 material = Material(young=8e9, poisson=0.2, density=1.0, plane=plane)
-index = PvdIndex(folder / "fields.pvd", writes=comm.rank == 0)
-index.begin()
+files = PvdFiles(folder, FieldsBefore(), writes=comm.rank == 0)
+files.begin()
 corners = np.array(Block(width=0.4, height=0.1, thickness=0.4, density=1.0).corners(dimension))
 nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
 functions = BodyFunctions(nodal, Moduli.of(domain, material))
-elastic = MeshedFieldWriter(folder / "fields_stone.pvd", functions, index=index, part=first)
-rigid = RigidFieldWriter(folder / "fields_lid.pvd", corners, index=index, part=1 - first,
-                         writes=comm.rank == 0)
+bodies = {"stone": part_of(V), "lid": one_cell(corners)}
+names = list(bodies) if first == 0 else list(bodies)[::-1]
+writers = {name: files.body(name, bodies[name]) for name in names}
 for time in (0.0, 0.1):
     u.interpolate(lambda x: time * np.stack([x[0], 0 * x[0], 0 * x[0]][:dimension]))
-    elastic.write(time)
-    rigid.write(time, corners * 0.0 + np.eye(dimension)[-1], 2 * time * corners)
+    fields = {"stone": functions.arrays()}
+    fields["lid"] = rigid_fields(corners * 0.0 + np.eye(dimension)[-1], 2 * time * corners), {}
+    for name in names:
+        writers[name].write(time, *fields[name])
 comm.Barrier()
 MPI.Finalize()
 os._exit(0)  # as if killed: nothing is closed
@@ -228,25 +229,24 @@ def test_several_bodies_of_a_killed_run(
     np.testing.assert_allclose(lid.point_data["velocity"], 0.2 * np.asarray(lid.points))
     assert not np.any(lid.point_data["contact_pressure"])
     assert "von_mises" not in lid.cell_data
-    assert_drawn(tmp_path / "fields.pvd", dimension, alone=ranks == 1)
+    assert_drawn(tmp_path / "fields.pvd", dimension)
 
 
-def assert_drawn(file: Path, dimension: int, *, alone: bool) -> None:
-    """Each cell, or each face of the surface, once; on several ranks those between them, too."""
-    pytest.importorskip("matplotlib")
-    from solver.pictures.deformed import read_snapshots
+def assert_drawn(file: Path, dimension: int) -> None:
+    """Each cell, or each face of the surface, once, whatever the ranks."""
+    from solver.pictures.meshes import FieldFiles
 
-    (drawn,) = read_snapshots(file, [0.1], dimension)
-    outlines = 2 * 3 + 1 if dimension == 2 else 2 * (2 * 2 + 2 * 3 + 2 * 3) + 6
-    assert len(drawn.outlines) == outlines if alone else len(drawn.outlines) > outlines
-    assert np.count_nonzero(drawn.von_mises) == len(drawn.outlines) - (1 if dimension == 2 else 6)
+    surfaces = FieldFiles(file).read(1)
+    faces = 2 * 3 if dimension == 2 else 2 * (2 * 2 + 2 * 3 + 2 * 3)
+    counts = {"von_mises" in surface.cell_data: surface.n_cells for surface in surfaces}
+    assert counts == {True: faces, False: 1 if dimension == 2 else 6}
 
 
 @pytest.mark.serial
 def test_stress_in_space(tmp_path: Path) -> None:
     """Uniaxial strain in 3-D: the von Mises stress is that of plane strain, closed form."""
     python(WRITE_PARTS, tmp_path, 3, 1, 0, ranks=1)
-    grid = read_fields(tmp_path / "fields_stone000001.vtu", None)
+    grid = read_fields(tmp_path / "fields" / "fields_stone000001.vtu", None)
     shear, lame = 8e9 / 2.4, 8e9 * 0.2 / (1.2 * 0.6)
     strain = 0.1 + 0.1**2 / 2
     along = (lame + 2 * shear) * strain * 1.1
@@ -304,7 +304,7 @@ def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, 
 # Rank 1 is late: rank 0 says how many pieces there are, and how many are listed.
 LATE = """
 import time
-from solver.fields.piece import PieceWriter
+from solver.fields.vtu import PieceWriter
 
 def late(writer, *what, usual=PieceWriter.write):
     time.sleep(float(MPI.COMM_WORLD.rank))
@@ -313,11 +313,11 @@ def late(writer, *what, usual=PieceWriter.write):
 PieceWriter.write = late
 """
 LATE = WRITE.replace("\nfile, degree", LATE + "\nfile, degree").replace(
-    "    writer.write(0.0)\n",
-    """    writer.write(0.0)
+    "    write(0.0)\n",
+    """    write(0.0)
     if MPI.COMM_WORLD.rank == 0:
-        listed = file.with_name("all.pvd").read_text().count("<DataSet")
-        print(len(list(file.parent.glob("*_000000.vtu"))), listed)
+        listed = file.read_text().count("<DataSet")
+        print(len(list((file.parent / 'fields').glob("*_000000.vtu"))), listed)
 """,
 )
 
@@ -355,7 +355,7 @@ def test_no_rank_waits_where_the_index_cannot_be_written(tmp_path: Path) -> None
 
 # Rank 1 has no room for its first piece.
 FULL = """
-from solver.fields.piece import PieceWriter
+from solver.fields.vtu import PieceWriter
 
 def full(writer, file, *what, usual=PieceWriter.write):
     if file.name.endswith("_p1_000000.vtu"):
@@ -365,9 +365,9 @@ def full(writer, file, *what, usual=PieceWriter.write):
 PieceWriter.write = full
 """
 FULL = WRITE.replace("\nfile, degree", FULL + "\nfile, degree").replace(
-    "    writer.write(0.0)\n",
+    "    write(0.0)\n",
     """    try:
-        writer.write(0.0)
+        write(0.0)
     except OSError as error:
         print(MPI.COMM_WORLD.rank, Path(error.filename).name)
 """,
@@ -379,7 +379,7 @@ def test_a_piece_without_room_is_not_listed(tmp_path: Path) -> None:
     """The rank that has none says so, after what ranks do together; the next piece is."""
     file = tmp_path / "fields.pvd"
     said = python(FULL, file, 1, "triangle", "strain", "1,0,0,1", ranks=2)
-    assert said.split() == ["1", "fields_p1_000000.vtu"]
+    assert said.split() == ["1", "fields_stone_p1_000000.vtu"]
     assert pyvista.get_reader(str(file)).time_values == [0.25]
 
 
@@ -390,7 +390,7 @@ def test_the_stress_of_a_thin_body_does_not_depend_on_its_thickness() -> None:
     from dolfinx import fem, mesh
 
     from solver.bodies.elastic_forms import Moduli
-    from solver.fields.body_functions import BodyFunctions
+    from solver.fields.functions import BodyFunctions
     from solver.scene.material import Material
 
     squeeze = 0.01
@@ -404,7 +404,6 @@ def test_the_stress_of_a_thin_body_does_not_depend_on_its_thickness() -> None:
     u = fem.Function(fem.functionspace(block, ("Lagrange", 1, (2,))))
     u.interpolate(lambda x: np.stack([0 * x[0], -squeeze * x[1]]))
     functions = BodyFunctions({"displacement": u}, Moduli.of(block, material), 0.3)
-    functions.fill()
     cells = functions.arrays()[1]
     across = LAME * strain / (1 - squeeze)
     along = (1 - squeeze) * (LAME + 2 * SHEAR) * strain

@@ -74,23 +74,6 @@ def test_columns_of_a_scene(foundation: str, moves: bool) -> None:
     assert scene_columns(scene) == columns(["block"], platform=moves, vertical=True)
 
 
-def test_many_rows_at_once(tmp_path: Path) -> None:
-    """Rows of `extend` and of `append` stand in their order, in memory and in the file."""
-    rows = np.random.default_rng(3).standard_normal((1500, 2))
-    history = History(["time_s", "a"], tmp_path / "history.csv")
-    history.append(rows[0])
-    history.extend(rows[1:1200])
-    history.flush()
-    history.extend(rows[:0])
-    history.extend(rows[1200:])
-    history.flush()
-    np.testing.assert_array_equal(History.read(tmp_path / "history.csv")["a"], rows[:, 1])
-    np.testing.assert_array_equal(history["time_s"], rows[:, 0])
-    for wrong in (rows[:, :1], rows[0]):
-        with pytest.raises(ValueError, match="for 2 columns"):
-            history.extend(wrong)
-
-
 def test_a_history_comes_back_to_the_last_bit(tmp_path: Path) -> None:
     """Numbers survive the file, across several flushes and more rows than the first allocation."""
     rng = np.random.default_rng(7)
@@ -109,15 +92,6 @@ def test_a_history_comes_back_to_the_last_bit(tmp_path: Path) -> None:
     for i, name in enumerate(again.columns):
         np.testing.assert_array_equal(again[name], rows[:, i])
         np.testing.assert_array_equal(history[name], rows[:, i])
-
-
-def test_rows_that_are_not_flushed_are_not_in_the_file(tmp_path: Path) -> None:
-    """The file holds whole rows only, and grows by flush."""
-    history = History(["time_s"], tmp_path / "h.csv")
-    history.append([1.0])
-    assert len(History.read(tmp_path / "h.csv")) == 0
-    history.flush()
-    assert History.read(tmp_path / "h.csv")["time_s"].tolist() == [1.0]
 
 
 def test_a_row_of_the_wrong_length_is_refused() -> None:

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from histories import OSCILLATOR, Array, history_of, scene_of, summary_of
+from histories import OSCILLATOR, history_of, scene_of, summary_of
 
-from rockslip import parse_scene
-from solver.results.endings import overturned_at
-from solver.results.impact_rates import rated_by_velocities
+from rockslip import Scene, parse_scene
+from solver.results.endings import fallen, overturned_at
 from solver.results.motion import (
     angular_velocity,
     block_motion,
@@ -21,7 +20,6 @@ from solver.results.motion import (
     slenderness,
 )
 from solver.results.overlaps import overlaps
-from solver.results.rocking import Impact
 
 ALPHA = math.atan(0.4)
 """Slenderness of the block of these histories, rad."""
@@ -122,62 +120,6 @@ def test_a_block_that_overturns_and_then_falls_stood_until_it_overturned() -> No
     assert block["peak_slip_m"] == pytest.approx(1.0)
 
 
-def test_a_base_that_moves_across_the_lean_of_a_block_does_not_rock_it() -> None:
-    """The block leans along y: only what moves along y counts, with its sign; nor does an incline.
-
-    That is along x, and leaves g cos b.
-    """
-    shaken = "kind = 'half_sine'\namplitude_g = 0.1\nduration = 0.5\n"
-    scene = scene_of("", dimension=3, rest=f"[motion]\n{shaken}[motion.second]\n{shaken}")
-    scene = parse_scene(scene.to_dict() | {"gravity_tilt_deg": 3.0})
-    for second in (0.0, -2.0):
-        history = history_of(
-            scene,
-            np.linspace(0, 1, 5),
-            block__angle_x_rad=-0.05,
-            block__centre_z_m=0.5,
-            base__acceleration_m_s2=3.0,
-            base__second_acceleration_m_s2=second,
-        )
-        base = block_motion(scene, history, scene.blocks[0]).base
-        assert base is not None
-        np.testing.assert_allclose(base[:, 0], second, atol=1e-12)
-        np.testing.assert_allclose(base[:, 1], 9.81 * math.cos(math.radians(3.0)))
-
-
-def _on_a_carrier(carrier: dict[str, Array], own_rate: Array) -> float | None:
-    """Restitution told of an impact at 0.5 s of the block on a carrier."""
-    scene = scene_of("name = 'low'", ON_LOW)
-    t = np.linspace(0, 1, 21)
-    columns: dict[str, Any] = {"low__centre_y_m": 0.5, "up__centre_y_m": 1.5}
-    columns |= {"up__angular_velocity_rad_s": own_rate} | carrier
-    history = history_of(scene, t, **columns)
-    (found,) = rated_by_velocities(
-        scene, history, scene.blocks[1], [Impact(time_s=0.475, restitution=0.11)]
-    )
-    return found.restitution
-
-
-def test_on_a_carrier_that_turns_the_restitution_is_that_of_the_rates_against_it() -> None:
-    """1 rad/s towards it before, 0.7 rad/s after, of a carrier that turns by 0.2 rad/s itself."""
-    t = np.linspace(0, 1, 21)
-    carrier: dict[str, Array] = {
-        "low__angle_rad": 0.2 * t,
-        "low__angular_velocity_rad_s": 0.2 + 0 * t,
-    }
-    own = np.where(t < 0.475, -1.0, -0.7) + 0.2
-    assert _on_a_carrier(carrier, own) == pytest.approx(0.7)
-
-
-def test_a_carrier_that_slips_and_comes_back_does_not_hold() -> None:
-    """The restitution is by the rates, not what the peaks said of ground at rest."""
-    t = np.linspace(0, 1, 21)
-    own = np.where(t < 0.475, -1.0, -0.7)
-    slipped: dict[str, Array] = {"low__slip_m": 0.01 * np.sin(math.pi * t) * (t < 1)}
-    assert _on_a_carrier(slipped, own) == pytest.approx(0.7)
-    assert _on_a_carrier({}, own) == 0.11
-
-
 def test_an_overlap_is_told_at_the_time_at_which_it_begins() -> None:
     """Blocks 0.4 m wide, far from each other at first; later 1 m/s: from 0.8 s on."""
     scene = scene_of("name = 'a'", "name = 'b'\noffset = 3.0", rest="[output]\nevery = 0.05\n")
@@ -227,16 +169,6 @@ def test_a_block_that_leans_to_minus_y_has_a_negative_angle() -> None:
     assert motion.shape.width == pytest.approx(0.3)
 
 
-def test_ground_that_accelerates_upwards_adds_to_gravity() -> None:
-    pulse = "kind = 'half_sine'\namplitude_g = 0.1\nduration = 0.5\n"
-    scene = scene_of("", rest=f"[motion]\n{pulse}[motion.vertical]\n{pulse}")
-    columns: dict[str, Any] = {"block__centre_y_m": 0.5, "base__acceleration_m_s2": 3.0}
-    columns |= {"base__vertical_acceleration_m_s2": 2.0}
-    history = history_of(scene, np.linspace(0, 1, 3), **columns)
-    base = block_motion(scene, history, scene.blocks[0]).base
-    np.testing.assert_allclose(base, [[3.0, 11.81]] * 3)
-
-
 def test_the_axes_of_a_block_in_the_plane_turn_with_it_to_the_right() -> None:
     """Leaning to +x its upright axis points to (sin, cos), its base to (cos, -sin)."""
     scene = scene_of("")
@@ -284,3 +216,43 @@ def test_a_block_that_nothing_held_for_a_moment_fell_wherever_it_ends() -> None:
     block = summary_of(scene, history)["blocks"]["up"]
     assert block["fell_at_s"] == 0.5
     assert block["mode"] == "fell"
+
+
+def falls(scene: Scene, places: list[tuple[float, float]], **columns: Any) -> list[bool]:
+    """In which rows the last block falls, its middle at these places, m."""
+    x, y = np.array(places).T
+    name = scene.blocks[-1].name
+    columns |= {f"{name}__centre_x_m": x, f"{name}__centre_y_m": y}
+    history = history_of(scene, 0.1 * np.arange(len(places)), **columns)
+    return [bool(row) for row in fallen(scene, history, scene.blocks[-1])]
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_block_falls_where_nothing_of_the_top_is_under_it_or_all_of_it_is_below(
+    side: float,
+) -> None:
+    """Upright, 0.4 x 1 m, on a block of that size, whose top is at 1 m and ends at 0.2 m."""
+    rows = [
+        ((0.0, 1.50), False),
+        ((0.25, 1.49), False),  # its edge is still over the top
+        ((0.41, 1.48), True),
+        ((0.41, 1.60), False),  # on its way up
+        ((0.45, 1.59), False),  # beside the top, but all of it above
+        ((0.25, 0.90), False),  # its middle is below the top, its edge over it
+        ((0.25, 0.49), True),
+        ((0.10, 0.48), True),
+    ]
+    places = [(side * x, y) for (x, y), _ in rows]
+    assert falls(scene_of("name = 'low'", ON_LOW), places, low__centre_y_m=0.5) == [
+        known for _, known in rows
+    ]
+
+
+def test_a_foundation_that_drifts_carries_its_ends_with_it() -> None:
+    """2 m wide: a block 0.4 m wide is beside it 1.2 m from its middle, wherever that is."""
+    plate = {"kind": "elastic", "support": "rollers", "width": 2.0, "height": 0.1, "young": 2e11}
+    plate |= {"poisson": 0.3, "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
+    scene = parse_scene(scene_of("").to_dict() | {"foundation": plate})
+    places = [(1.0, 0.5), (1.0, 0.49), (1.0, 0.48), (1.3, 0.47), (1.3, 0.46)]
+    drift = np.array([0.0, 0.0, -0.25, -0.25, 0.2])
+    assert falls(scene, places, platform__drift_m=drift) == [False, False, True, True, False]

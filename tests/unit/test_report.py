@@ -47,8 +47,8 @@ def test_the_page_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
 
 def test_the_film_stands_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is made once."""
-    from solver.pictures.film import film
-    from solver.pictures.page import run_page
+    from solver.pictures import film
+    from solver.pictures import page as run_page
 
     folder = in_space(tmp_path / "space")
     small = film.FilmOptions(begin=0.0, end=0.1, slow=1.0, width=320)

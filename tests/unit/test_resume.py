@@ -207,6 +207,8 @@ def test_a_finished_run_goes_on_to_a_later_end(tmp_path: Path, name: str) -> Non
     assert main(words) == 0
     texts = [(tmp_path / each / "history.csv").read_bytes() for each in ("whole", "out")]
     assert texts[0] == texts[1]
+    events = [(tmp_path / each / "events.csv").read_bytes() for each in ("whole", "out")]
+    assert events[0] == events[1]
     run = read_run(folder)
     assert run.scene.time.end == last
     assert run.summary["blocks"] == whole.summary["blocks"]
@@ -246,7 +248,7 @@ def test_the_format_goes_with_the_fields_of_the_types() -> None:
     ]
     fields = "\n".join(f"{one.__name__} {[*inspect.signature(one).parameters]}" for one in types)
     digest = hashlib.sha256(fields.encode()).hexdigest()[:16]
-    assert (FORMAT, digest) == (13, "ce95de9b1fda0cff"), fields
+    assert (FORMAT, digest) == (14, "ce95de9b1fda0cff"), fields
 
 
 class TestRefused:

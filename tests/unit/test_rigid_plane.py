@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
-
-from mpi4py import MPI
 
 import numpy as np
 import pytest
@@ -130,7 +127,6 @@ def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(
 
     interpreted = getattr(plane_rows.advance, "py_func", plane_rows.advance)
     monkeypatch.setitem(interpreted.__globals__, "full_step", fails)
-    monkeypatch.setitem(interpreted.__globals__, "borrowed", lambda arrays: arrays)
     monkeypatch.setattr("solver.rigid.plane.system.advance", interpreted)
     system = PlaneSystem.from_scene(scene())
     outcome = system.advance(10, 1e-3)
@@ -226,50 +222,3 @@ def test_snapshots_show_where_the_corners_are_and_how_they_move(tmp_path: Path) 
     arm = corners[1, :2] - corners[:, :2].mean(axis=0)
     turning = 2.0 * np.array([arm[1], -arm[0]])
     assert block["velocity"][1, :2] == pytest.approx(turning + np.array([0.3, 0.1]))
-
-
-def test_a_run_can_be_stopped() -> None:
-    """Between two calls of compiled code."""
-
-    class Stop:
-        """Asks for the end at the second look."""
-
-        looks = 0
-
-        def stopped(self, now: float) -> str:
-            """Why to stop."""
-            self.looks += 1
-            return "stopped" if self.looks > 1 else ""
-
-        def show(self, *arguments: Any) -> None:
-            """No display."""
-
-        def keep(self, *arguments: Any, **named: Any) -> None:
-            """No checkpoint."""
-
-    from rockslip import History
-    from solver.results.endings import Watch
-    from solver.run.checkpoint import Schedule
-    from solver.run.rigid import RigidRun
-
-    class Files:
-        """No files; a snapshot every 20 steps."""
-
-        schedule = Schedule(None, MPI.COMM_SELF)
-
-        def next_snapshot(self, now: float) -> float:
-            """The next one."""
-            return (math.floor(now / 0.02 + 1e-9) + 1) * 0.02
-
-        def snapshot(self, now: float) -> None:
-            """Nothing."""
-
-    given = scene()
-    context: Any = Stop()
-    context.history, context.files = History(scene_columns(given)), Files()
-    context.watch = Watch(given)
-    context.interruption = SimpleNamespace(anywhere=lambda here: here)
-    run = RigidRun(given, print)
-    context.history.append(run.first_row())
-    assert run.loop(context) == ("interrupted", "stopped")
-    assert context.history["time_s"][-1] == pytest.approx(given.time.step)

@@ -13,14 +13,16 @@ from geometry.arrangement import initial_position
 from geometry.block import Block
 from solver.rigid.plane.contact import (
     area,
+    change,
+    compliance,
     distance,
     find_points,
     local_place,
     nearest_face,
+    push,
     tangential_velocity,
     write_rows,
 )
-from solver.rigid.plane.coupling import change, compliance, push
 from solver.rigid.plane.model import (
     PlaneMemory,
     PlaneModel,
@@ -28,10 +30,11 @@ from solver.rigid.plane.model import (
     PlaneWork,
     new_memory,
     new_work,
+    state_of,
+    system_of,
 )
-from solver.rigid.plane.start import state_of, system_of
 from solver.rigid.plane.step import definite_compliance
-from solver.rigid.start import RigidBlock, RigidPlatform
+from solver.rigid.system import RigidBlock, RigidPlatform
 from solver.scene import FrictionSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 

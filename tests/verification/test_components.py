@@ -101,14 +101,6 @@ def test_two_events_of_three_components_and_their_directions(tmp_path: Path) -> 
     assert abs(peaks(still[0]) / peaks(rows[0]) - 1).max() > 1e-3
 
 
-def test_an_event_that_is_turned_leans_a_square_block_alike(tmp_path: Path) -> None:
-    scene = SCENE.format(width=0.7, thickness=0.7)
-    (one,) = suite(tmp_path / "one", scene, e_000=A, e_090=B, e_UP=UP)
-    (turned,) = suite(tmp_path / "turned", scene, e_000=-B, e_090=A, e_UP=UP)
-    assert peaks(one) == pytest.approx(peaks(turned), rel=1e-12)
-    assert peaks(one)[0] > 1e-2
-
-
 def test_all_components_of_an_event_have_one_factor(tmp_path: Path) -> None:
     """A level of each measure of two components."""
     scene = SCENE.format(width=0.7, thickness=0.7)

@@ -43,12 +43,11 @@ def first_frequency(asked: Scene) -> float:
     return math.sqrt(float(squared))
 
 
-@pytest.mark.parametrize("plane", ["strain", "stress"])
 @pytest.mark.parametrize(
     ("slenderness", "cells"),
     [(0.25, [12, 4]), (0.5, [10, 5]), (1, [8, 8]), (2, [6, 12]), (4, [6, 20]), (10, [4, 30])],
 )
-@pytest.mark.parametrize("poisson", [0.0, 0.2, 0.4])
+@pytest.mark.parametrize(("plane", "poisson"), [("strain", 0.4), ("stress", 0.0)])
 def test_the_frequency_is_that_of_the_mesh(
     slenderness: float, cells: list[int], plane: str, poisson: float
 ) -> None:
@@ -66,10 +65,8 @@ def test_the_mesh_of_the_demo_has_two_percent_of_critical() -> None:
     assert damping.ratio(first_frequency(asked)) == pytest.approx(0.02, rel=0.02)
 
 
-@pytest.mark.parametrize("thickness", [1.0, 2.0])
 @pytest.mark.parametrize(
-    ("slenderness", "up"),
-    [(0.25, 3), (0.5, 3), (1, 4), pytest.param(4, 10, marks=pytest.mark.slow), (10, 16)],
+    ("slenderness", "up", "thickness"), [(0.25, 3, 1.0), (1, 4, 2.0), (10, 16, 1.0)]
 )
 def test_so_it_is_in_space_across_the_narrower_side(
     slenderness: float, up: int, thickness: float

@@ -28,7 +28,7 @@ def shaken(foundation: dict[str, Any], **upper: float) -> Result:
         "motion": motion,
         "time": {"end": 1.6, "step": 4e-3},
     }
-    return simulate(parse_scene(tables), many=True)
+    return simulate(parse_scene(tables))
 
 
 def test_the_upper_one_slides_and_stays_level() -> None:

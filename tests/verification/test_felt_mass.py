@@ -27,7 +27,7 @@ def felt(time: dict[str, Any]) -> dict[str, float]:
         "motion": {"kind": "sine", "amplitude_g": 0.25, "period": 0.7, "cycles": 3},
         "time": {"end": 1.8, **time},
     }
-    blocks = simulate(parse_scene(tables), many=True).summary["blocks"]
+    blocks = simulate(parse_scene(tables)).summary["blocks"]
     assert len(blocks["rocks"]["impacts"]) >= 2
     assert blocks["slides"]["mode"] == "slide"
     return {name: own["friction_mass_ratio"] for name, own in blocks.items()}

@@ -60,8 +60,9 @@ def rates(asked: Scene, friction: float, damping: DampingSpec) -> np.ndarray[Any
     return la.eigvals(np.block([[zero, one], [-la.solve(M, K), -la.solve(M, C)]]))
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.3, 0.6])
-@pytest.mark.parametrize("damping", [{"stiffness": 2e-6}, {"stiffness": 1e-5, "mass": 20.0}])
+@pytest.mark.parametrize(
+    ("friction", "damping"), [(0.3, {"stiffness": 2e-6}), (0.6, {"stiffness": 1e-5, "mass": 20.0})]
+)
 def test_the_modes_have_the_rates_of_the_mesh(friction: float, damping: dict[str, float]) -> None:
     own = DampingSpec(**damping)
     asked = scene(friction)
@@ -95,9 +96,8 @@ def test_the_damping_that_holds_it_and_the_onset_are_where_growth_changes_sign()
     assert known.onset(0.29, DampingSpec(stiffness=least)) is None
 
 
-@pytest.mark.parametrize("slenderness", [0.1, 0.25, 0.5, 0.8, 1.0, 1.2, 2.0])
-@pytest.mark.parametrize("poisson", [0.0, 0.2, 0.4])
-@pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize("slenderness", [0.25, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize(("plane", "poisson"), [("strain", 0.4), ("stress", 0.0)])
 def test_default_damping_holds_steady_sliding(
     slenderness: float, poisson: float, plane: str
 ) -> None:
@@ -112,9 +112,7 @@ def test_default_damping_holds_steady_sliding(
             assert modes(asked).flutter(friction, damping).growth < 0, friction
 
 
-@pytest.mark.parametrize(
-    ("thickness", "cells"), [(1.0, (4, 4, 3)), (0.4, (6, 3, 3)), (3.0, (3, 8, 3))]
-)
+@pytest.mark.parametrize(("thickness", "cells"), [(0.4, (6, 3, 3)), (3.0, (3, 8, 3))])
 def test_it_does_in_space(thickness: float, cells: tuple[int, ...]) -> None:
     for friction in (0.3, 0.9):
         asked = scene(friction, cells=cells, block={"thickness": thickness}, dimension=3)

@@ -66,8 +66,7 @@ def gravity_and_ground(scene: Scene, history: History, along: int, column: str) 
     return gravity
 
 
-@pytest.mark.parametrize("restitution", [None, 0.9])
-@pytest.mark.parametrize("incline", [0.0, 3.0])
+@pytest.mark.parametrize(("incline", "restitution"), [(0.0, 0.9), (3.0, None)])
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("shaken", [False, True], ids=["rocks", "stack on a platform"])
 def test_forces_integrate_to_the_way_of_the_blocks(

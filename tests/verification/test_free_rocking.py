@@ -63,17 +63,6 @@ def test_impacts_follow_housner(run: Result) -> None:
     assert times[1:5] == pytest.approx(list(reference[1:5]), rel=0.03)
 
 
-@pytest.mark.slow
-def test_it_comes_to_rest_where_it_stood() -> None:
-    """Soon after 3 s; Housner's block rocks until 3.7 s."""
-    run = simulate(scene("time.end=3.3"))
-    angle, slip = run.history["block.angle_rad"], run.history["block.slip_m"]
-    assert np.abs(angle[-100:]).max() < 1e-3 * scene().blocks[0].shape.slenderness
-    assert np.abs(slip).max() < 1e-3
-    assert abs(slip[-1]) < 5e-4
-    assert run.summary["blocks"]["block"]["mode"] == "rock"
-
-
 def test_energy_never_rises_and_the_ledger_closes(run: Result) -> None:
     energy = run.summary["energy"]
     assert energy["largest_gain_fraction"] < 1e-6
@@ -114,8 +103,6 @@ def test_reaction_before_the_first_impact(rho_inf: float, largest: float) -> Non
     ("largest", "overrides"),
     [
         (0.02, []),
-        (0.02, ["time.step=2e-3"]),
-        (0.05, ["time.damped_steps=0", "time.rho_inf=0.5"]),
         (0.05, ["time.damped_steps=0", "damping.stiffness=1e-5"]),
     ],
 )
@@ -135,15 +122,11 @@ def test_reaction_between_impacts(largest: float, overrides: list[str]) -> None:
     [
         ("time.rho_inf=0.0", "block.young=1e6", "contact.friction=0.3"),
         ("time.rho_inf=1.0", "block.young=1e6", "contact.friction=10.0"),
-        ("time.rho_inf=0.5", "block.young=1e8", "contact.friction=0.0"),
         ("time.rho_inf=1.0", "block.young=1e12", "contact.friction=10.0"),
-        ("time.rho_inf=0.0", "block.young=1e12", "contact.friction=0.3"),
         ("contact.points=gauss",),
-        ("contact.gamma=1000.0",),
         ("block.cell=triangle", "damping.stiffness=1e-4", "damping.mass=0.5"),
         ("block.degree=2", "plane=stress"),
         ("block.refinement=3.0", "damping.stiffness=1e-5"),
-        ("motion.kind=sine", "motion.amplitude_g=0.4", "motion.period=0.6"),
     ],
     ids=lambda overrides: " ".join(overrides),
 )
@@ -156,28 +139,16 @@ def test_energy_over_the_grid_in_short(overrides: tuple[str, ...]) -> None:
     assert energy["ledger_error_fraction"] < 1e-8
 
 
-@pytest.mark.parametrize("theta", [0, -1])
-def test_other_thetas_close_their_ledger(theta: int) -> None:
-    """They have no energy that cannot rise, but what they do is accounted for."""
-    energy = simulate(scene("time.end=0.6", f"contact.theta={theta}")).summary["energy"]
+def test_theta_of_minus_one_closes_its_ledger() -> None:
+    """It has no energy that cannot rise, but what it does is accounted for."""
+    energy = simulate(scene("time.end=0.6", "contact.theta=-1")).summary["energy"]
     assert energy["ledger_error_fraction"] < 1e-8
     assert energy["largest_gain_fraction"] < 1e-3
 
 
-def test_damping_takes_what_it_says() -> None:
-    """What damping takes only grows, is nothing without damping, and stands in the ledger."""
-    result = simulate(scene("time.end=0.5", "damping.mass=1.0", "damping.stiffness=1e-5"))
-    without = simulate(scene("time.end=0.5"))
-    assert result.history["energy.damping_J"][-1] > 0
-    assert np.all(np.diff(result.history["energy.damping_J"]) >= -1e-12)
-    assert without.history["energy.damping_J"][-1] == 0
-    assert result.summary["energy"]["ledger_error_fraction"] < 1e-8
-
-
-@pytest.mark.parametrize("incline", [0.0, 0.2])
-def test_restitution_beside_damping_by_mass(incline: float) -> None:
-    """Impacts lose what they lose without it: from peaks it was 0.885, on an incline 0.90."""
-    swings = f"gravity_tilt_deg={incline}", "time.end=0.75", "damping.stiffness=1e-4"
+def test_restitution_beside_damping_by_mass_on_an_incline() -> None:
+    """Impacts lose what they lose without it: from peaks it was 0.90."""
+    swings = "gravity_tilt_deg=0.2", "time.end=0.75", "damping.stiffness=1e-4"
     plain, damped = (
         simulate(scene(*swings, f"damping.mass={mass}")).summary["blocks"]["block"]["impacts"][0]
         for mass in (0.0, 0.5)

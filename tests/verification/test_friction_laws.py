@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from benchmarks.verification.newmark import incline_distance, sliding_block, sliding_stop
+from benchmarks.verification.newmark import sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.law.friction import RATE
@@ -71,15 +71,6 @@ def test_an_incline_holds_and_does_not_creep() -> None:
     assert np.abs(slip).max() < 1e-6
 
 
-def test_an_incline_lets_go() -> None:
-    """mu = 0.98 tan b: the distance of the closed form."""
-    b = math.radians(SLOPE)
-    friction = 0.98 * math.tan(b)
-    slip = slip_of(scene(friction, 1.0, 2e-3, gravity_tilt_deg=SLOPE))
-    exact = incline_distance(slope=b, friction=friction, gravity=G, time=1.0)
-    assert slip[-1] == pytest.approx(exact, rel=2e-3)
-
-
 @pytest.mark.parametrize(
     ("cohesion", "lost"), [(0.0, False), (2000.0, False), (2000.0, True)], ids=str
 )
@@ -93,40 +84,6 @@ def test_a_thrown_block_stops(cohesion: float, lost: bool) -> None:
     slip = result.history["block.slip_m"]
     assert slip[-1] == pytest.approx(exact, rel=1e-3)
     assert np.ptp(slip[result.history["time_s"] > time + 0.01]) < 1e-6
-
-
-@pytest.mark.slow
-def test_newmark() -> None:
-    """A rectangular pulse: V^2/(2 mu g) (1 - mu g/a), left behind."""
-    pulse = {"kind": "rectangular", "amplitude_g": 0.5, "duration": 0.3}
-    slip = slip_of(scene(0.2, 0.8, 2.5e-4, motion=pulse))
-    exact = sliding_block(acceleration=0.5 * G, duration=0.3, friction=0.2, gravity=G)
-    assert slip[-1] == pytest.approx(-exact, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_friction_that_decays_with_speed() -> None:
-    """mu = mu_d + (mu_s - mu_d) exp(-DC v) on the way from 2 m/s to rest."""
-    law = {"static": 0.6, "dynamic": 0.2, "decay": 2.0}
-    result = run(scene(law, 0.8, 5e-4, block={"velocity": [2.0, 0.0]}))
-
-    def motion(_: float, y: Any) -> tuple[float, float]:
-        return y[1], -G * (0.2 + 0.4 * math.exp(-2.0 * y[1]))
-
-    def stop(_: float, y: Any) -> float:
-        return float(y[1])
-
-    stop.terminal = True  # type: ignore[attr-defined]
-    exact = solve_ivp(
-        motion, (0, 2), (0.0, 2.0), events=stop, rtol=1e-10, atol=1e-12, dense_output=True
-    )
-    (end,) = exact.t_events[0]
-    time, slip = result.history["time_s"], result.history["block.slip_m"]
-    assert end < 0.79
-    distance = exact.y[0, -1]
-    assert slip[-1] == pytest.approx(distance, rel=2e-3)
-    sliding = time < end
-    np.testing.assert_allclose(slip[sliding], exact.sol(time[sliding])[0], atol=2e-3 * distance)
 
 
 PULSES = [

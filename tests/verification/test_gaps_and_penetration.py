@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rockslip import Scene, parse_scene, simulate
 from solver.rigid.plane.system import PlaneSystem
 from solver.rigid.space.system import SpaceSystem
-from solver.rigid.start import blocks_of
+from solver.rigid.system import blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import pytest
 
 from rockslip import Result, parse_scene, read_run, simulate
 from solver.pictures.angles import draw_angle, draw_phase
-from solver.pictures.page.run_page import HEADING, _blocks
+from solver.pictures.page import HEADING, _blocks
 from solver.run.twin import difference, twin_of
 from solver.study.suite.cases import KEPT
 

@@ -29,7 +29,7 @@ def test_beside_a_carrier_that_lies(dimension: int) -> None:
     """Both have toppled and lie on the floor, which carries 100 kg without friction."""
     tables = both(dimension)
     tables["motion"] = {"kind": "half_sine", "amplitude_g": 0.9, "duration": 0.5}
-    history = simulate(parse_scene(tables), many=True).history
+    history = simulate(parse_scene(tables)).history
     assert abs(history["low.angle_rad" if dimension == 2 else "low.angle_y_rad"][-1]) > 1.5
     last = history["time_s"] > 2.8
     normal = history["up.normal_force_N"][last]
@@ -42,11 +42,11 @@ def test_beside_a_carrier_that_lies(dimension: int) -> None:
 
 def test_arrows_of_films_stand_upright(tmp_path: Path) -> None:
     """On the floor, whatever way the carrier leans by then."""
-    from solver.pictures.film.contact import _force
+    from solver.pictures.contact import _force
 
     tables = both(2, height=0.2, velocity=[2.5, 0.0], friction=0.0)
     tables["block"][0] |= {"tilt_deg": -17.0, "friction": 2.0}
-    simulate(parse_scene(tables), folder=tmp_path / "out", many=True)
+    simulate(parse_scene(tables), folder=tmp_path / "out")
     run = read_run(tmp_path / "out")
     up = run.scene.blocks[1]
     times = np.linspace(2.5, 3.0, 6)

@@ -18,7 +18,6 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.build.foundation import foundation as built
 from solver.errors import SceneError
-from solver.run.describe import describe
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 FRAME: dict[str, Any] = {
@@ -88,7 +87,7 @@ def reduced(case: Scene) -> tuple[ReducedBody, ElasticBody]:
 @pytest.mark.slow
 def test_peaks_of_a_reduced_frame_under_a_record() -> None:
     """Peak drift and base shear within 0.2 % of those of the mesh, while the block slides."""
-    made = {modes: scene(FRAME, modes, 6.0, motion=RECORD) for modes in (None, "auto")}
+    made = {modes: scene(FRAME, modes, 3.0, motion=RECORD) for modes in (None, "auto")}
     found = histories(made)
     assert np.abs(found[None]["block.slip_m"]).max() > 0.01
     for column in ("platform.drift_m", "foundation.base_shear_N"):
@@ -212,21 +211,10 @@ def test_fields_are_those_of_the_mesh(tmp_path: Path) -> None:
     assert moved[top, 0].mean() == pytest.approx(drift, rel=1e-6)
 
 
-@pytest.mark.parametrize("modes", [3, "auto"])
-def test_check_says_what_is_left(modes: int | str) -> None:
-    """Modes, unknowns before and after, and what modes left out may take."""
-    text = describe(scene(SMALL, modes, 1.0, motion=RECORD))
-    assert "unknowns instead of" in text
-    left = next(line for line in text.splitlines() if "modes left out" in line)
-    assert "take at most" in left and "of mass times acceleration" in left
-    assert modes == "auto" or "3 up to" in text
-
-
 @pytest.mark.parametrize(
     ("foundation", "modes", "words"),
     [
         (FRAME, 0, r"foundation\.modes: got 0, allowed a whole number, modes >= 1 or \"auto\""),
-        (FRAME, "many", r"foundation\.modes: got \"many\", allowed .* or \"auto\""),
         (FRAME, 2.5, r"foundation\.modes: got 2\.5, allowed a whole number"),
         ({"kind": "rigid"}, "auto", r"foundation\.modes"),
         ({"kind": "oscillator", "mass_ratio": 1.0, "period": 0.5}, 4, r"foundation\.modes"),

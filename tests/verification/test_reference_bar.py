@@ -37,7 +37,7 @@ def test_displacement_against_leapfrog():
         np.testing.assert_allclose(found, expected, atol=1.01 / CELLS, err_msg=f"step {step}")
 
 
-@pytest.mark.parametrize("time", [0.0, 0.31, 0.77, 1.2, 1.5, 1.83, 2.25, 2.9, 4.3])
+@pytest.mark.parametrize("time", [0.0, 0.77, 1.5, 2.25, 4.3])
 def test_energy_velocity_and_stress_from_displacement(time):
     x = (np.arange(4000) + 0.5) / 4000
     small = 1e-6

@@ -56,8 +56,6 @@ SCENES = {
     "a side joins, theta 0": tilted(theta=0, points="gauss", gamma=10000.0),
     "stack": stack(2),
     "stack, theta -1": stack(2, theta=-1, gamma=10000.0),
-    "stack in space": stack(3),
-    "a side joins, on a bed": tilted(damping=0.3),
     "stack in space, on beds": stack(3, damping=0.3, stiffness=1e9),
 }
 
@@ -101,24 +99,18 @@ def fail(stepper: Stepper, state: State, dt: float) -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_step_leaves_its_state_alone(name: str) -> None:
-    """Whether it succeeds or fails."""
+def test_a_step_that_is_taken_again_ends_at_the_same_state(name: str) -> None:
+    """After a step of another length, after one that failed; the ledger is the same as well.
+
+    The state that they start from stays as it is.
+    """
     stepper, state, dt = on_the_way(SCENES[name])
     before = copy.deepcopy(state)
-    new, _ = stepper.advance(state, dt)
-    assert equal(state, before)
-    assert not equal(new, before)
-    fail(stepper, state, dt)
-    assert equal(state, before)
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_a_step_that_is_taken_again_ends_at_the_same_state(name: str) -> None:
-    """After a step of another length, after one that failed; the ledger is the same as well."""
-    stepper, state, dt = on_the_way(SCENES[name])
     first, booked = stepper.advance(state, dt)
+    assert equal(state, before) and not equal(first, before)
     stepper.advance(state, dt / 2)
     fail(stepper, state, dt)
+    assert equal(state, before)
     again, once_more = stepper.advance(state, dt)
     scale = np.abs(first.u - state.u).max()
     np.testing.assert_allclose(again.u, first.u, rtol=0, atol=1e-9 * scale)

@@ -9,11 +9,6 @@ import numpy as np
 import pytest
 
 from rockslip import Result, Scene, parse_scene, simulate
-from solver.reference.housner import housner, housner_restitution
-
-#: The paper's block, released at 3 degrees (T1): impacts (s) and peaks (degrees) after Housner.
-IMPACTS = (0.1916, 0.5305, 0.8323, 1.1024, 1.3451, 1.5637, 1.7612)
-PEAKS = (2.440, 1.994, 1.636, 1.345, 1.109, 0.915)
 
 
 def scene(step: float, end: float, **block: Any) -> Scene:
@@ -33,44 +28,6 @@ def nothing_from_nothing(result: Result, energy: float = 1e-9) -> None:
     assert result.status == "completed"
     assert result.summary["energy"]["largest_gain_fraction"] < energy
     assert result.summary["energy"]["ledger_error_fraction"] < 1e-10
-
-
-@pytest.mark.parametrize("step", [1e-3, 1e-4])
-def test_free_rocking_is_housners(step: float) -> None:
-    """Impacts and peaks of T1; steps are cut at impacts, so that 1e-3 s will do."""
-    result = simulate(scene(step, 1.9, tilt_deg=3.0))
-    block = result.summary["blocks"]["block"]
-    times = [impact["time_s"] for impact in block["impacts"][:7]]
-    peaks = [abs(math.degrees(peak["angle_rad"])) for peak in block["peaks"][1:7]]
-    assert times == pytest.approx(IMPACTS, rel=3e-4)
-    assert peaks == pytest.approx(PEAKS, abs=6e-4)
-    assert abs(block["residual_slip_m"]) < 1e-12
-    nothing_from_nothing(result)
-
-
-def test_the_history_is_that_of_the_ode() -> None:
-    """Angle against time, up to 1.2 s."""
-    run = scene(5e-4, 1.2, tilt_deg=3.0)
-    result = simulate(run)
-    reference = housner(
-        run.blocks[0].shape, gravity=9.81, tilt=math.radians(3.0), end=1.2, step=5e-4
-    )
-    angle = np.interp(reference.time, result.history["time_s"], result.history["block.angle_rad"])
-    assert np.abs(angle - reference.angle).max() < 2e-6
-
-
-@pytest.mark.parametrize("step", [5e-4, 2e-4, 1e-4])
-@pytest.mark.parametrize(("ratio", "tolerance"), [(1.25, 1e-3), (2.0, 1e-3)])
-def test_restitution_does_not_depend_on_the_step(
-    ratio: float, tolerance: float, step: float
-) -> None:
-    """.4146 for H/B 1.25, .7 for H/B 2, also for these squat blocks."""
-    run = scene(step, 0.5, tilt_deg=3.0, width=1.0 / ratio)
-    result = simulate(run)
-    impacts = result.summary["blocks"]["block"]["impacts"]
-    expected = housner_restitution(run.blocks[0].shape)
-    assert impacts[0]["restitution"] == pytest.approx(expected, abs=tolerance)
-    nothing_from_nothing(result)
 
 
 def test_reactions_do_not_alternate() -> None:

@@ -52,7 +52,7 @@ def last_speed(result: Result, column: str) -> float:
 CASES = [
     (model, dimension, step)
     for model, dimension in (("rigid", 2), ("rigid", 3), ("elastic", 2))
-    for step in (0.004, 0.007, 0.0237)
+    for step in (0.007, 0.0237)
 ]
 
 
@@ -140,7 +140,7 @@ def test_the_ground_at_many_times_is_that_at_each(noise: Path) -> None:
 
 
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
-@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
+@pytest.mark.parametrize("rho", [0.0, 0.8])
 def test_a_ground_that_jumps_is_followed_at_once(noise: Path, rho: float, model: str) -> None:
     """Within a step: its whole impulse, and no energy lost or gained in time stepping."""
     pulse = {"kind": "rectangular", "amplitude_g": 1.0, "duration": 0.1053, "start": 0.0233}

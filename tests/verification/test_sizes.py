@@ -31,14 +31,20 @@ def released(
 
 def completed(scene: Scene) -> Result:
     """The result of a run that gained no energy."""
-    result = simulate(scene, many=True)
+    result = simulate(scene)
     assert result.status == "completed", result.summary["reason"]
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-5
     return result
 
 
-@pytest.mark.parametrize("model", ["rigid", pytest.param("elastic", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("keeps", ["density", "young"])
+@pytest.mark.parametrize(
+    ("model", "keeps"),
+    [
+        ("rigid", "density"),
+        ("rigid", "young"),
+        pytest.param("elastic", "density", marks=pytest.mark.slow),
+    ],
+)
 def test_three_sizes_are_equal_over_p_t(model: str, keeps: Any) -> None:
     """0.1 m, 1 m and 10 m high, scaled by `rockslip scale`: angle over alpha within 1e-6."""
     middle = released(0.25, 1.0, model=model)
@@ -57,7 +63,7 @@ def test_three_sizes_are_equal_over_p_t(model: str, keeps: Any) -> None:
         assert np.abs(there - angle).max() < 1e-6 * alpha
 
 
-@pytest.mark.parametrize("slenderness", [0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0])
+@pytest.mark.parametrize("slenderness", [0.75, 1.25, 1.5, 3.0, 10.0])
 def test_rigid_restitution_of_all_slendernesses(slenderness: float) -> None:
     """Without slip: 1 - 3/2 sin^2 alpha at every impact; none gains energy."""
     scene = released(1.0 / slenderness, 1.0, model="rigid")
@@ -73,7 +79,7 @@ def test_rigid_restitution_of_all_slendernesses(slenderness: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "height"),
-    [(4 / 3, 1.0), (1.0, 1.25), (0.5, 1.0), (0.1, 1.0), (0.025, 0.1), (2.5, 10.0)],
+    [(4 / 3, 1.0), (0.1, 1.0), (0.025, 0.1)],
 )
 def test_elastic_blocks_of_all_slendernesses_gain_nothing(width: float, height: float) -> None:
     """With the friction of stone, so that squat ones slide."""
@@ -81,11 +87,9 @@ def test_elastic_blocks_of_all_slendernesses_gain_nothing(width: float, height: 
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-5
 
 
-@pytest.mark.parametrize("model", ["rigid", pytest.param("elastic", marks=pytest.mark.slow)])
-def test_a_container_and_its_model(model: str) -> None:
+def test_a_container_and_its_model() -> None:
     """2.438 x 2.591 m and 1:15: the same to 1e-6 in slip and angle while it slides and rocks."""
-    keys = {"width": 2.438, "height": 2.591, "thickness": 6.058, "mass": 24e3, "model": model}
-    keys |= {"young": 2e9, "poisson": 0.2, "cells": [4, 4]}
+    keys = {"width": 2.438, "height": 2.591, "thickness": 6.058, "mass": 24e3, "model": "rigid"}
     prototype = parse_scene({
         "block": [keys],
         "contact": {"friction": 0.5},

@@ -31,7 +31,7 @@ class Told(NamedTuple):
 
 def told(tables: dict[str, Any]) -> Told:
     """Run a scene of one block."""
-    result = simulate(parse_scene(tables), many=True)
+    result = simulate(parse_scene(tables))
     assert result.status == "completed"
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
     impacts = result.summary["blocks"]["block"]["impacts"]

@@ -18,7 +18,6 @@ from solver.reference.sliding import sliding
 Array = NDArray[np.float64]
 
 STONE = {"young": 5e10, "poisson": 0.2}
-SLENDER = {"width": 0.25, "height": 1.0, "thickness": 0.75, "mass": 503.0, **STONE}
 SQUAT = {"width": 1.0, "height": 0.5, "thickness": 0.8, "mass": 1000.0, "cells": [3, 3, 2], **STONE}
 OSCILLATOR = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
 PLATE = {
@@ -31,16 +30,6 @@ PLATE = {
     **STONE,
 }
 ROLLERS = PLATE | {"support": "rollers", "period": 0.5, "damping_ratio": 0.05}
-FRAME = {
-    "kind": "frame",
-    "deck": {"width": 2.5, "height": 0.3, "thickness": 2.0},
-    "column": {"width": 0.2},
-    "storey": 2.5,
-    "young": 3e10,
-    "poisson": 0.2,
-    "density": 2500.0,
-    "cells": {"bay": 3, "column": 1, "deck": 1, "storey": 2},
-}
 BOTH_WAYS = {
     "kind": "sine",
     "amplitude_g": 0.4,
@@ -68,40 +57,6 @@ def completed(run: Scene, *, largest_gain: float = 1e-9, ledger: float = 1e-9) -
     assert result.summary["energy"]["largest_gain_fraction"] < largest_gain
     assert result.summary["energy"]["ledger_error_fraction"] < ledger
     return result
-
-
-def impacts(result: Result) -> list[float]:
-    """Times of the impacts of the block, s."""
-    return [impact["time_s"] for impact in result.summary["blocks"]["block"]["impacts"]]
-
-
-@pytest.fixture(scope="module")
-def in_the_plane() -> list[float]:
-    """Impacts of the slender block as plane stress, on the same mesh."""
-    content = {
-        "plane": "stress",
-        "block": [SLENDER | {"tilt_deg": 3.0, "cells": [3, 6]}],
-        "contact": {"friction": 0.7},
-        "damping": {"stiffness": 0.0},
-        "time": {"end": 0.84, "step": 1e-3},
-    }
-    return impacts(simulate(parse_scene(content)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_rocking_on_an_edge_is_that_of_plane_stress(in_the_plane: list[float], cell: str) -> None:
-    """Impacts within 1 %, and nothing happens across the plane of motion."""
-    block = SLENDER | {"tilt_deg": 3.0, "cells": [3, 1, 6], "cell": cell}
-    result = completed(scene(block, end=0.84, friction=0.7))
-    assert len(in_the_plane) == 3
-    assert impacts(result) == pytest.approx(in_the_plane, rel=0.01)
-    history = result.history
-    swing = np.ptp(history["block.angle_rad"])
-    assert np.abs(history["block.angle_x_rad"]).max() < 0.01 * swing
-    assert history["block.angle_y_rad"] == pytest.approx(
-        history["block.angle_rad"], abs=1e-3 * swing
-    )
 
 
 def on_a_corner(spec: BlockSpec, gravity: float, end: float) -> tuple[Any, Array, Array, Array]:
@@ -137,8 +92,10 @@ def on_a_corner(spec: BlockSpec, gravity: float, end: float) -> tuple[Any, Array
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 def test_released_on_a_corner(cell: str) -> None:
     """As the rigid block until the next corner comes down, within 0.3 %; then on, swinging less."""
-    block = SLENDER | {
+    block = STONE | {
         "width": 0.4,
+        "height": 1.0,
+        "mass": 503.0,
         "thickness": 0.6,
         "tilt_deg": 4.0,
         "tilt_direction_deg": float(np.rad2deg(np.arctan2(0.6, 0.4))),
@@ -172,12 +129,9 @@ def on_an_oscillator() -> Result:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_the_plate_on_rollers_drifts_as_the_oscillator(on_an_oscillator: Result, cell: str) -> None:
+def test_the_plate_on_rollers_drifts_as_the_oscillator(on_an_oscillator: Result) -> None:
     """Drift in both directions within 0.5 % of its peak."""
-    plate = ROLLERS | {"cell": cell}
-    block = SQUAT | {"cell": cell}
-    run = scene(block, end=0.35, friction=0.1, motion=BOTH_WAYS, foundation=plate)
+    run = scene(SQUAT, end=0.35, friction=0.1, motion=BOTH_WAYS, foundation=ROLLERS)
     history = completed(run).history
     for column in ("platform.drift_m", "platform.drift_second_m"):
         expected = on_an_oscillator.history[column]
@@ -191,12 +145,11 @@ def test_a_plate_on_its_bottom_carries_as_the_ground() -> None:
     """Stiff and at rest below: the same slip both ways as on the rigid ground."""
     common = {"end": 0.25, "friction": 0.1, "motion": BOTH_WAYS}
     ground = completed(scene(SQUAT, **common)).history
-    for support in ("bottom", "fixed"):
-        history = completed(scene(SQUAT, foundation=PLATE | {"support": support}, **common)).history
-        for column in ("block.slip_m", "block.slip_second_m"):
-            peak = np.abs(ground[column]).max()
-            assert peak > 0.01
-            assert history[column] == pytest.approx(ground[column], abs=1e-3 * peak)
+    history = completed(scene(SQUAT, foundation=PLATE | {"support": "bottom"}, **common)).history
+    for column in ("block.slip_m", "block.slip_second_m"):
+        peak = np.abs(ground[column]).max()
+        assert peak > 0.01
+        assert history[column] == pytest.approx(ground[column], abs=1e-3 * peak)
 
 
 def test_second_degree_on_tetrahedra_and_at_gauss_points() -> None:
@@ -212,32 +165,7 @@ def test_second_degree_on_tetrahedra_and_at_gauss_points() -> None:
 
 
 @pytest.mark.slow
-def test_a_frame_on_four_columns_sways_both_ways() -> None:
-    """A block that sticks rides on the deck: forces are its mass times the motion of the deck."""
-    run = scene(SQUAT, end=0.2, friction=2.0, motion=BOTH_WAYS, foundation=FRAME)
-    history = completed(run).history
-    step = run.time.step
-    for drift, force, ground in (
-        ("platform.drift_m", "block.friction_force_N", "base.acceleration_m_s2"),
-        (
-            "platform.drift_second_m",
-            "block.friction_force_second_N",
-            "base.second_acceleration_m_s2",
-        ),
-    ):
-        assert np.abs(history[drift]).max() > 1e-4
-        deck = np.gradient(np.gradient(history[drift], step), step) + history[ground]
-        smooth = np.convolve(deck, np.ones(20) / 20, "valid")
-        pushed = np.convolve(history[force] / 1000.0, np.ones(20) / 20, "valid")
-        inner = slice(5, -5)
-        assert smooth[inner] == pytest.approx(pushed[inner], abs=0.03 * np.abs(deck).max())
-    assert np.hypot(history["block.slip_m"], history["block.slip_second_m"]).max() < 1e-4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("lower", "upper"), [("elastic", "elastic"), ("elastic", "rigid"), ("rigid", "elastic")]
-)
+@pytest.mark.parametrize(("lower", "upper"), [("elastic", "rigid"), ("rigid", "elastic")])
 def test_the_upper_block_of_a_stack_slides_as_on_the_ground(lower: str, upper: str) -> None:
     """The lower one sticks to the ground: the slip of the upper one is that of the ODE."""
     low = SQUAT | {"name": "low", "model": lower, "friction": 1.0}
@@ -257,17 +185,3 @@ def test_the_upper_block_of_a_stack_slides_as_on_the_ground(lower: str, upper: s
     assert np.abs(history["low.slip_m"]).max() < 1e-5
     assert history["top.normal_force_N"][1:].mean() == pytest.approx(200 * 9.81, rel=1e-4)
     assert history["low.normal_force_N"][1:].mean() == pytest.approx(1200 * 9.81, rel=1e-4)
-
-
-@pytest.mark.slow
-def test_rocking_on_a_corner_on_another_block() -> None:
-    """As on a plate on its bottom until the second impact: what carries it hardly matters."""
-    low = SQUAT | {"name": "low", "width": 0.7, "thickness": 0.6}
-    size = {"width": 0.5, "thickness": 0.4, "height": 1.0, "mass": 480.0, "cells": [2, 2, 3]}
-    block = SQUAT | size | {"tilt_deg": 2.0, "tilt_direction_deg": 53.0}
-    stack = scene(low, block | {"on": "low"}, end=0.2, friction=0.7)
-    plate = scene(block, end=0.2, friction=0.7, foundation=PLATE | {"support": "bottom"})
-    on_block, on_plate = (completed(run, ledger=1e-8) for run in (stack, plate))
-    assert len(impacts(on_plate)) == 1
-    assert impacts(on_block) == pytest.approx(impacts(on_plate), rel=0.02)
-    assert on_block.history["block.penetration_m"].max() < 1e-5

@@ -26,7 +26,7 @@ def stack(**keys: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("young", [2e8, 2e9, 2e10])
 def test_equal_blocks_begin_in_equilibrium(young: float) -> None:
     """It was not found where only the lowest points were known to be near."""
-    result = simulate(parse_scene(stack(young=young)), many=True)
+    result = simulate(parse_scene(stack(young=young)))
     history = result.history
     for row in (0, -1):
         assert history["c2.normal_force_N"][row] == pytest.approx(12000 * G, rel=1e-5)
@@ -40,7 +40,7 @@ def test_a_high_stack_begins_in_equilibrium() -> None:
     first, second = tables["block"]
     more = [second | {"name": f"c{k}", "on": f"c{k - 1}"} for k in range(3, 6)]
     tables["block"] = [first, second, *more]
-    result = simulate(parse_scene(tables), many=True)
+    result = simulate(parse_scene(tables))
     assert result.history["c5.normal_force_N"][0] == pytest.approx(12000 * G, rel=1e-5)
     assert result.history["c1.normal_force_N"][0] == pytest.approx(72000 * G, rel=1e-5)
     assert not any("equilibrium" in text for text in result.summary["cautions"])
@@ -54,6 +54,6 @@ def test_a_start_that_is_not_as_asked_is_told() -> None:
         "contact": {"friction": 0.2},
         "time": {"end": 4e-3, "step": 2e-3},
     }
-    result = simulate(parse_scene(tables), many=True)
+    result = simulate(parse_scene(tables))
     (caution,) = [text for text in result.summary["cautions"] if "at the start" in text]
     assert caution.startswith("friction does not hold the blocks at the start")

@@ -70,8 +70,7 @@ def run(scene: Scene) -> Result:
 
 
 @pytest.mark.serial
-@pytest.mark.parametrize("modes", [{}, {"modes": 10}])
-@pytest.mark.parametrize("young", [3e9, 3e10])
+@pytest.mark.parametrize(("young", "modes"), [(3e9, {}), (3e10, {"modes": 10})])
 def test_stress_of_columns_is_that_of_their_own_material(
     tmp_path: Path, young: float, modes: dict[str, Any]
 ) -> None:
@@ -93,7 +92,7 @@ def test_stress_of_columns_is_that_of_their_own_material(
     np.testing.assert_allclose(stress, -0.5 * carried * G / 0.1, rtol=0.01)
 
 
-@pytest.mark.parametrize(("ratio", "modes"), [(0.02, {}), (0.05, {}), (0.05, {"modes": "auto"})])
+@pytest.mark.parametrize(("ratio", "modes"), [(0.02, {}), (0.05, {"modes": "auto"})])
 def test_free_vibration_of_a_frame_decays_by_its_damping_ratio(
     ratio: float, modes: dict[str, Any]
 ) -> None:
@@ -122,22 +121,7 @@ def test_damping_by_ratio_is_that_of_the_structure_alone() -> None:
         scene(FRAME | {"damping_ratio": 1.0}, 1.0, 1e-3)
 
 
-def test_a_block_on_a_rigid_frame_does_not_feel_its_damping() -> None:
-    """With or without, to 1e-12."""
-    block = {"width": 0.25, "height": 1.0, "mass": 500.0}
-    motion = {"kind": "half_sine", "amplitude_g": 0.4, "duration": 0.5}
-    found = []
-    for ratio in (0.0, 0.1):
-        stiff = FRAME | {"young": 1e19, "damping_ratio": ratio}
-        case = scene(stiff, 0.6, 2e-3, block=block, motion=motion, friction=0.2)
-        found.append(run(case).history["block.slip_m"])
-    assert np.abs(found[0]).max() > 1e-3
-    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("mass_damping", "modes"), [(0.0, {}), (0.3, {}), (0.0, {"modes": 3}), (0.3, {"modes": "auto"})]
-)
+@pytest.mark.parametrize(("mass_damping", "modes"), [(0.3, {}), (0.0, {"modes": 3})])
 def test_base_shear_balances_all_masses_in_each_step(
     mass_damping: float, modes: dict[str, Any]
 ) -> None:
@@ -267,7 +251,7 @@ def frequencies(foundation: dict[str, Any], count: int = 1) -> Any:
     return eigenvalues(body, count)
 
 
-@pytest.mark.parametrize("cells", [(1, 1), (6, 1), (9, 3)])
+@pytest.mark.parametrize("cells", [(1, 1), (9, 3)])
 def test_modes_of_few_unknowns_are_those_of_many(
     monkeypatch: pytest.MonkeyPatch, cells: tuple[int, int]
 ) -> None:
@@ -293,24 +277,11 @@ def test_deck_and_columns_of_different_materials() -> None:
     assert frequencies(soft)[0] == pytest.approx(SWAY / 2 / DECK, rel=5e-3)
 
 
-def test_extra_mass_on_the_deck() -> None:
-    """It moves with the deck."""
-    deck = STIFF_DECK["deck"] | {"extra_mass": 3 * DECK}
-    assert frequencies(STIFF_DECK | {"deck": deck})[0] == pytest.approx(SWAY / DECK / 4, rel=5e-3)
-
-
 def test_extra_mass_of_a_storey_is_that_of_its_deck() -> None:
     """Three decks' more on the upper one: k/m (9 -+ sqrt 65)/8, from 4 x^2 - 9 x + 1 = 0."""
     storeys = STIFF_DECK | {"storey": [{"height": 3.0}, {"height": 3.0, "extra_mass": 3 * DECK}]}
     exact = SWAY / DECK * (9 + np.array([-1, 1]) * math.sqrt(65)) / 8
     np.testing.assert_allclose(frequencies(storeys, 2), exact, rtol=6e-3)
-
-
-def test_two_storeys_are_two_masses_on_two_springs() -> None:
-    """k/m (3 -+ sqrt 5)/2."""
-    storeys = STIFF_DECK | {"storey": [{"height": 3.0}, {"height": 3.0}]}
-    exact = SWAY / DECK * (3 + np.array([-1, 1]) * math.sqrt(5)) / 2
-    np.testing.assert_allclose(frequencies(storeys, 2), exact, rtol=5e-3)
 
 
 def test_feet_on_horizontal_springs_are_in_series_with_the_columns() -> None:
@@ -396,7 +367,6 @@ def test_columns_in_space_are_counted_round_the_deck() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"storey": []}, r"foundation\.storey: got .*allowed"),
         (
             {"storey": [{"height": -1.0}]},
             r"foundation\.storey\.height: got -1.0, allowed height > 0",

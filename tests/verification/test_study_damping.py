@@ -1,9 +1,8 @@
-"""The study of damping for real, on a coarse block: a sweep, and the damping found again."""
+"""The study of damping for real, on a coarse block: on a base that moves, and on ranks."""
 
 from __future__ import annotations
 
 import csv
-import json
 import os
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rockslip import load_scene
 from solver.cli import main
 from tests.scenes import GRANITE
 
@@ -24,8 +22,6 @@ COARSE = GRANITE.replace("5.0e10", "5.0e9").replace("tilt_deg", "cells = [2, 4]\
 SCENE = COARSE + "[damping]\nstiffness = 1.2e-4\n[time]\nend = 1.5\ntolerance = 4e-3\n"
 """A soft, coarse block, in steps that leave 0.001 of its restitution open."""
 
-STIFF = SCENE.replace("5.0e9", "5.0e10").replace("[2, 4]", "[3, 8]").replace("4e-3", "2e-3")
-"""A block whose restitution falls from 0.933 at 2e-5 s to 0.923 at 1.5e-4 s."""
 
 WORDS = ("study", "damping", "scene.toml", "--impacts", "2", "-j", "2", "-q")
 
@@ -44,44 +40,11 @@ def table(folder: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.slow
-def test_calibration_finds_the_damping_of_a_run(here: Path) -> None:
-    """From its restitution, then from its history; one resumes what the other has run.
-
-    A run of known damping is what was measured. Both targets lead back to it within 25 %, which
-    moves restitution by 0.001.
-    """
-    (here / "scene.toml").write_text(STIFF)
-    known = 4e-5
-    assert main([*WORDS, "--of", f"beta={known}", "-o", "out"]) == 0
-    _, row = table(here / "out")
-    assert row["status"] == "completed" and float(row["loss.damping"]) > 0.7
-    wanted = float(row["restitution"])
-    again = ("-o", "out", "--resume")
-    assert main([*WORDS, "--target", f"restitution={wanted}", *again]) == 0
-    found = json.loads((here / "out" / "summary.json").read_text())
-    assert found["runs"] <= 8
-    assert found["restitution"] == pytest.approx(wanted, abs=1e-3)
-    assert found["value"] == pytest.approx(known, rel=0.25)
-    damping = load_scene(here / "out" / "calibrated.toml").damping
-    assert damping is not None and damping.stiffness == found["value"]
-
-    cases = here / "out" / "cases"
-    before = {file.name: file.stat().st_mtime_ns for file in cases.iterdir()}
-    history = cases / f"{row['case']}.csv"
-    assert main([*WORDS, "--target", f"history={history}", *again]) == 0
-    found = json.loads((here / "out" / "summary.json").read_text())
-    assert found["target_restitution"] == pytest.approx(wanted, abs=2e-4)
-    assert found["value"] == pytest.approx(known, rel=0.25)
-    after = {file.name: file.stat().st_mtime_ns for file in cases.iterdir()}
-    assert {name: after[name] for name in before} == before
-
-
-@pytest.mark.slow
 def test_a_block_that_is_shaken(here: Path) -> None:
     """Restitution on a base that moves is within 0.01 of that of free rocking."""
     pulse = '[motion]\nkind = "half_sine"\namplitude_g = 0.5\nduration = 0.2\n'
     (here / "shaken.toml").write_text(SCENE.replace("tilt_deg = 3.0\n", "") + pulse)
-    words = ["study", "damping", "shaken.toml", "--impacts", "2", "-q", "--of", "beta=1e-4,2e-4"]
+    words = ["study", "damping", "shaken.toml", "--impacts", "2", "-q", "--of", "beta=1e-4"]
     assert main([*words, "-o", "shaken", "--set", "time.end=2.0"]) == 0
     rows = table(here / "shaken")
     assert main([*WORDS, "--of", "beta=1e-4", "-o", "free"]) == 0

@@ -9,7 +9,6 @@ from rockslip import Result, parse_scene, simulate
 
 MATERIALS = {
     "marble": {"young": 5e10, "poisson": 0.25, "density": 2700.0},
-    "granite": {"young": 5e10, "poisson": 0.2, "density": 2680.0},
     "timber": {"young": 1e10, "poisson": 0.3, "density": 600.0},
 }
 

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.types import Array, Indices, Mask
 
 
@@ -337,8 +337,8 @@ def project_onto_facets(
         place: (g, s), (m, d), m.
         stand: The fields of the `ClosestPoints` of the points.
     """
-    shapes, closest = borrowed(FacetShapes(*face)), borrowed(ClosestPoints(*stand))
-    placed, inverses = borrowed(room)
+    shapes, closest = FacetShapes(*face), ClosestPoints(*stand)
+    placed, inverses = room
     d, t, k = len(frame), len(frame) - 1, shapes.facets.shape[1]
     placed[:], points = carrier @ frame.T, position @ frame.T
     if shapes.corners > 2:
@@ -495,7 +495,7 @@ def forces_in_space(
 
     They are f_n (n - kappa t) + a^-T f_t; arguments as in `projection_increment`.
     """
-    d, old, new = len(frame), borrowed(FootPoints(*before)), borrowed(FootPoints(*after))
+    d, old, new = len(frame), FootPoints(*before), FootPoints(*after)
     increment, ds, kappa, local = np.empty(d), np.empty(d - 1), np.empty(d - 1), np.empty(d)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))
     vectors[:] = 0.0
@@ -529,8 +529,8 @@ def work_defect(
     d, total, old, new = (
         len(frame),
         0.0,
-        borrowed(FootPoints(*before)),
-        borrowed(FootPoints(*after)),
+        FootPoints(*before),
+        FootPoints(*after),
     )
     increment, ds, kappa = np.empty(d), np.empty(d - 1), np.empty(d - 1)
     a, inverse = np.empty((d - 1, d - 1)), np.empty((d - 1, d - 1))

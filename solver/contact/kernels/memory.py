@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.law.friction import SLIPPED, Bounds, FrictionLaws, pasts_after, points_that_slip
 from solver.types import Array
 
@@ -48,7 +48,7 @@ def after_step(
         anchor: Stick memory at t_{n+1}, filled in.
         past: What points remember of their friction afterwards, likewise.
     """
-    laws, bounds = borrowed(FrictionLaws(*friction_laws)), borrowed(Bounds(mu, cohesion, np.inf))
+    laws, bounds = FrictionLaws(*friction_laws), Bounds(mu, cohesion, np.inf)
     (m, d), friction, contact = force.shape, 0.0, 0.0
     closed, distance = force[:, 0] > 0.0, np.zeros(len(force))
     for p in range(m):

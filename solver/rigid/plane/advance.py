@@ -17,14 +17,14 @@ from solver.law.newton import OPEN
 from solver.rigid.bracket import next_length
 from solver.rigid.plane.contact import (
     TOUCHING,
+    change,
     clear_points,
     distance,
     find_points,
     local_place,
     tangential_velocity,
 )
-from solver.rigid.plane.coupling import change
-from solver.rigid.plane.impact import collide
+from solver.rigid.plane.impulses import collide, hits
 from solver.rigid.plane.model import (
     PlaneGround,
     PlaneMemory,
@@ -33,7 +33,6 @@ from solver.rigid.plane.model import (
     PlaneWork,
 )
 from solver.rigid.plane.step import finish_step, solve_step
-from solver.rigid.plane.velocity import hits
 
 #: Impacts closer to the ends of a step than this part of it are taken there; ends of slip are not.
 SMALLEST_PIECE = 1e-3
@@ -43,9 +42,9 @@ CUTS = 5
 #: Tries to find where to cut.
 LOCATING = 30
 #: Slip slower than this part of what gravity and ground give in a step may end anywhere in it.
-SLOW = 1e-3
+SLIP_VELOCITY_TOLERANCE = 1e-3
 #: A slip has ended when this part of its velocity at the start of the step is left.
-STOPPED = 1e-6
+STOP_TOLERANCE = 1e-6
 
 
 @compiled
@@ -77,7 +76,7 @@ def reverses(system: PlaneModel, state: PlaneState, work: PlaneWork, dt: float, 
     for i in range(work.counts[0]):
         if work.state[i] != OPEN:
             begin, end = end_of_slip(system, state, work, i, dt)
-            if begin * end < 0.0 and abs(begin) > SLOW * dt * pull:
+            if begin * end < 0.0 and abs(begin) > SLIP_VELOCITY_TOLERANCE * dt * pull:
                 return i
     return -1
 
@@ -144,7 +143,7 @@ def locate_reversal(
     bracket[1] = abs(begin)
     for _ in range(LOCATING):
         way = end if begin > 0.0 else -end
-        if abs(way) <= STOPPED * abs(begin):
+        if abs(way) <= STOP_TOLERANCE * abs(begin):
             return inside(length, step)
         length = next_length(bracket, length, way)
         if length < SMALLEST_PIECE * step:

@@ -1,14 +1,22 @@
-"""Contact points of rigid blocks in the plane: which are near, their gaps, their rows. Compiled.
+"""Contact points of rigid blocks in the plane: gaps, rows, compliance, friction. Compiled.
 
 A contact point is a corner of one block and a face of another, or the floor. Gap and tangential
-place are taken in the frame of the block that has the face.
+place are taken in the frame of the block that has the face. A row has numbers for two bodies only:
+that of the corner, and that of the face or the platform.
+
+`solver.law.friction` has the law of friction. Without decay a point that is new or stuck in the
+last step holds up to mu_s; one that slipped has mu_d.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from solver.law.compiled import compiled
+from solver.law.friction import Bounds, eased, followed, held, slips
+from solver.law.newton import OPEN, STICK
 from solver.rigid.plane.model import PlaneMemory, PlaneModel, PlaneState, PlaneWork
 from solver.types import Array
 
@@ -251,3 +259,105 @@ def area(system: PlaneModel, work: PlaneWork, state: PlaneState, i: int) -> floa
     reach = system.half[c, sideways]
     shared = min(along + length, reach) - max(along - length, -reach)
     return max(0.0, 0.5 * shared) * min(thickness, system.thickness[c])
+
+
+@compiled
+def unknowns_of(system: PlaneModel, work: PlaneWork, i: int) -> tuple[int, int, int]:
+    """The first unknown of the corner's block of a near point; that of what has the face, and end.
+
+    The ground has none, the platform one.
+    """
+    k, n = work.points[i], len(system.mass)
+    b, c = 3 * system.corner_of[k], 3 * system.face_of[k]
+    return (b, c, c + 3) if c >= 0 else (b, n - n % 3, n)
+
+
+@compiled
+def change(system: PlaneModel, work: PlaneWork, row: int, motion: Array) -> float:
+    """A row times a motion: an increment or a velocity of all unknowns."""
+    b, other, end = unknowns_of(system, work, row // 2)
+    rows = work.rows
+    total = rows[row, b] * motion[b] + rows[row, b + 1] * motion[b + 1]
+    total += rows[row, b + 2] * motion[b + 2]
+    for k in range(other, end):
+        total += rows[row, k] * motion[k]
+    return total
+
+
+@compiled
+def push(
+    system: PlaneModel, work: PlaneWork, force: Array, flexibility: Array, motion: Array
+) -> None:
+    """Add to a motion what forces or impulses at the near points, flat, move all unknowns by."""
+    for i in range(work.counts[0]):
+        b, other, end = unknowns_of(system, work, i)
+        normal, tangential, rows = force[2 * i], force[2 * i + 1], work.rows
+        for k in range(b, b + 3):
+            share = normal * rows[2 * i, k] + tangential * rows[2 * i + 1, k]
+            motion[k] += flexibility[k] * share
+        for k in range(other, end):
+            share = normal * rows[2 * i, k] + tangential * rows[2 * i + 1, k]
+            motion[k] += flexibility[k] * share
+
+
+@compiled
+def compliance(system: PlaneModel, work: PlaneWork, flexibility: Array) -> Array:
+    """G diag(flexibility) G^T of the near points, (2 m, 2 m)."""
+    size, rows = 2 * work.counts[0], work.rows
+    W = np.empty((size, size))
+    for row in range(size):
+        b, other, end = unknowns_of(system, work, row // 2)
+        for column in range(row + 1):
+            total = 0.0
+            for k in range(b, b + 3):
+                total += rows[row, k] * flexibility[k] * rows[column, k]
+            for k in range(other, end):
+                total += rows[row, k] * flexibility[k] * rows[column, k]
+            W[row, column] = W[column, row] = total
+    return W
+
+
+@compiled
+def begin_friction(
+    system: PlaneModel, state: PlaneState, memory: PlaneMemory, work: PlaneWork
+) -> None:
+    """Friction of the near points, by what they did in the last step."""
+    for i in range(work.counts[0]):
+        k = work.points[i]
+        mu, cohesion = held(system.friction, system.upper[k], memory.past[k])
+        work.friction[i] = mu
+        work.cohesion[i] = cohesion * area(system, work, state, i) if cohesion > 0.0 else 0.0
+
+
+@compiled
+def follow_friction(
+    system: PlaneModel, memory: PlaneMemory, work: PlaneWork, W: Array, dt: float, share: float
+) -> bool:
+    """Adapt friction to the slip that was found, as far as `eased`; True where anything changed."""
+    changed = False
+    for i in range(work.counts[0]):
+        if work.state[i] == OPEN:
+            continue
+        k, slip, t = work.points[i], abs(work.place[2 * i + 1]), 2 * i + 1
+        force = max(abs(work.force[2 * i]), abs(work.force[t]))
+        slid = work.state[i] != STICK and slips(slip, W[t, t], force)
+        work.slips[i] = 1 if slid else 0
+        speed = slip / dt if slid else 0.0
+        friction, coheres = followed(
+            system.friction, system.upper[k], memory.past[k], work.friction[i], speed, slid
+        )
+        friction = eased(system.friction, system.upper[k], work.friction[i], friction, share)
+        if abs(friction - work.friction[i]) > 1e-13:
+            work.friction[i] = friction
+            changed = True
+        if not coheres and work.cohesion[i] > 0.0:
+            work.cohesion[i] = 0.0
+            changed = True
+    return changed
+
+
+@compiled
+def bounds_of(work: PlaneWork) -> Bounds:
+    """Friction of the near points for the local problem."""
+    count = work.counts[0]
+    return Bounds(work.friction[:count], work.cohesion[:count], np.inf)

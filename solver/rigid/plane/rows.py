@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from solver.history.block_columns import PLANE as BLOCK
-from solver.history.block_columns import MovingBlock, has_lost_carrier, write_plane_motion
+from solver.history.block_columns import has_lost_carrier, write_plane_motion
 from solver.history.columns import RowLayout, positions
-from solver.law.compiled import borrowed, compiled
+from solver.law.compiled import compiled
 from solver.rigid.plane.advance import full_step
 from solver.rigid.plane.contact import TOP, distance, local_place, nearest_face
 from solver.rigid.plane.model import (
@@ -83,11 +83,8 @@ def write_block(
     system: PlaneModel, state: PlaneState, work: PlaneWork, b: int, dt: float, row: Array
 ) -> None:
     """The columns of a block; forces are the means of the step, in the frame of what carries it."""
-    q, v, carrier, k = state.q, state.v, still_carried(system, state.q, b), 3 * b
-    turned, spin = q[k + 2 : k + 3], v[k + 2 : k + 3]
-    inertia, moved, velocity = system.mass[k + 2 : k + 3], q[k : k + 2], v[k : k + 2]
-    motion = MovingBlock(system.mass[k], inertia, moved, velocity, turned, spin, spin)
-    write_plane_motion(motion, row)
+    q, carrier, k = state.q, still_carried(system, state.q, b), 3 * b
+    write_plane_motion(row, q[k + 2], state.v[k + 2], q[k : k + 2])
     row[BLOCK.slip_m] = state.slip[b]
     row[BLOCK.gap_left_m] = height_over(system, q, b, 0, carrier)
     row[BLOCK.gap_right_m] = height_over(system, q, b, 1, carrier)
@@ -150,8 +147,6 @@ def advance(
     Returns:
         Number of steps that succeeded (all, or up to the one that failed) and of rejected ones.
     """
-    system, state, memory, work = borrowed((system, state, memory, work))
-    ground, shift, rows = borrowed((ground, shift, rows))
     rejected = 0
     for i in range(len(rows)):
         iterations, speed = work.counts[1], state.v[-1]

@@ -12,13 +12,20 @@ from __future__ import annotations
 import math
 
 from solver.law.compiled import compiled
-from solver.law.dense import product
 from solver.law.friction import ITERATIONS, SHARES, remember, remember_open
 from solver.law.local_problem import solve
-from solver.law.newton import OPEN
-from solver.rigid.plane.contact import local_place, write_rows
-from solver.rigid.plane.coupling import change, compliance, push
-from solver.rigid.plane.friction import begin_friction, bounds_of, follow_friction
+from solver.law.newton import OPEN, product
+from solver.rigid.plane.contact import (
+    begin_friction,
+    bounds_of,
+    change,
+    compliance,
+    follow_friction,
+    local_place,
+    push,
+    write_rows,
+)
+from solver.rigid.plane.impulses import add_impulses, correct_velocity
 from solver.rigid.plane.model import (
     PlaneGround,
     PlaneMemory,
@@ -26,7 +33,6 @@ from solver.rigid.plane.model import (
     PlaneState,
     PlaneWork,
 )
-from solver.rigid.plane.velocity import add_impulses, correct_velocity
 from solver.types import Array
 
 #: Rows are right when their error moves no point by more than this part of the size of the blocks.

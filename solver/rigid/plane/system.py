@@ -14,11 +14,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solver.rigid.plane.model import new_memory, new_work
+from solver.rigid.plane.model import new_memory, new_work, state_of, system_of
 from solver.rigid.plane.rows import advance, stored_energy, write_row
-from solver.rigid.plane.start import state_of, system_of
-from solver.rigid.start import RigidBlock, RigidPlatform
-from solver.rigid.system import RigidSystem
+from solver.rigid.system import RigidBlock, RigidPlatform, RigidSystem
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
 

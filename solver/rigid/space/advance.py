@@ -5,22 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from solver.history.columns import RowLayout
-from solver.law.compiled import borrowed, compiled
-from solver.rigid.space.contact import HAIR
+from solver.law.compiled import compiled
+from solver.rigid.space.contact import TOUCH_TOLERANCE
 from solver.rigid.space.friction import touched
-from solver.rigid.space.impact import collide, gaps_after, step_to_impact
+from solver.rigid.space.impulses import collide, correct_velocity, gaps_after, step_to_impact
 from solver.rigid.space.model import SpaceModel, SpaceSolution, SpaceState
-from solver.rigid.space.rows import RUN, record
-from solver.rigid.space.solve import solve
-from solver.rigid.space.step import take
-from solver.rigid.space.velocity import correct_velocity
-from solver.rigid.space.watch import watch
+from solver.rigid.space.rows import RUN, accumulate_output, record
+from solver.rigid.space.step import solve, take
 from solver.types import Array
 
-EARLY = 0.02
+IMPACT_MARGIN = 0.02
 """How much of the way to an impact is left for the step of the impact."""
 
-GRAVE = 0.03
+MIN_CUT_FRACTION = 0.03
 """An impact later than this part of a step divides it."""
 
 LOOKING, TIMING, TIMED = 0, 1, 2
@@ -33,9 +30,9 @@ CUTS = 5
 @compiled
 def _lands(model: SpaceModel, state: SpaceState, s: SpaceSolution) -> bool:
     """Whether a point that was open, and not by a hair, touches in a step."""
-    old, hair = touched(state, s.contacts), HAIR * np.max(model.half)
+    old, tolerance = touched(state, s.contacts), TOUCH_TOLERANCE * np.max(model.half)
     for q in range(len(old)):
-        if old[q] == 0 and s.force[q, 0] > 0 and s.contacts.gap[q] > hair:
+        if old[q] == 0 and s.force[q, 0] > 0 and s.contacts.gap[q] > tolerance:
             return True
     return False
 
@@ -59,8 +56,7 @@ def _accept(
     model: SpaceModel, state: SpaceState, s: SpaceSolution, start: Array, end: Array, tally: Array
 ) -> None:
     """Take a step, and correct the velocities at its end."""
-    s = borrowed(s)
-    watch(model, state, s, tally)
+    accumulate_output(model, state, s, tally)
     rubbed = -state.exchanged[1]
     take(model, state, s, start, end, tally[-1])
     rubbed += state.exchanged[1]
@@ -91,8 +87,6 @@ def run(
     Returns:
         Number of steps that succeeded, number of rejected solutions.
     """
-    model, state = borrowed((model, state))
-    ground, shift, seen, rows = borrowed((ground, shift, seen, rows))
     tally, rejected, k, done, h, phase = np.zeros((len(seen) + 1, 3)), 0, 0, 0.0, dt, LOOKING
     speed, bounces, cuts = state.velocity[-1].copy(), bool(np.any(model.restitution > 0.0)), 0
     rows[:, RUN.step_s], rows[:, RUN.newton_iterations] = dt, 0.0
@@ -110,8 +104,8 @@ def run(
                 s, end = short, start + gained * (short.dt / dt)
         if phase == TIMING:
             part = _landing(model, state, s, end) if s.settled else 1.0
-            if part < 1 and part * h > GRAVE * dt:
-                h *= (1 - EARLY) * part
+            if part < 1 and part * h > MIN_CUT_FRACTION * dt:
+                h *= (1 - IMPACT_MARGIN) * part
             phase = TIMED
         elif not s.settled:
             h, phase, rejected = 0.5 * h, LOOKING, rejected + 1

@@ -8,20 +8,27 @@ import numpy as np
 
 from solver.law.compiled import compiled
 from solver.rigid.space.boxes import (
-    CORNERS,
-    SLOTS,
     TOP,
     corners_of,
     face_axes,
+    moved_along,
+    no_crossings,
+    normal_between,
     points_between,
     points_on_face,
 )
-from solver.rigid.space.edge_crossings import moved_along, no_crossings, normal_between
-from solver.rigid.space.model import SpaceContacts, SpaceMemory, SpaceModel, SpaceState
+from solver.rigid.space.model import (
+    CORNERS,
+    SLOTS,
+    SpaceContacts,
+    SpaceMemory,
+    SpaceModel,
+    SpaceState,
+)
 from solver.rigid.space.rotation import cross, rotation_of, to_space
 from solver.types import Array
 
-HAIR = 1e-9
+TOUCH_TOLERANCE = 1e-9
 """Points nearer than this, relative to the largest half length, do not land: they are there."""
 
 
@@ -182,7 +189,7 @@ def rows_of(
         z = R_c^T (x - x_c),   z_{n+1} - z_n = R_c,mean^T (dx - dx_c - psi_c x (x - x_c)_mean),
 
     and the force e on the one body and -e on the other act at one point of space; those of a
-    crossing act at its places on both edges (`solver.rigid.space.edge_crossings`). With rotations
+    crossing act at its places on both edges (`solver.rigid.space.boxes`). With rotations
     and places of an instant they give velocities.
 
     Args:

@@ -17,9 +17,9 @@ from solver.law.friction import (
     points_that_slip,
     remember_open,
 )
+from solver.rigid.space.boxes import areas
 from solver.rigid.space.model import BEARING, SpaceContacts, SpaceModel, SpaceState
 from solver.rigid.space.motion import REGULAR
-from solver.rigid.space.overlap import areas
 from solver.types import Array, Mask
 
 

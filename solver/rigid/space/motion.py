@@ -165,7 +165,7 @@ def changes(
 
 
 @compiled
-def act(
+def apply_forces(
     contacts: SpaceContacts, rows: tuple[Array, Array, Array], force: Array, bodies: int
 ) -> tuple[Array, Array, Array]:
     """The forces and moments of contact on all bodies, and the force on each point's body, N."""

@@ -1,4 +1,4 @@
-"""History rows of rigid blocks in space, compiled."""
+"""History rows of rigid blocks in space, with the impulses and slips of steps. Compiled."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 
 from solver.history.block_columns import SPACE as BLOCK
 from solver.history.block_columns import (
-    MovingBlock,
     has_lost_carrier,
     lean_in_space,
     write_space_motion,
@@ -15,9 +14,10 @@ from solver.history.columns import RowLayout, positions
 from solver.law.compiled import compiled
 from solver.rigid.rows import write_energies
 from solver.rigid.space.boxes import corner, points_between
-from solver.rigid.space.contact import rotations
-from solver.rigid.space.model import SpaceModel, SpaceState
-from solver.rigid.space.rotation import rotation_vector, to_body, to_space
+from solver.rigid.space.contact import rotations, rows_of
+from solver.rigid.space.model import SpaceContacts, SpaceModel, SpaceSolution, SpaceState
+from solver.rigid.space.motion import mean_motion
+from solver.rigid.space.rotation import cross, rotation_vector, to_body, to_space
 from solver.types import Array
 
 RUN, PLATFORM = positions("run", 3), positions("platform", 3)
@@ -75,9 +75,7 @@ def _record_block(
     carrier, frame = still_carried(model, state, frames, block), frames[block]
     seen[0] = lean_in_space(frame, seen[0])
     seen[1:] = rotation_vector(state.quaternion[block], seen[1:])
-    own, centre, velocity = state.spin[block], state.place[block], state.velocity[block]
-    mass, inertia, spin = model.mass[block], model.inertia[block], to_space(frame, own)
-    write_space_motion(MovingBlock(mass, inertia, centre, velocity, seen, spin, own), row)
+    write_space_motion(row, seen, to_space(frame, state.spin[block]), state.place[block])
     row[BLOCK.slip_m], row[BLOCK.slip_second_m] = state.slip[block, 0], state.slip[block, 1]
     shift, gap = state.place[block] - state.place[carrier], np.empty(4)
     for k in range(4):
@@ -119,8 +117,8 @@ def record(
     """Fill in a row from a state, but for the time, the step and the counts of iterations.
 
     `seen` has the last angles, (n, 4), carried on, `tally` the mean contact forces of the step and
-    that on the ground (see `watch`); the acceleration is the platform's, the mean of the step,
-    m/s2. The row's error stands for the energy at the start until the first is taken off.
+    that on the ground (see `accumulate_output`); the acceleration is the platform's, the mean of
+    the step, m/s2. The row's error stands for the energy at the start until the first is taken off.
     """
     n, frames = len(seen), rotations(state.quaternion)
     row[RUN.contact_points_closed] = np.sum(state.memory.force[:, :, 0] > 0)
@@ -135,3 +133,65 @@ def record(
     if model.mass[n] > 0:
         _record_platform(state, acceleration, tally[n], layout, row)
     write_energies(stored_energy(model, state), state.exchanged, row[layout.energy :])
+
+
+@compiled
+def _lowest_corner_moves(
+    model: SpaceModel, s: SpaceSolution, mean: Array, shift: Array, u: int
+) -> Array:
+    """How the lowest bottom corner of a block moves in a step, as seen from what carries it."""
+    c = model.lower[model.carried[u]]
+    lowest, arm = np.inf, shift[u]
+    for k in range(4):
+        r = to_space(mean[u], corner(model.half[u], k))
+        height = to_body(mean[c], r)[2]
+        if height < lowest:
+            lowest, arm = height, r
+    moved = s.moved[u] - s.moved[c] + cross(s.turned[u], arm)
+    return to_body(mean[c], moved - cross(s.turned[c], shift[u] - shift[c] + arm))
+
+
+@compiled
+def count_impulses(
+    model: SpaceModel,
+    state: SpaceState,
+    mean: Array,
+    contacts: SpaceContacts,
+    impulse: Array,
+    tally: Array,
+) -> None:
+    """Add the impulses of the points on their bodies, (m, 3) in space, N s, to the tally."""
+    frames = rotations(state.quaternion)
+    for q in range(len(impulse)):
+        u = model.upper[contacts.pair[q]]
+        sign = 1.0 if contacts.body[q] == u else -1.0
+        presses = still_carried(model, state, frames, u)
+        push = to_body(mean[presses], sign * impulse[q])
+        tally[u, 0] += push[2]  # normal first
+        tally[u, 1] += push[0]
+        tally[u, 2] += push[1]
+
+
+@compiled
+def accumulate_output(model: SpaceModel, state: SpaceState, s: SpaceSolution, tally: Array) -> None:
+    """Before a step is taken: add its impulses on the blocks, and how they slip on their carriers.
+
+    The state is still that at its start. `tally` has impulses, normal and tangential to what still
+    carries the block, N s, (n + 1, 3); the last row is that of the ground, which `take` fills.
+    """
+    n, frames = len(state.slip), rotations(state.quaternion)
+    mean, shift = mean_motion(state, frames, s.moved, s.turned)
+    along, _, _ = rows_of(s.contacts, mean, shift)
+    slid, count = np.zeros((n, 3)), np.zeros(n)
+    count_impulses(model, state, mean, s.contacts, s.dt * s.pushed, tally)
+    for q in range(len(s.mu)):
+        u = model.upper[s.contacts.pair[q]]
+        carrier = model.lower[model.carried[u]]
+        sign = 1.0 if s.contacts.body[q] == u else -1.0
+        if s.contacts.pair[q] == model.carried[u] and s.force[q, 0] > 0:
+            slid[u] += sign * to_body(mean[carrier], to_body(along[q], s.change[q]))
+            count[u] += 1
+    for u in range(n):
+        if count[u] == 0:
+            slid[u] = _lowest_corner_moves(model, s, mean, shift, u)
+        state.slip[u] += slid[u, :2] / max(count[u], 1.0)

@@ -13,11 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver.rigid.space.advance import run
+from solver.rigid.space.model import model_of, state_of
 from solver.rigid.space.rotation import rotation_of
 from solver.rigid.space.rows import record, stored_energy
-from solver.rigid.space.start import model_of, state_of
-from solver.rigid.start import RigidBlock, RigidPlatform
-from solver.rigid.system import RigidSystem
+from solver.rigid.system import RigidBlock, RigidPlatform, RigidSystem
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
 

@@ -310,7 +310,7 @@ class DampingCase:
 
     def run(self) -> Row:
         """Run the case on one process; its row, with the angle against time under `angle`."""
-        result = simulate(self.scene, comm=MPI.COMM_SELF, many=True)
+        result = simulate(self.scene, comm=MPI.COMM_SELF)
         summary = result.summary
         block, energy, cost = summary["blocks"][self.block], summary["energy"], summary["cost"]
         spec = next(spec for spec in self.scene.blocks if spec.name == self.block)

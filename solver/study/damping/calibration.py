@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from geometry.block import Block
 from solver.errors import SceneError
 from solver.excitation.layouts.text import number_in, read_lines, rows_of, split_header
-from solver.results.rocking import speed_at_impact
 from solver.scene import BlockSpec, Scene
 from solver.scene.checking import shown
 from solver.study.damping.numbers import Restitution
@@ -158,6 +158,28 @@ def _of_history(
         impacts=count,
         history=history,
     )
+
+
+def speed_at_impact(peak: float, shape: Block, gravity: float, drag: float = 0.0) -> float:
+    """Speed with which a rigid block that is at rest at a peak (rad) comes to its impact, 1/s.
+
+    By theta'' = -p^2 sin(alpha - theta) - drag theta', with the drag, 1/s, of damping that is
+    proportional to mass. With a negative drag it is the speed after an impact that leads to the
+    peak: the same swing backwards.
+    """
+    alpha, square = shape.slenderness, shape.frequency(gravity) ** 2
+    if drag == 0.0:
+        return math.sqrt(2 * square * (math.cos(alpha - peak) - math.cos(alpha)))
+
+    def slope(time: float, state: Array) -> list[float]:
+        return [state[1], -square * math.sin(alpha - state[0]) - drag * state[1]]
+
+    def lands(time: float, state: Array) -> float:
+        return float(state[0])
+
+    setattr(lands, "terminal", True)
+    found = solve_ivp(slope, (0.0, 1e3), [peak, 0.0], events=lands, rtol=1e-9, atol=1e-12)
+    return abs(float(found.y[1, -1]))
 
 
 def read_history(file: Path) -> tuple[Array, Array]:

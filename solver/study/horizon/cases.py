@@ -60,7 +60,7 @@ class HorizonCase:
     def run(self) -> Row:
         """Run the scene and its twins on one process; the row of the case."""
         scene = self.scene()
-        first = simulate(twin_of(scene, 0.0), comm=MPI.COMM_SELF, many=True)
+        first = simulate(twin_of(scene, 0.0), comm=MPI.COMM_SELF)
         leans = [float(lean_over_alpha(first.history, block).max()) for block in scene.blocks]
         row: Row = {
             "status": first.status,
@@ -75,7 +75,7 @@ class HorizonCase:
             "twins": [],
         }
         for perturbation in self.perturbations if first.status == "completed" else ():
-            twin = simulate(twin_of(scene, perturbation), comm=MPI.COMM_SELF, many=True)
+            twin = simulate(twin_of(scene, perturbation), comm=MPI.COMM_SELF)
             if twin.status != "completed":
                 reason = f"twin at {perturbation:g}: {twin.summary['reason']}"
                 return row | {"status": twin.status, "reason": reason}

@@ -127,7 +127,7 @@ class BlockCase:
             table = dict(case.motion.table)
             table["scale"] = table.get("scale", 1.0) * scene.gravity / ground.along.peak
             scene, ground = scene_of(replace(case, motion=replace(case.motion, table=table)))
-        result = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True)
+        result = simulate(scene, comm=MPI.COMM_SELF, ground=ground)
         if result.status != "completed":
             raise NotConverged(f"{result.status}: {result.summary['reason']}")
         m, k, c = scene.platform()

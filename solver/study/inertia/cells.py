@@ -1,4 +1,4 @@
-"""What lambda is asked for: structures, friction, shapes; and the axes over which they vary."""
+"""Cells of a map of lambda: structures, friction, shapes; the axes over which they vary."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Structure:
     dynamic: float
     """mu_d/mu_s."""
     unit_pga: bool
-    """Whether all motions are scaled to a peak of 1 g."""
+    """True if all motions are scaled to a peak of 1 g."""
 
     def platform(self) -> Platform:
         """A structure of 1 kg, so that the live load is `mass_ratio` kg."""
@@ -100,7 +100,7 @@ def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
 def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
     """The structure of a scene and the friction under its live load; what does not fit is refused.
 
-    The sliding block by which lambda is followed knows a single spring, a horizontal base and
+    The sliding block by which lambda is followed has a single spring, a horizontal base and
     Coulomb's friction without cohesion.
     """
     platform = scene.platform() if scene.foundation.kind == "oscillator" else None
@@ -153,13 +153,13 @@ def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> tuple[Cell,
 
 
 def ladder(frictions: Iterable[float]) -> list[float]:
-    """Friction from infinity down to the least that is asked for, which all are part of."""
-    asked = set(frictions)
+    """Friction from infinity down to the least of these values, which are all part of it."""
+    wanted = set(frictions)
     steps, number = set[float](), TOP
-    while RATIO**number > min(asked):
+    while RATIO**number > min(wanted):
         steps.add(RATIO**number)
         number -= 1
-    return [math.inf, *sorted(steps | asked, reverse=True)]
+    return [math.inf, *sorted(steps | wanted, reverse=True)]
 
 
 def step_of(blocks: Iterable[BlockSpec], structure: Structure) -> float:

@@ -51,7 +51,7 @@ class Curve:
 
     @property
     def insensitive(self) -> bool:
-        """Whether the live load hardly changes the drift, so that no lambda can be told."""
+        """True if the live load hardly changes the drift, so that there is no lambda to report."""
         inside = self.drifts[(self.portions >= 0) & (self.portions <= 1)]
         return bool(np.ptp(inside) < INSENSITIVE * np.mean(np.abs(inside)))
 
@@ -93,7 +93,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Portion:
-    """What a suite says about lambda."""
+    """Lambda of a suite of motions, with its interval."""
 
     value: float | None
     """The one reported; None: there is none."""
@@ -113,7 +113,7 @@ class Portion:
 
 
 def resampled(count: int) -> Array:
-    """How often each motion is in each resampled suite over their number, (resamples, n)."""
+    """Share of each motion in each resampled suite, (resamples, n)."""
     chosen = np.random.default_rng(SEED).integers(count, size=(RESAMPLES, count))
     weights = np.zeros((RESAMPLES, count))
     np.add.at(weights, (np.arange(RESAMPLES)[:, None], chosen), 1.0 / count)
@@ -164,7 +164,7 @@ def _portion(value: float, roots: Array, spread: Array) -> Portion:
 # ---------------------------------------------------------------- cells
 
 SLIDING = "sliding block"
-"""What the rows of one block that slides are called."""
+"""Name of the rows of one block that slides."""
 
 WANTED = 0.05
 """Half of the width that an interval of 90 % should not exceed."""
@@ -172,7 +172,7 @@ WANTED = 0.05
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What one way of computing says of one cell."""
+    """Lambda, drift and base shear of one cell, by one way of computing."""
 
     cell: Cell
     by: str
@@ -183,7 +183,7 @@ class Finding:
     geometric: Portion
     """By the mean of their logarithms."""
     insensitive: bool
-    """Whether the live load hardly changes the drift."""
+    """True if the live load hardly changes the drift."""
     drift: float
     """Mean peak drift, m; for motions scaled to 1 g, per 1 g."""
     drift_over_fixed: float
@@ -199,7 +199,7 @@ class Finding:
 
     @property
     def remark(self) -> str:
-        """What has to be said besides the numbers; empty: nothing."""
+        """Remark beside the numbers; empty where there is none."""
         value, said = self.arithmetic.value, []
         if self.insensitive:
             said.append("not reported: the live load changes the drift by less than 1 %")
@@ -257,13 +257,13 @@ class Line:
         return Curve(grid()[known], self.drifts[:, known].mean(axis=0))
 
     def finding(self, cell: Cell) -> Finding:
-        """What the sliding block says of a cell."""
+        """The finding of a cell by the sliding block."""
         place = self.frictions.index(cell.friction)
         pair = tuple(several[place] for several in self.found)
         return self._finding(cell, SLIDING, self.peaks[:, place, :], pair, slice(None))
 
     def finding_by(self, cell: Cell, by: str, outcomes: Sequence[list[float] | None]) -> Finding:
-        """What runs of blocks say of a cell; motions whose run failed (None) are left out.
+        """The finding of a cell by runs of blocks; motions whose run failed (None) are left out.
 
         lambda goes on from where the sliding block is at this friction: from that root it is
         followed while the drift changes from that of the sliding block to that of the runs.
@@ -421,7 +421,7 @@ class CodeValue:
     name: str
     """In pictures."""
     source: str
-    """Where it stands."""
+    """Clause of the code."""
 
 
 CODE_VALUES = (

@@ -1,4 +1,4 @@
-"""What the study leaves: tables, pictures, and one HTML page that needs no other file.
+"""Files of the study: tables, pictures, and one HTML page that needs no other file.
 
 Nothing in it depends on how long the study took, nor on how often it was stopped.
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.info import versions
-from solver.pictures.page.html import (
+from solver.pictures.html import (
     document,
     figure,
     heading,
@@ -57,7 +57,7 @@ DEFINITION = (
 )
 
 Picture = tuple[str, Path]
-"""What a picture shows, and its file."""
+"""Caption of a picture, and its file."""
 
 
 def write_all(
@@ -83,9 +83,9 @@ def write_all(
         scene: Its text.
         command: What repeats the study.
     """
-    told = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
+    failures = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
     write(folder / "inertia.csv", csv_text(findings))
-    text = markdown(title, findings, told, notes)
+    text = markdown(title, findings, failures, notes)
     write(folder / "inertia.md", text)
     summary = {
         "motions": findings[0].motions,
@@ -107,7 +107,7 @@ def write_all(
         *(figure(text, file) for text, file in _pictures(folder, lines, findings)),
         heading("Numbers"),
         table(words(findings)),
-        *((heading("Runs that failed"), items(told)) if told else ()),
+        *((heading("Runs that failed"), items(failures)) if failures else ()),
         heading("Values of codes"),
         items(of_codes),
         heading("The scene"),
@@ -131,7 +131,7 @@ def _entry(finding: Finding) -> dict[str, Any]:
 
 
 def _sentences(findings: Sequence[Finding]) -> list[str]:
-    """What was computed and found, in words."""
+    """Summary of the findings, in words."""
     known = [f.arithmetic.value for f in findings if f.arithmetic.value is not None]
     by = " and ".join(dict.fromkeys(finding.by for finding in findings))
     cells = len({(finding.cell.values, finding.cell.aspect) for finding in findings})
@@ -156,7 +156,7 @@ def _sentences(findings: Sequence[Finding]) -> list[str]:
 
 
 def _difference(findings: Sequence[Finding]) -> str:
-    """How far the engines are from the sliding block, in words; empty without any."""
+    """Largest distance of the engines from the sliding block, in words; empty without any."""
     closed = {f.cell: f.arithmetic.value for f in findings if f.by == SLIDING}
     pairs = [
         (f.by, abs(f.arithmetic.value - value))

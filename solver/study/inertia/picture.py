@@ -29,7 +29,7 @@ DARK = 0.55
 
 NAMES = {"period": "T =", "friction": "μ =", "friction_over_pga": "μ g/PGA =", "aspect": "H/B =",
          "mass_ratio": "mass ratio", "damping_ratio": "ξ ="}  # fmt: skip
-"""What the axes are called in legends."""
+"""Names of the axes in legends."""
 
 UNITS = {"period": " s"}
 

@@ -1,1 +1,1 @@
-"""How a block at rest begins to move under a sudden acceleration: Shenton's map of modes."""
+"""Modes in which a block at rest begins to move under a sudden acceleration: Shenton's map."""

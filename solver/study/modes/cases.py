@@ -37,7 +37,7 @@ RAMPED_STEPS = 400
 
 
 SUDDEN, SUDDEN_STEPS = 0.075566, 200
-"""Time from the start of a sudden acceleration that a rigid block is looked at, and its steps.
+"""Time from the start of a sudden acceleration in which a rigid block is followed, and its steps.
 
 Times are over 1/p, in which blocks turn; for the paper's block they are whole ms, here 20.
 """
@@ -58,7 +58,7 @@ Three per cent beyond a boundary they are at least 0.03 where there is one of th
 
 @dataclass(frozen=True, slots=True)
 class Onset:
-    """How a block begins to move; it leans and slips against the ground's acceleration."""
+    """First motion of a block, which leans and slips against the ground's acceleration."""
 
     turn: float
     """theta'', rad/s^2."""
@@ -110,7 +110,7 @@ def ramped_onset(scene: Scene, acceleration: float) -> Onset:
     times = np.array([0.0, RAMP * scale, scene.time.end])
     ramp = SampledMotion(time=times, value=np.array([0.0, level, level]))
     ground = GroundMotion((ramp, None))
-    history = simulate(scene, comm=MPI.COMM_SELF, ground=ground, many=True).history
+    history = simulate(scene, comm=MPI.COMM_SELF, ground=ground).history
     name, time = scene.blocks[0].name, history["time_s"]
     turn = _fitted(time, history[f"{name}.angular_velocity_rad_s"], scale, degree=1)
     slip = 2 * _fitted(time, history[f"{name}.slip_m"], scale, degree=2)
@@ -152,19 +152,16 @@ class ModesCase:
 
     def run(self) -> Row:
         """Run all frictions on one process; the row of the case, with a list of points."""
-        from solver.law.switch import chosen_for
-
         onset = sudden_onset if self.engine == "rigid" else ramped_onset
         points = []
-        with chosen_for(math.inf):
-            for friction, scene in zip(self.frictions, self.scenes, strict=True):
-                found, shape = onset(scene, self.acceleration), scene.blocks[0].shape
-                mode = found.mode(shape, self.acceleration, scene.gravity)
-                point = {"friction": friction, "mode": mode, "turn": found.turn, "slip": found.slip}
-                if self.engine == "elastic":
-                    rigid = ramped_onset(rigid_of(scene), self.acceleration)
-                    point |= {"rigid_turn": rigid.turn, "rigid_slip": rigid.slip}
-                points.append(point)
+        for friction, scene in zip(self.frictions, self.scenes, strict=True):
+            found, shape = onset(scene, self.acceleration), scene.blocks[0].shape
+            mode = found.mode(shape, self.acceleration, scene.gravity)
+            point = {"friction": friction, "mode": mode, "turn": found.turn, "slip": found.slip}
+            if self.engine == "elastic":
+                rigid = ramped_onset(rigid_of(scene), self.acceleration)
+                point |= {"rigid_turn": rigid.turn, "rigid_slip": rigid.slip}
+            points.append(point)
         return {
             "status": "completed",
             "reason": "",

@@ -53,11 +53,11 @@ def _point(row: Mapping[str, Any], point: Mapping[str, Any], gravity: float) -> 
 
 
 def maps_of(points: Sequence[Row]) -> list[Row]:
-    """What each map (engine, H/B) shows: agreement and largest errors of the accelerations.
+    """Agreement and largest errors of the accelerations of each map (engine, H/B).
 
     Errors are those of judged points in the right mode: relative, and where a block slides and
     rocks the slip's in m/s^2, since it is a small difference of large numbers. Those of an elastic
-    block are also told against a rigid one under the same ramp, which turns meanwhile as it does.
+    block are also given against a rigid one under the same ramp, which turns meanwhile as it does.
     """
     keys = dict.fromkeys((point["engine"], point["ratio"]) for point in points)
     return [
@@ -67,7 +67,7 @@ def maps_of(points: Sequence[Row]) -> list[Row]:
 
 
 def _map(key: tuple[str, float], points: Sequence[Row]) -> Row:
-    """What one map shows."""
+    """Agreement and errors of one map."""
     judged = [point for point in points if point["judged"]]
     right = [point for point in judged if point["agrees"]]
     found: Row = {

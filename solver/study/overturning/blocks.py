@@ -97,18 +97,18 @@ class Upright:
         )
 
     def stays(self, energy: float, angle: float) -> bool:
-        """Whether the block leans by less than alpha, without the energy (J) to go beyond."""
+        """True if the block leans by less than alpha, without the energy (J) to go beyond."""
         return energy < self.high and abs(angle) < self.slenderness
 
     def falls(self, energy: float, angle: float, spin: float) -> bool:
-        """Whether the block leans by more than alpha, and does not come back.
+        """True if the block leans by more than alpha, and does not come back.
 
         It turns away, or has not the energy (J) to return; angle in rad, spin in rad/s.
         """
         return abs(angle) > self.slenderness and (angle * spin > 0 or energy < self.high)
 
     def margin(self, energy: float, angle: float, spin: float) -> float:
-        """How far the fate of a block is from its opposite, over the energy from upright to alpha.
+        """Distance of the fate of a block from its opposite, over the energy from upright to alpha.
 
         Of a block inside alpha, or that returns, the energy beyond that over its corner; one that
         turns back has to go through an impact first, which leaves e^2 of its energy above upright.
@@ -274,13 +274,13 @@ def elastic_scene(tables: Tables, kind: PulseKind, frequency: float, amplitude: 
 
 
 def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: float) -> str:
-    """What comes of an elastic block under one pulse: one of the words of boundaries.
+    """Fate of an elastic block under one pulse: one of the words of boundaries.
 
     Raises:
         RuntimeError: The run failed, or ended before the fate of the block was certain.
     """
     scene = elastic_scene(tables, kind, frequency, amplitude)
-    result = simulate(scene, comm=MPI.COMM_SELF, many=True)
+    result = simulate(scene, comm=MPI.COMM_SELF)
     if result.status != "completed":
         raise RuntimeError(f"{result.status}: {result.summary['reason']}")
     name, history = scene.blocks[0].name, result.history

@@ -9,21 +9,21 @@ from itertools import pairwise
 from scipy.optimize import minimize_scalar
 
 STAYS, DIRECTLY, LATER = "stays", "overturns without impact", "overturns after an impact"
-"""What may come of a pulse."""
+"""Fates of a block under a pulse."""
 
 FIRST = 0.004
 """Part of the rigid block's threshold by which the first pair of amplitudes differs from it."""
 
 WIDEST = 0.4
-"""Part of it beyond which no boundary is looked for."""
+"""Part of it beyond which no boundary is sought."""
 
 NARROW = 2e-3
-"""Relative width of the narrowest interval that is looked for between two numbers of impacts."""
+"""Relative width of the narrowest interval that is sought between two numbers of impacts."""
 
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """What comes of one pulse."""
+    """Fate of a block under one pulse."""
 
     overturns: bool
     impacts: int
@@ -34,7 +34,7 @@ class Response:
 
     @property
     def label(self) -> str:
-        """What comes of the pulse, in words."""
+        """The fate in words."""
         return (LATER if self.impacts else DIRECTLY) if self.overturns else STAYS
 
 
@@ -56,7 +56,7 @@ def boundaries(respond: Respond, amplitudes: Sequence[float], tolerance: float) 
     """All amplitudes at which the fate changes, as far as a scan finds them.
 
     Between two neighbours of one fate another one may hide. Where the margin has an extremum
-    towards zero among the samples, that extremum is looked for.
+    towards zero among the samples, that extremum is sought.
 
     Args:
         respond: Runs a pulse.
@@ -82,7 +82,7 @@ Sample = tuple[float, Response]
 
 
 def _turns_towards_zero(three: Sequence[Response]) -> bool:
-    """Whether the middle of three responses of one fate is the nearest to the other fate."""
+    """True if the middle of three responses of one fate is the nearest to the other fate."""
     if len({response.overturns for response in three}) > 1:
         return False
     first, middle, last = (abs(response.margin) for response in three)
@@ -128,7 +128,7 @@ def _between(respond: Respond, low: Sample, high: Sample, tolerance: float) -> l
 
 
 def _differ(low: Sample, high: Sample) -> bool:
-    """Whether two samples have different fates, or overturn after different numbers of impacts."""
+    """True if two samples have different fates, or overturn after different numbers of impacts."""
     both = low[1].overturns and high[1].overturns
     return low[1].label != high[1].label or (both and low[1].impacts != high[1].impacts)
 

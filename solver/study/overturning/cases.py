@@ -6,7 +6,6 @@ Frequencies are added where the intervals of two neighbours differ.
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -39,7 +38,7 @@ TOLERANCE = {"rigid": 1e-5, "ode": 1e-4, "elastic": 2e-3}
 """Relative, of the amplitudes of boundaries."""
 
 BESIDE = 0.01
-"""Part of a rigid block's boundary within which the equation's is looked for."""
+"""Part of a rigid block's boundary within which the equation's is sought."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +65,7 @@ class OverturningCase:
 
     @property
     def name(self) -> str:
-        """What the study calls it, and no other case; also the name of its file."""
+        """Its own in the study; also the name of its file."""
         e = "" if self.restitution is None else f",e={self.restitution:g}"
         beside = "".join(f",{amplitude:.8g}" for amplitude, _, _ in self.rigid)
         return f"{self.engine},{self.pulse},frequency={self.frequency:.8g}{e}{beside}"
@@ -77,8 +76,6 @@ class OverturningCase:
 
     def run(self) -> Row:
         """Find the boundaries on one process; the row of the case, with a list of them."""
-        from solver.law.switch import chosen_for
-
         runs = 0
 
         def counted(respond: Callable[[float], Value]) -> Callable[[float], Value]:
@@ -90,16 +87,15 @@ class OverturningCase:
             return respond_and_count
 
         pulse, found = PULSES[self.pulse], list[Boundary]()
-        with chosen_for(math.inf):
-            if self.engine == "rigid":
-                block = RigidUnderPulses(self.scene(), pulse, self.frequency)
-                found = boundaries(counted(block), self.amplitudes, TOLERANCE["rigid"])
-            elif self.engine == "ode":
-                equation = HousnerUnderPulses(self.scene(), pulse, self.frequency)
-                found = self._beside(counted(equation))
-            else:
-                fate = partial(elastic_fate, self.tables, pulse, self.frequency)
-                found = self._near(counted(fate))
+        if self.engine == "rigid":
+            block = RigidUnderPulses(self.scene(), pulse, self.frequency)
+            found = boundaries(counted(block), self.amplitudes, TOLERANCE["rigid"])
+        elif self.engine == "ode":
+            equation = HousnerUnderPulses(self.scene(), pulse, self.frequency)
+            found = self._beside(counted(equation))
+        else:
+            fate = partial(elastic_fate, self.tables, pulse, self.frequency)
+            found = self._near(counted(fate))
         return {
             "status": "completed",
             "reason": "",

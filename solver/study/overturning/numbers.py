@@ -93,6 +93,6 @@ def differences(edges: Sequence[Row]) -> dict[str, float]:
 
 
 def kinds(row: Mapping[str, Any]) -> tuple[str, ...]:
-    """What comes of pulses from the least amplitude to the largest, in words."""
+    """Fates from the least amplitude to the largest, in words."""
     edges = row["boundaries"]
     return tuple(edge["below"] for edge in edges) + tuple(edge["above"] for edge in edges[-1:])

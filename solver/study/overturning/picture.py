@@ -42,7 +42,7 @@ def overturning_picture(
         rows: Of rigid blocks of one restitution.
         others: Of other engines, drawn as marks.
         title: What is said of all panels: slenderness, restitution, friction.
-        top: Largest amplitude that was looked at.
+        top: Largest amplitude of the scan.
         file: To be written.
     """
     return save(lambda: _drawn(rows, others, title, top), file)

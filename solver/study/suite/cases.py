@@ -121,7 +121,7 @@ class SuiteCase:
         if self.engine == ODE:
             summary = equation(scene, ground)
         else:
-            run = simulate(scene, folder=self.keep, comm=MPI.COMM_SELF, ground=ground, many=True)
+            run = simulate(scene, folder=self.keep, comm=MPI.COMM_SELF, ground=ground)
             summary = run.summary
         measures = _measures(summary, OF_ROCKING if self.engine == ODE else KEPT)
         row = self.columns | {

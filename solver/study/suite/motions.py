@@ -18,7 +18,7 @@ import numpy as np
 from solver.errors import SceneError
 from solver.scene.checking import shown, to_table
 from solver.scene.motion import COMPONENTS
-from solver.study.study import contents, with_contents
+from solver.study.study import with_digests
 
 #: The word that stands for the synthetic motions.
 SYNTHETIC = "synthetic"
@@ -89,7 +89,7 @@ class SuiteMotion:
 
     def __post_init__(self) -> None:
         """Read the files."""
-        object.__setattr__(self, "held", with_contents(self.table, contents(self.table)))
+        object.__setattr__(self, "held", with_digests(self.table))
 
 
 def find_motions(

@@ -1,0 +1,64 @@
+"""The mesh of a body, or of a rank's part of it, as VTK wants it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.parallel import Comm, Single
+from solver.types import Array, Indices
+
+Values = NDArray[Any]
+"""Numbers of nodes or of cells, (n,) or (n, components)."""
+
+BOXES = {4: 9, 8: 12}
+"""VTK's numbers of a quadrilateral and a hexahedron, by the number of their corners."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Part:
+    """Nodes and the cells over them, of one kind: those of the rank, then copies of others."""
+
+    points: Array
+    """Places of the nodes of the undeformed body, m, (n, 3)."""
+    nodes: Indices
+    """Numbers of the nodes of each cell, in VTK's order, (cells, nodes of a cell)."""
+    kind: int
+    """VTK's number of the cells; 0 on a rank without any."""
+    comm: Comm = field(default_factory=Single)
+    """The ranks that share the body."""
+    own_points: int | None = None
+    """How many of the nodes are the rank's own; None: all."""
+    own_cells: int | None = None
+    """How many of the cells are the rank's own; None: all."""
+    numbers: Indices | None = None
+    """Numbers of the nodes among those of all ranks, (n,); None: as they stand."""
+
+
+def one_cell(corners: Array) -> Part:
+    """A body of one cell, by its corners, m, (4, 2) or (8, 3), in VTK's order."""
+    count = len(corners)
+    return Part(points=in_space(corners), nodes=np.arange(count)[None], kind=BOXES[count])
+
+
+def in_space(vectors: Array) -> Array:
+    """Vectors (n, d) with the third component that VTK wants, (n, 3)."""
+    spatial = np.zeros((len(vectors), 3))
+    spatial[:, : vectors.shape[1]] = vectors
+    return spatial
+
+
+def rigid_fields(displacement: Array, velocity: Array) -> dict[str, Values]:
+    """The fields of a rigid body at its corners, by the motion of these, (n, d), m and m/s.
+
+    Displacements are places in the ground frame minus those where it stands upright. Contact
+    pressure is zero: a rigid body has contact forces, but they have no place on it.
+    """
+    return {
+        "displacement": in_space(displacement),
+        "velocity": in_space(velocity),
+        "contact_pressure": np.zeros(len(displacement)),
+    }

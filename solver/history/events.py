@@ -1,0 +1,85 @@
+"""Events of a run, and the file `events.csv` beside its history that has one in each line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from solver.errors import SceneError
+
+NAME = "events.csv"
+"""Name of the file."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """An instant at which a block lands, lifts off, or loses what carries it.
+
+    Velocities are those against what it meets; nan where there is none, or it is not known.
+    """
+
+    time_s: float
+    """When, s."""
+    kind: str
+    """"impact", "lift-off", "flight", "landing", "carrier lost", "overturned" or "fell"."""
+    block: str
+    """Name of the block."""
+    meets: str
+    """What it lands on or lifts off: the name of a block, or "foundation"."""
+    where: str = ""
+    """Corners of its bottom that land or lift off, as in `gap_left_m`, joined by "+"."""
+    velocity_before_m_s: float = math.nan
+    """Normal velocity of these corners just before, upwards, m/s."""
+    velocity_after_m_s: float = math.nan
+    """Just after, m/s."""
+    angular_velocity_before_rad_s: float = math.nan
+    """Angular velocity just before, positive where it leans to +x, or to +y without an x, rad/s."""
+    angular_velocity_after_rad_s: float = math.nan
+    """Just after, rad/s."""
+    impulse_Ns: float = math.nan
+    """Normal impulse of the impact, without that of the weight, N s."""
+    energy_lost_J: float = math.nan
+    """Energy of rotation that the impact took, J."""
+    restitution: float = math.nan
+    """Angular velocity after the impact over that before it."""
+    reason: str = ""
+    """Why that is no restitution, or not known; else empty."""
+
+
+COLUMNS = tuple(field.name for field in fields(Event))
+"""Names of the columns of the file, in their order."""
+
+TEXTS = ("kind", "block", "meets", "where", "reason")
+"""Those that are words."""
+
+
+def events_text(events: Iterable[Event]) -> str:
+    """The content of events.csv; numbers have all their digits, what is not known is nan."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for event in events:
+        values = [getattr(event, name) for name in COLUMNS]
+        table.writerow([v if isinstance(v, str) else f"{v:.17g}" for v in values])
+    return text.getvalue()
+
+
+def read_events(file: Path) -> tuple[Event, ...]:
+    """The events in a file.
+
+    Raises:
+        SceneError: It cannot be read.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+        rows = csv.DictReader(text[: text.rfind("\n") + 1].splitlines())
+        return tuple(
+            Event(**{k: v if k in TEXTS else float(v) for k, v in row.items()})  # type: ignore[arg-type]
+            for row in rows
+        )
+    except (OSError, ValueError, TypeError) as error:
+        raise SceneError(str(file), f"{error}", "an events.csv as it was written") from error

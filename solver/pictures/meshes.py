@@ -1,0 +1,255 @@
+"""Surfaces of the bodies of a run: those in the files of the fields, or boxes from the history."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Protocol
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from solver.fields.ground import platform_corners
+from solver.pictures.contact import BlockFrames, block_poses
+from solver.pictures.style import largest
+from solver.results.runs import Run
+from solver.scene import BlockSpec
+from solver.types import Array
+
+#: Faces of a hexahedron in VTK's order of its corners, outwards.
+SIDES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+
+#: Snapshots that the range of the colours of a film is taken from.
+SAMPLED = 25
+
+
+class PvdGrids:
+    """Grids of the bodies in the files that `fields.pvd` lists, undeformed and upright."""
+
+    def __init__(self, file: Path):
+        """Read the index; a time that a killed run left without some of the bodies is none."""
+        import pyvista
+
+        self._reader = pyvista.get_reader(str(file))
+        entries = list(ET.parse(file).iter("DataSet"))
+        listed = [entry.get("timestep") for entry in entries]
+        whole = [float(t or 0) for t in set(listed) if listed.count(t) == listed.count(listed[0])]
+        self.times: Array = np.array(sorted(whole))
+        """s."""
+        self.names = [e.get("name", "") for e in entries if e.get("timestep") == listed[0]]
+        """Names of the bodies, in their order; empty where the file has none."""
+
+    def read(self, index: int) -> list[Any]:
+        """The bodies at one of the times."""
+        self._reader.set_active_time_value(self.times[index])
+        return list(self._reader.read())
+
+
+class HdfGrids:
+    """Grids of the bodies in `fields.vtkhdf`, read by h5py.
+
+    The VTK of Debian 13 does not read several bodies with time.
+    """
+
+    def __init__(self, file: Path):
+        """Read the times and the names."""
+        import h5py
+
+        self._file = h5py.File(file, "r", locking=False)
+        self._bodies = dict(self._file["VTKHDF/Assembly"])
+        self.names = list(self._bodies)
+        """Names of the bodies, in their order."""
+        steps = [body["Steps"] for body in self._bodies.values()]
+        count = min(int(each.attrs["NSteps"]) for each in steps)
+        self.times: Array = np.asarray(steps[0]["Values"][:count])
+        """s."""
+
+    def read(self, index: int) -> list[Any]:
+        """The bodies at one of the times."""
+        return [_grid(body, index) for body in self._bodies.values()]
+
+
+def _grid(body: Any, index: int) -> Any:
+    """A body of the one file at one of its times."""
+    import pyvista
+
+    ends = np.asarray(body["Offsets"])
+    counts = np.diff(ends)
+    cells = np.insert(np.asarray(body["Connectivity"]), ends[:-1], counts)
+    grid = pyvista.UnstructuredGrid(cells, np.asarray(body["Types"]), np.asarray(body["Points"]))
+    for kind, data in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
+        for name, values in body[kind].items():
+            start = int(body[f"Steps/{kind}Offsets/{name}"][index])
+            size = grid.n_points if kind == "PointData" else grid.n_cells
+            data[name] = np.asarray(values[start : start + size])
+    return grid
+
+
+class FieldFiles:
+    """The bodies in a .pvd or .vtkhdf file, by its times."""
+
+    def __init__(self, file: Path):
+        """Read times and names."""
+        self._grids = HdfGrids(file) if file.suffix == ".vtkhdf" else PvdGrids(file)
+        self.times, self.names = self._grids.times, self._grids.names
+
+    def read(self, index: int) -> list[Any]:
+        """Surface of each body as `pyvista.PolyData`, in the order of the file.
+
+        Points are where the bodies stand, m; faces of meshed bodies have the von Mises stress of
+        their cells (`von_mises`, Pa).
+        """
+        return [_surface(grid) for grid in self._grids.read(index)]
+
+    def nearest(self, times: Sequence[float]) -> list[int]:
+        """The snapshots nearest to some times, each once, by their numbers."""
+        return sorted({int(np.argmin(np.abs(self.times - time))) for time in times})
+
+
+def _surface(grid: Any) -> Any:
+    """The outer faces of a body in space, the cells of one in the plane, by their corners."""
+    import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    # VTK's own filter: pyvista's changes its defaults from version to version.
+    skin = vtkDataSetSurfaceFilter()
+    skin.SetInputData(grid)
+    skin.SetNonlinearSubdivisionLevel(0)
+    skin.Update()
+    surface = pyvista.wrap(skin.GetOutput())
+    surface.points = np.asarray(surface.points) + np.asarray(surface.point_data["displacement"])
+    surface.RemoveGhostCells()  # of another rank, whose part of the body has them, too
+    return surface
+
+
+def stress_of(surface: Any) -> Array:
+    """The von Mises stress of the faces of a surface, Pa; zero on rigid bodies."""
+    known = surface.cell_data.get("von_mises", np.zeros(surface.n_cells))
+    return np.asarray(known, dtype=float)
+
+
+def polygons(surface: Any) -> list[Array]:
+    """Corners of each face of a surface, m, (k, 3)."""
+    import pyvista
+
+    polys = surface.GetPolys()
+    offsets = pyvista.convert_array(polys.GetOffsetsArray())
+    corners = pyvista.convert_array(polys.GetConnectivityArray())
+    return np.split(np.asarray(surface.points)[corners], offsets[1:-1])
+
+
+class Bodies(Protocol):
+    """The surfaces of all bodies, frame by frame."""
+
+    names: list[str]
+    """Their names."""
+    stress_limit: float
+    """Stress that has the last colour, Pa; 0 where no body has any."""
+
+    def at(self, frame: int) -> list[Any]:
+        """Surface of each body as `pyvista.PolyData`, m, in the order of `names`."""
+
+
+class Boxes:
+    """Rigid blocks and the platform, from the history: exact at any time."""
+
+    stress_limit = 0.0
+
+    def __init__(self, run: Run, blocks: list[BlockFrames], drift: Array):
+        """Take the motion of the blocks and the drift of the platform, m, (n, d)."""
+        self._blocks, self._drift = blocks, drift
+        self._corners = [np.array(b.shape.corners(run.scene.dimension)) for b in run.scene.blocks]
+        self._platform = platform_corners(run.scene) if run.scene.has_platform else None
+        self.names = [block.name for block in run.scene.blocks]
+        self.names += ["platform"] if self._platform is not None else []
+
+    def at(self, frame: int) -> list[Any]:
+        """Boxes as they stand."""
+        surfaces = []
+        for corners, block in zip(self._corners, self._blocks, strict=True):
+            arms = corners - np.eye(corners.shape[1])[-1] * block.half[-1]
+            surfaces.append(_box(block.centres[frame] + arms @ block.frames[frame].T))
+        if self._platform is not None:
+            surfaces.append(_box(self._platform + self._drift[frame]))
+        return surfaces
+
+
+def _box(corners: Array) -> Any:
+    """A box by its corners."""
+    import pyvista
+
+    sides = SIDES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
+    points = np.pad(corners, ((0, 0), (0, 3 - corners.shape[1])))
+    return pyvista.PolyData(points, faces=np.array([(4, *side) for side in sides]).ravel())
+
+
+class DeformedBodies:
+    """Bodies from the files of the fields.
+
+    Between two snapshots a block moves as the history says, and deforms evenly.
+    """
+
+    def __init__(self, run: Run, file: Path, times: Array):
+        """Open the files of a run for frames at these times, s."""
+        self._files, self._times = FieldFiles(file), times
+        self._read: dict[int, list[Any]] = {}
+        self.names = self._files.names
+        blocks = {block.name: block for block in run.scene.blocks}
+        both = np.concatenate([self._files.times, times])
+        self._poses = [_poses(run, blocks.get(name), both) for name in self.names]
+        last = len(self._files.times) - 1
+        sampled = {int(k) for k in np.linspace(0, last, min(SAMPLED, last + 1))}
+        found = [stress_of(s) for index in sorted(sampled) for s in self._files.read(index)]
+        everything = np.concatenate(found)
+        self.stress_limit = float(np.quantile(everything, 0.98)) if largest(everything) else 0.0
+
+    def at(self, frame: int) -> list[Any]:
+        """Surfaces with their stress at the time of a frame."""
+        written, time = self._files.times, self._times[frame]
+        after = min(int(np.searchsorted(written, time)), len(written) - 1)
+        before = max(after - 1, 0)
+        step = written[after] - written[before]
+        part = float(np.clip((time - written[before]) / step, 0, 1)) if step else 1.0
+        now = len(written) + frame if time <= written[-1] else after
+        bodies = []
+        for first, second, (centres, frames) in zip(
+            self._snapshot(before), self._snapshot(after), self._poses, strict=True
+        ):
+            old, new = (
+                (np.asarray(surface.points) - centres[k]) @ frames[k]
+                for k, surface in ((before, first), (after, second))
+            )
+            moved = second.copy()
+            moved.points = ((1 - part) * old + part * new) @ frames[now].T + centres[now]
+            if "von_mises" in second.cell_data:
+                stress = (1 - part) * stress_of(first) + part * stress_of(second)
+                moved.cell_data["von_mises"] = stress
+            bodies.append(moved)
+        return bodies
+
+    def _snapshot(self, index: int) -> list[Any]:
+        """A snapshot; the last few stay in memory."""
+        if index not in self._read:
+            self._read = {k: v for k, v in self._read.items() if abs(k - index) <= 1}
+            self._read[index] = self._files.read(index)
+        return self._read[index]
+
+
+def _poses(run: Run, block: BlockSpec | None, times: Array) -> tuple[Array, Array]:
+    """Centre, m, (n, 3), and axes as columns, (n, 3, 3), of a block at some times, s.
+
+    Those of the ground for what is no block.
+    """
+    centres, turned = np.zeros((len(times), 3)), np.tile(np.eye(3), (len(times), 1, 1))
+    if block is not None:
+        own, frames = block_poses(run, block, times)
+        d = own.shape[1]
+        centres[:, :d], turned[:, :d, :d] = own, frames
+    return centres, turned
+
+
+def bodies_of(run: Run, blocks: list[BlockFrames], drift: Array, times: Array) -> Bodies:
+    """The bodies of a run; what is meshed and has left no fields is drawn as rigid boxes."""
+    if run.model == "finite elements" and run.fields is not None:
+        return DeformedBodies(run, run.fields, times)
+    return Boxes(run, blocks, drift)

@@ -1,0 +1,565 @@
+"""The recorder of events, which takes in every step of a run, of all engines alike.
+
+**Impacts.** A block rocks in swings: stays of its angle theta, against what carries it, on one side
+of zero (`solver.results.rocking`). An impact ends a swing. Angular velocities before and after it
+are those of the block as a rigid body against what carries it.
+
+Where neither the block nor what carries it deforms an impact takes no time: they are the slopes of
+theta in the steps on both sides, extrapolated to the instant.
+
+Where something deforms, an impact lasts from the first touch of the edge that lands to the step in
+which the edge that leaves is off and the normal force is back to the weight. Its angular velocities
+are angular momenta, about the edge that leaves before it and about the edge that lands after it,
+over the rotary inertia about that edge:
+
+    omega = (I_c theta' + m d x (v - v_O)) / I_O,    d from the edge O to the centre.      (1)
+
+Vibration of a block that stands on O does not change them, since the contact forces act at O. What
+gravity, ground, carrier and damping proportional to mass do to them is
+
+    I_O omega' = m d x (g - a_O) - lambda I_O omega,                                       (2)
+
+and the angular velocities of the impact are those at theta = 0 of the rigid block that (2) leads to
+these steps, or from them:
+
+    omega_0^2 = omega^2 - 2 integral of omega' over theta from 0.                          (3)
+
+It is their mean over a while that ends with the first touch; after the impact that is the last
+quarter of the time up to the peak, since an elastic block hops on the edge first.
+
+Velocities are means of steps, (u_{n+1} - u_n)/dt, which generalized-alpha makes the mean of those
+at both ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from geometry.block import Block
+from solver.history.columns import Rows
+from solver.history.events import Event
+from solver.history.history import History
+from solver.results.endings import beyond_return, fallen, has_ends
+from solver.results.motion import (
+    CLEAR,
+    Columns,
+    centres,
+    flights,
+    gaps_of,
+    is_spatial,
+    leaning,
+    lost_carrier,
+    upright_axes,
+)
+from solver.results.rocking import Swing, begins, end_of, swings
+from solver.scene import BlockSpec, Scene
+from solver.types import Array, Indices
+
+CHUNK = 2048
+"""Steps after which events are looked for."""
+
+MOST_ROWS = 1 << 15
+"""Steps that are kept for a swing that does not end."""
+
+PATIENCE = 5.0
+"""Time after an impact at which the swing after it needs no end, over the time scale 1/p."""
+
+BESIDE = 4
+"""Steps on either side of an impact of rigid bodies, through which a parabola goes."""
+
+WHILE = 0.4
+"""Time before an impact over which angular momentum is read where something deforms, over 1/p."""
+
+REBOUNDS = 1.0
+"""Time after it in which an elastic block may hop on the edge that it landed on, over 1/p."""
+
+SETTLED = 0.75
+"""Part of that time, or of the time up to the peak, after which it stands on that edge."""
+
+SLIPS = 1e-2
+"""Slip in that while, over the width, with which what is read is no rotation."""
+
+MOST = 1.005
+"""Largest ratio of angular velocities that may be a restitution, read with an error."""
+
+ASIDE = 0.01
+"""Lean out of the plane of rocking, over the largest angle, with which a block rolls."""
+
+HOP = 0.15
+"""Height to which a block hops, over that to which its centre rises in the swings beside: with more
+of their energy in it no ratio of rotations is a restitution. Elastic blocks of H/B 3 hop by 0.08
+on firm ground and by 0.11 on a plate like themselves, of H/B 2 by 0.2, cubes by 0.5."""
+
+HOPS = "it hops"
+ROLLS = "it rolls over its corners"
+FASTER = "faster than before: something else gave it energy"
+SLIDES = "it slides, and vibration hides how fast it turns"
+ENDS = "the run ends with it"
+CROWDED = "the next one follows at once"
+
+
+class _Motion(NamedTuple):
+    """A block in the upright plane in which it leans most, over steps."""
+
+    time: Array
+    """s."""
+    angle: Array
+    """Against what carries it, rad."""
+    turn: Array
+    """From upright, rad."""
+    place: Array
+    """Its centre along the plane and upwards, (rows, 2), m."""
+    shape: Block
+    """The block in that plane."""
+    aside: Array
+    """Lean out of the plane, rad."""
+    gaps: Array
+    """Of the bottom corners, (rows, corners), m."""
+    slip: Array
+    """(rows, 1 or 2), m."""
+    normal: Array
+    """Normal force, N."""
+    pull: Array
+    """Gravity less the ground's acceleration, (rows, 2), m/s2."""
+    below: Array
+    """Centre of the block that carries it, or drift of the platform, (rows, 2), m."""
+    below_turn: Array
+    """Angle of what carries it, rad."""
+
+
+class Recorder:
+    """Finds the events of a run in its steps as they come; the same on all ranks."""
+
+    def __init__(self, scene: Scene, names: Sequence[str], *, rigid: bool = False):
+        """Begin; `names` are those of the columns of rows, `rigid`: as if nothing deformed."""
+        self._scene, self._names = scene, tuple(names)
+        self._rows: list[Array] = []
+        self._count = 0
+        self._first = {block.name: 0 for block in scene.blocks}
+        self._noted: dict[str, dict[str, float]] = {block.name: {} for block in scene.blocks}
+        self._found: list[Event] = []
+        self._firm = {b.name: rigid or _firm(scene, b) for b in scene.blocks}
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """The events so far, by their times."""
+        return tuple(sorted(self._found, key=lambda event: event.time_s))
+
+    def saved(self) -> dict[str, Any]:
+        """How it stands, for `resume`; events in the order in which they were found."""
+        rows = np.concatenate(self._rows) if self._rows else None
+        texts = [[getattr(e, name) for name in e.__dataclass_fields__] for e in self._found]
+        noted = {name: dict(known) for name, known in self._noted.items()}
+        return {"rows": rows, "first": dict(self._first), "noted": noted, "found": texts}
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on from where another recorder of the scene was saved."""
+        self._rows = [] if saved["rows"] is None else [saved["rows"]]
+        self._count = sum(map(len, self._rows))
+        self._first, self._noted = saved["first"], saved["noted"]
+        names = Event.__dataclass_fields__
+        self._found = [Event(**dict(zip(names, values, strict=True))) for values in saved["found"]]
+
+    def add(self, rows: Array) -> None:
+        """The rows of steps that were taken, (n, columns)."""
+        while len(rows):
+            room = max(1, CHUNK - self._count % CHUNK)
+            self._rows.append(rows[:room].copy())
+            self._count += len(self._rows[-1])
+            rows = rows[room:]
+            if self._count % CHUNK == 0:
+                self._find(ends=False)
+
+    def finish(self) -> tuple[Event, ...]:
+        """All events of a run that ends here."""
+        if self._rows:
+            self._find(ends=True)
+        return self.events
+
+    def _find(self, *, ends: bool) -> None:
+        """Find the events that no later step can change, or all, and let go of older steps."""
+        table = np.concatenate(self._rows)
+        for block in self._scene.blocks:
+            first = self._first[block.name]
+            rows = Rows(self._names, table[first:])
+            search = _Search(self._scene, block, rows, self._noted[block.name])
+            self._found += search.run(firm=self._firm[block.name], ends=ends)
+            self._first[block.name] = max(first + search.needed, len(table) - MOST_ROWS)
+        if ends:
+            return
+        # A whole number of chunks goes, so that the next look comes where it would have come.
+        gone = min(self._first.values()) // CHUNK * CHUNK
+        self._rows, self._count = [table[gone:]], len(table) - gone
+        self._first = {name: first - gone for name, first in self._first.items()}
+
+
+def recorded(scene: Scene, history: History, *, rigid: bool = False) -> tuple[Event, ...]:
+    """The events of a history: those that its run recorded, else what its rows tell."""
+    if history.events is not None:
+        return history.events
+    recorder = Recorder(scene, history.columns, rigid=rigid)
+    recorder.add(np.stack([history[name] for name in history.columns], axis=1))
+    return recorder.finish()
+
+
+def _firm(scene: Scene, block: BlockSpec) -> bool:
+    """True if neither a block nor anything below it deforms."""
+    if block.model == "elastic" or scene.contact.has_bed:
+        return False
+    carrier = scene.carrier_of(block)
+    return not scene.foundation.is_meshed if carrier is None else _firm(scene, carrier)
+
+
+class _Search:
+    """The search for the events of one block in some rows."""
+
+    def __init__(self, scene: Scene, block: BlockSpec, rows: Columns, noted: dict[str, float]):
+        """Rows that begin at rest, with a swing or right after an impact; `noted` is changed."""
+        self._scene, self._block, self._rows, self._noted = scene, block, rows, noted
+        self._carrier = scene.carrier_of(block)
+        self.needed = max(0, len(rows["time_s"]) - 2 * BESIDE)
+        """First row that the next search needs."""
+
+    def run(self, *, firm: bool, ends: bool) -> Iterator[Event]:
+        """The events that are certain; all where the run ends here."""
+        self._motion = motion = _motion(self._scene, self._block, self._rows, self._carrier)
+        yield from self._endings()
+        if len(motion.time) > 2:
+            yield from self._flights(ends=ends)
+            yield from self._swings(firm=firm, ends=ends)
+
+    def _once(self, key: str, time: float) -> bool:
+        """True if nothing of a kind was found up to a time (s); it is noted."""
+        new = time > self._noted.get(key, -np.inf)
+        if new:
+            self._noted[key] = time
+        return new
+
+    def _event(self, time: float, kind: str, **values: Any) -> Event:
+        """An event of the block."""
+        return Event(
+            time_s=float(time), kind=kind, block=self._block.name, meets=self._block.on, **values
+        )
+
+    def _endings(self) -> Iterator[Event]:
+        """The first row in which it has lost its carrier, overturned or fallen, each once."""
+        block, rows, carrier = self._block, self._rows, self._carrier
+        masks = {"overturned": beyond_return(rows, block)}
+        if carrier is not None:
+            masks["carrier lost"] = lost_carrier(rows, block, carrier)
+        if has_ends(self._scene, block):
+            masks["fell"] = fallen(self._scene, rows, block)
+        for kind, mask in masks.items():
+            if mask.any() and kind not in self._noted:
+                self._noted[kind] = time = float(rows["time_s"][int(np.argmax(mask))])
+                yield self._event(time, kind)
+
+    def _flights(self, *, ends: bool) -> Iterator[Event]:
+        """Where it leaves what carries it, and where it lands again."""
+        m, tiny = self._motion, CLEAR * self._block.width
+        low = m.gaps.min(axis=1)
+        off = (m.normal <= 0) & (low > tiny)
+        if off[-1] and not ends:
+            on = np.flatnonzero(~off)
+            self.needed = min(self.needed, max(int(on[-1]) - 2, 0) if len(on) else 0)
+        mask = np.r_[False, flights(m.normal, m.gaps, m.slip, self._block.width), False]
+        for first, end in np.flatnonzero(np.diff(mask)).reshape(-1, 2):
+            lands = int(end) - 1
+            if off[lands] and not ends:
+                continue
+            if first and self._once("flight", m.time[first]):
+                every = np.arange(m.gaps.shape[1])
+                yield self._beside(m.time[first], "flight", every, low, after=first - 1)
+            if not off[lands] and self._once("landing", m.time[lands]):
+                down = np.flatnonzero(m.gaps[lands] <= tiny)
+                yield self._beside(m.time[lands], "landing", down, low, lands - 2, lands + 1)
+
+    def _beside(
+        self,
+        time: float,
+        kind: str,
+        corners: Indices,
+        height: Array,
+        before: int | None = None,
+        after: int | None = None,
+    ) -> Event:
+        """An event of some corners with their height, by the steps that begin in two rows."""
+        m, known = self._motion, {}
+        for when, row in (("before", before), ("after", after)):
+            if row is not None:
+                known[f"velocity_{when}_m_s"] = _slope(m.time, height, row)
+                known[f"angular_velocity_{when}_rad_s"] = _slope(m.time, m.angle, row)
+        return self._event(time, kind, where=self._named(corners), **known)
+
+    def _swings(self, *, firm: bool, ends: bool) -> Iterator[Event]:
+        """Lift-offs and impacts."""
+        m, last = self._motion, len(self._motion.time) - 1
+        found = swings(m.time, m.angle, m.shape.slenderness)
+        free = 0
+        for swing, after in zip_longest(found, found[1:]):
+            start = begins(swing, m.angle, m.shape.slenderness, free)
+            rests = m.time[start] - self._noted.get("impact", -np.inf) > WHILE * self._time_scale
+            if start > free and rests and self._once("lift-off", m.time[start]):
+                lifted = self._lifted(swing.first)
+                height = m.gaps[:, lifted].mean(axis=1)
+                yield self._beside(m.time[start], "lift-off", lifted, height, after=swing.first - 1)
+            row, at = end_of(swing, m.time, m.angle)
+            over = after is not None and after.last < last
+            late = m.time[-1] - at > PATIENCE * self._time_scale
+            if swing.last == last or not (ends or over or late):
+                self.needed = min(self.needed, max(start - 2, free))
+                return
+            yield self._impact(swing, after, _Span(free, row, at), firm=firm)
+            self._noted["impact"] = at
+            free = row + 1
+
+    @property
+    def _time_scale(self) -> float:
+        """1/p of the block, s; infinite without gravity."""
+        gravity = self._scene.gravity
+        return 1 / self._motion.shape.frequency(gravity) if gravity > 0 else np.inf
+
+    @property
+    def _weight(self) -> Array:
+        """The force that carries the block and all on it at rest, N."""
+        return -self._scene.stacked_mass(self._block) * self._motion.pull[:, 1]
+
+    def _named(self, corners: Indices) -> str:
+        """Names of bottom corners."""
+        names = ("left", "right") if self._motion.gaps.shape[1] == 2 else ("1", "2", "3", "4")
+        return "+".join(names[k] for k in corners)
+
+    def _lifted(self, row: int) -> Indices:
+        """The corners that are higher over what carries it in a row."""
+        gaps = self._motion.gaps[row]
+        return np.flatnonzero(gaps >= 0.5 * (gaps.max() + gaps.min()))
+
+    def _impact(self, swing: Swing, after: Swing | None, span: _Span, *, firm: bool) -> Event:
+        """The end of a swing."""
+        m, side = self._motion, 1.0 if swing.peak_rad > 0 else -1.0
+        rows = slice(swing.first, swing.last + 1)
+        lands = self._lifted(swing.first + int(np.argmax(np.abs(m.angle[rows]))))
+        later = -side if after is None else (1.0 if after.peak_rad > 0 else -1.0)
+        last = len(m.time) - 1 if after is None else after.last
+        if firm:
+            read = self._rates(span, last)
+        else:
+            read = self._momenta(swing, after, span, (side, later), lands)
+        (before, kept), n, r = read.velocities, span.row, read.end
+        ratio = abs(kept / before) if before else math.nan
+        reason = self._reason(swing, after) or read.reason
+        if not reason and not ratio <= MOST:
+            reason = ENDS if math.isnan(ratio) else FASTER
+        height, weight = m.gaps[:, lands].mean(axis=1), self._weight[n + 1 : r + 1]
+        return self._event(
+            span.time,
+            "impact",
+            where=self._named(lands),
+            velocity_before_m_s=_slope(m.time, height, n - 1),
+            velocity_after_m_s=_slope(m.time, height, r),
+            angular_velocity_before_rad_s=before,
+            angular_velocity_after_rad_s=kept,
+            impulse_Ns=float((m.normal[n + 1 : r + 1] - weight) @ np.diff(m.time[n : r + 1])),
+            energy_lost_J=0.5 * m.shape.rotary_inertia_about_corner * (before**2 - kept**2),
+            restitution=math.nan if reason == ROLLS else ratio,
+            reason=reason,
+        )
+
+    def _reason(self, before: Swing, after: Swing | None) -> str:
+        """Why no ratio of rotations is a restitution by the swings beside it; or ""."""
+        m = self._motion
+        rows = slice(before.first, (after or before).last + 1)
+        if m.aside[rows].max() > ASIDE * np.abs(m.angle[rows]).max():
+            return ROLLS
+        last = after.peak_s if after else np.inf
+        alpha = m.shape.slenderness
+        rises = [np.cos(alpha - abs(s.peak_rad)) - np.cos(alpha) for s in (before, after or before)]
+        beside = (m.time >= before.peak_s) & (m.time <= last)
+        hop = np.max(m.gaps.min(axis=1)[beside], initial=0.0)
+        return HOPS if hop > HOP * m.shape.half_diagonal * max(rises) else ""
+
+    def _rates(self, span: _Span, last: int) -> _Read:
+        """The slopes of the angle beside an impact that takes no time."""
+        m, n, end = self._motion, span.row, min(span.row + 2, len(self._motion.time) - 1)
+        found: list[float] = []
+        for first, final in ((max(span.first, n - BESIDE), n), (n + 2, min(n + 2 + BESIDE, last))):
+            if final - first < 2:
+                known = found[0] if found else math.nan
+                over = bool(found) and last == len(m.time) - 1
+                return _Read((known, math.nan), end, ENDS if over else CROWDED)
+            rows: Indices = np.arange(first, final + 1)
+            rows = rows[np.diff(m.time[rows], prepend=-np.inf) > 0]
+            time, angle = m.time[rows], m.angle[rows]
+            middle, rate = 0.5 * (time[1:] + time[:-1]) - span.time, np.diff(angle) / np.diff(time)
+            line = np.polynomial.Polynomial.fit(middle, rate, min(2, len(rate) - 1))
+            found.append(float(line(0.0)))
+        return _Read((found[0], found[1]), end, "")
+
+    def _momenta(
+        self,
+        swing: Swing,
+        after: Swing | None,
+        span: _Span,
+        sides: tuple[float, float],
+        lands: Indices,
+    ) -> _Read:
+        """The angular velocities beside an impact that takes some time, by (1) to (3)."""
+        m, tiny, width = self._motion, CLEAR * self._block.width, WHILE * self._time_scale
+        first, end, last = span.row, self._exchange_ends(span, sides, lands), len(m.time) - 1
+        height = m.gaps[:, lands].max(axis=1)
+        while first > swing.first and height[first] <= tiny:
+            first -= 1
+        begin = int(np.searchsorted(m.time, max(swing.peak_s, m.time[first] - width)))
+        until = min(
+            span.time + REBOUNDS * self._time_scale, np.inf if after is None else after.peak_s
+        )
+        over = min(int(np.searchsorted(m.time, until)), last)
+        settled = m.time[end] + SETTLED * (m.time[over] - m.time[end])
+        before = self._at_zero(sides[0], max(begin, span.first), first, last=False)
+        kept = self._at_zero(sides[1], end, over, start=int(np.searchsorted(m.time, settled)))
+        near = m.slip[begin : int(np.searchsorted(m.time, span.time + width)) + 1]
+        slides = np.ptp(near, axis=0).max() > SLIPS * self._block.width
+        return _Read((before, kept), end, SLIDES if slides else "")
+
+    def _exchange_ends(self, span: _Span, sides: tuple[float, float], lands: Indices) -> int:
+        """The row in which the edge that leaves is off, and the force is back to the weight."""
+        m, after = self._motion, slice(span.row + 1, None)
+        others = np.setdiff1d(np.arange(m.gaps.shape[1]), lands)
+        leaves = others if len(others) and sides[0] != sides[1] else lands
+        over = m.gaps[after][:, leaves].max(axis=1) > CLEAR * self._block.width
+        over &= (m.normal[after] <= self._weight[after]) & (
+            m.time[after] < span.time + WHILE * self._time_scale
+        )
+        row = span.row + 1 + int(np.argmax(over)) if over.any() else span.row + 2
+        return min(row, len(m.time) - 1)
+
+    def _at_zero(
+        self, side: float, low: int, high: int, *, start: int = 0, last: bool = True
+    ) -> float:
+        """The angular velocity at angle zero that leads to (1), or comes of it, by (3), rad/s.
+
+        Args:
+            side: On which side the edge is, towards positive angles.
+            low: First row.
+            high: Last row.
+            start: First row that counts.
+            last: False where the impact is at the end of these rows.
+        """
+        if high - low < 1:
+            return np.nan
+        m, own = self._motion, slice(low, high + 1)
+        shape, time, carried = m.shape, m.time[own], self._carrier is not None
+        dt = np.diff(time)
+        angle, turn, place, below, pull = (
+            0.5 * (values[own][1:] + values[own][:-1])
+            for values in (m.angle, m.turn, m.place, m.below, m.pull)
+        )
+        x, y = -0.5 * side * shape.width, 0.5 * shape.height
+        arm = np.stack([np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x])
+        spin_below = np.diff(m.below_turn[own]) / dt
+        reach = place - arm.T - below
+        edge = np.diff(m.below[own], axis=0) / dt[:, None]
+        if carried:
+            edge = edge + spin_below[:, None] * np.stack([reach[:, 1], -reach[:, 0]], axis=1)
+        speed = np.diff(m.place[own], axis=0) / dt[:, None] - edge
+        inertia = shape.rotary_inertia_about_corner
+        share = shape.mass / inertia
+        spin = shape.rotary_inertia / inertia * np.diff(m.turn[own]) / dt
+        spin += share * (speed[:, 0] * arm[1] - speed[:, 1] * arm[0])
+        gain = share * (pull[:, 0] * arm[1] - pull[:, 1] * arm[0])
+        nearest = 0 if last else len(gain) - 1
+        lead = gain[nearest] * angle[nearest]  # a_O swings within the impact
+        if len(dt) > 1:
+            swings = np.gradient(edge, 0.5 * (time[1:] + time[:-1]), axis=0)
+            gain -= share * (swings[:, 0] * arm[1] - swings[:, 1] * arm[0])
+        damping = self._scene.damping_of(self._block) if self._block.model == "elastic" else None
+        if damping is not None:
+            gain -= damping.mass * spin
+        work = np.append(0.0, np.cumsum(0.5 * (gain[1:] + gain[:-1]) * np.diff(angle)))
+        work += lead - work[nearest]
+        chosen = slice(min(max(start - low, 0), len(dt) - 1), None)
+        spin -= spin_below
+        square = float(((spin**2 - 2 * work) * dt)[chosen].sum() / dt[chosen].sum())
+        return math.copysign(math.sqrt(max(square, 0.0)), spin[nearest])
+
+
+class _Span(NamedTuple):
+    """Where an impact is."""
+
+    first: int
+    """First row after the impact before it."""
+    row: int
+    """Last row before it."""
+    time: float
+    """s."""
+
+
+class _Read(NamedTuple):
+    """What is read of an impact."""
+
+    velocities: tuple[float, float]
+    """Angular velocities before and after, rad/s."""
+    end: int
+    """The row at which it is over."""
+    reason: str
+    """Why nothing is known, or ""."""
+
+
+def _slope(time: Array, value: Array, row: int) -> float:
+    """Slope in the step that begins in a row; nan where it is missing."""
+    if row < 0 or row + 1 >= len(time):
+        return math.nan
+    return float((value[row + 1] - value[row]) / (time[row + 1] - time[row]))
+
+
+def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | None) -> _Motion:
+    """The motion of a block in the plane of its largest lean in these rows."""
+    leans, name = leaning(rows, block, carrier), block.name
+    along = leans.direction
+    spatial = is_spatial(rows, name)
+    count = len(rows["time_s"])
+
+    def planar(place: Array) -> Array:
+        """Places along the plane and upwards."""
+        return np.stack([place[:, :-1] @ along, place[:, -1]], axis=1)
+
+    def turned(own: BlockSpec) -> Array:
+        """Angle of a block from upright in the plane."""
+        if not spatial:
+            return rows[f"{own.name}.angle_rad"]
+        axes = upright_axes(rows, own.name)
+        return np.unwrap(np.arctan2(axes[:, :2] @ along, axes[:, 2]))
+
+    ways = ("", "_second")[: len(along)]
+    gravity = np.array(scene.gravity_vector)
+    pull: Array = np.tile([along @ gravity[:-1], gravity[-1]], (count, 1))
+    below: Array = np.zeros((count, 2))
+    below_turn: Array = np.zeros(count)
+    for part, way in zip(along, ways, strict=True):
+        if (ground := f"base.{way[1:]}{'_' * bool(way)}acceleration_m_s2") in rows:
+            pull[:, 0] -= part * rows[ground]
+        if (drift := f"platform.drift{way}_m") in rows:
+            below[:, 0] += part * rows[drift]
+    if "base.vertical_acceleration_m_s2" in rows:
+        pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
+    if carrier is not None:
+        below, below_turn = planar(centres(rows, carrier.name)), turned(carrier)
+    return _Motion(
+        time=rows["time_s"],
+        angle=leans.angle,
+        turn=turned(block),
+        place=planar(centres(rows, name)),
+        shape=leans.shape,
+        aside=leans.aside,
+        gaps=gaps_of(rows, name),
+        slip=np.stack([rows[f"{name}.slip{way}_m"] for way in ways], axis=1),
+        normal=rows[f"{name}.normal_force_N"],
+        pull=pull,
+        below=below,
+        below_turn=below_turn,
+    )
