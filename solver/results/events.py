@@ -72,6 +72,9 @@ PATIENCE = 5.0
 BESIDE = 4
 """Steps on either side of an impact of rigid bodies, through which a parabola goes."""
 
+PUSH = 3.0
+"""Normal force over the weight with which a step belongs to an impact of rigid bodies."""
+
 WHILE = 0.4
 """Time before an impact over which angular momentum is read where something deforms, over 1/p."""
 
@@ -386,8 +389,11 @@ class _Search:
     def _rates(self, span: _Span, last: int) -> _Read:
         """The slopes of the angle beside an impact that takes no time."""
         m, n, end = self._motion, span.row, min(span.row + 2, len(self._motion.time) - 1)
+        pushes = m.normal > PUSH * self._weight
+        while end < last and self._weight[end] > 0 and pushes[end]:
+            end += 1
         found: list[float] = []
-        for first, final in ((max(span.first, n - BESIDE), n), (n + 2, min(n + 2 + BESIDE, last))):
+        for first, final in ((max(span.first, n - BESIDE), n), (end, min(end + BESIDE, last))):
             if final - first < 2:
                 known = found[0] if found else math.nan
                 over = bool(found) and last == len(m.time) - 1
