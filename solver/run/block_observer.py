@@ -159,15 +159,16 @@ class BlockObserver:
         """
         place, at = memory.kinematics.place, self._at
         self._touching = touching(memory.force, place, memory.may_touch, self._level)
-        slip = (place[self._touching, 1:] - self._home[self._touching]).mean(axis=0)
+        chosen = self._touching.nonzero()[0]
+        slip = np.add.reduce(place[chosen, 1:] - self._home[chosen]) / len(chosen)
         if np.isnan(slip[0]):
             return False
         self._slip = slip
         motion = state.rigid_motion(self._stepper.system, self._member.number)
         self._write_motion(motion, row)
         gaps = place[self._interface.inside(memory), 0]
-        row[at.penetration_m] = 0.0 - min(0.0, float(np.min(gaps, initial=0.0)))
-        row[self._forces] = memory.force.sum(axis=0)
+        row[at.penetration_m] = 0.0 - float(gaps.min(initial=0.0))
+        row[self._forces] = np.add.reduce(memory.force)
         row[at.slip_m] = slip[0]
         if len(slip) == 2:
             row[at.slip_second_m] = slip[1]

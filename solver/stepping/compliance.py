@@ -4,7 +4,8 @@ Ports are points where forces act and motions are read, as rows on the nodes of 
 K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so that a
 standing block never pays for its sides and top. In the frame that turns with the body all of it is
 constant. The compliance among the ports is kept; whole columns are kept with it for as long as they
-take no more memory than the factor, beyond which what forces do is a back substitution.
+take no more memory than the factor, or than 16 MB, beyond which what forces do is a back
+substitution.
 """
 
 from __future__ import annotations
@@ -24,6 +25,10 @@ from solver.bodies.surface_layer import Layer
 from solver.contact.nitsche_points import same
 from solver.law.compiled import compiled
 from solver.types import Array, Indices
+
+
+SMALL = 2.0**24
+"""Memory of columns that are kept whatever the factor takes, bytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +79,8 @@ class Compliance:
         self._place = np.full(int(self._first[-1]), -1)
         self._known: Indices = np.empty(0, dtype=np.int64)
         self._matrix = np.empty((0, 0))
+        self._chosen = self._known
+        self._among = self._matrix  # of the ports chosen last
         self.columns: Array | None = np.empty((0, body.size))
         """Displacements of the owned unknowns under unit forces at all known ports, one after
         another in (ports d, owned unknowns), m/N; None where they take too much."""
@@ -90,10 +97,10 @@ class Compliance:
     def among(self, chosen: Indices) -> Array:
         """The compliance of some ports, (m d, m d), m/N; collective."""
         self._compute_missing(chosen)
-        if same(chosen, self._known):
-            return self._matrix
-        rows = self._expand(self._place[chosen])
-        return self._matrix[np.ix_(rows, rows)]
+        if not same(chosen, self._chosen):
+            rows = self._expand(self._place[chosen])
+            self._chosen, self._among = chosen, self._matrix[np.ix_(rows, rows)]
+        return self._among
 
     def displacement(self, ports: Indices, forces: Array) -> Array:
         """Displacement of the owned unknowns by forces (m, d) at some ports, m; collective."""
@@ -151,7 +158,7 @@ class Compliance:
             "use larger cells on the faces that touch",
             self.body.comm,
         )
-        if self._column_bytes(len(known)) > self.factor.nbytes:
+        if self._column_bytes(len(known)) > max(self.factor.nbytes, SMALL):
             self.columns = None
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix

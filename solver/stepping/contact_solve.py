@@ -234,12 +234,22 @@ class StepProblem:
         self._deactivate(y)
         self.contact.tell_slips(y)
         operator = self._tangents.operator
-        if operator is None or not operator.fits(self._tangents.responses, self._configurations):
+        if operator is None:
             operator = of_no_points(self._system.dimension)
+        elif not operator.fits(self._tangents.responses, self._configurations):
+            operator = self._of_same_points(operator)
         while isinstance(change := self.contact.settle(y, operator), OthersNear):
             self._model.margin.mark_seen(change.number)
             operator = self._tangents.operator = self._delassus(change.number)
         return operator, change
+
+    def _of_same_points(self, operator: Delassus) -> Delassus:
+        """The operator at the points of the last one; of no points where some are inactive."""
+        near, inactive = operator.near.number, self.active_set.points
+        if inactive is not None and inactive[near].any():
+            return of_no_points(self._system.dimension)
+        self._tangents.operator = self._delassus(near)
+        return self._tangents.operator
 
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate."""
