@@ -31,16 +31,16 @@ LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
 
 
-def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Mask:
+def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Indices:
     """The closed points, or else the lowest one and all that are within `level` of it (m).
 
     Where no point may touch, these are all. Points are given by their forces and places, (n, d).
     """
-    closed = np.asarray(force[:, 0] > 0)
-    if closed.any():
+    closed = (force[:, 0] > 0).nonzero()[0]
+    if len(closed):
         return closed
     height = np.where(may_touch, place[:, 0], np.inf)
-    return np.asarray(height <= height.min() + level)
+    return np.asarray(height <= height.min() + level).nonzero()[0]
 
 
 class BlockObserver:
@@ -159,15 +159,19 @@ class BlockObserver:
         """
         place, at = memory.kinematics.place, self._at
         self._touching = touching(memory.force, place, memory.may_touch, self._level)
-        chosen = self._touching.nonzero()[0]
-        slip = np.add.reduce(place[chosen, 1:] - self._home[chosen]) / len(chosen)
-        if np.isnan(slip[0]):
+        chosen = self._touching
+        slip = np.add.reduce(place.take(chosen, 0)[:, 1:] - self._home.take(chosen, 0)) / len(
+            chosen
+        )
+        if math.isnan(slip[0]):
             return False
         self._slip = slip
         motion = state.rigid_motion(self._stepper.system, self._member.number)
         self._write_motion(motion, row)
-        gaps = place[self._interface.inside(memory), 0]
-        row[at.penetration_m] = 0.0 - float(gaps.min(initial=0.0))
+        row[at.penetration_m] = 0.0
+        if place[:, 0].min() < 0:
+            gaps = place[self._interface.inside(memory), 0]
+            row[at.penetration_m] = 0.0 - gaps.min(initial=0.0)
         row[self._forces] = np.add.reduce(memory.force)
         row[at.slip_m] = slip[0]
         if len(slip) == 2:
@@ -243,7 +247,7 @@ class BlockObserver:
         along = points.reference @ level[1:].T
         self._home = np.full((interface.count, interface.dimension - 1), np.nan)
         self._write_own(state, memory, np.empty(0))  # finds the points that touch
-        touching = self._touching.nonzero()[0]
+        touching = self._touching
         home = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
@@ -257,7 +261,7 @@ class BlockObserver:
         for the slip not to jump when they first touch.
         """
         place, keys = memory.kinematics.place, self._interface.keys()
-        touching = self._touching.nonzero()[0]
+        touching = self._touching
         known = [place[q, 1:] - self._known[keys[q]] for q in touching if keys[q] in self._known]
         slip = sum(known) / len(known) if known else self._slip
         for q in touching:

@@ -26,7 +26,6 @@ from solver.contact.nitsche_points import same
 from solver.law.compiled import compiled
 from solver.types import Array, Indices
 
-
 SMALL = 2.0**24
 """Memory of columns that are kept whatever the factor takes, bytes."""
 

@@ -69,6 +69,8 @@ def largest_reversal(closed: Indices, first: Indices, force: Array, velocity: Ar
         force: Of the closed points, (m, d), N.
         velocity: Of the closed points at the end of the step, (m, d), m/s.
     """
+    if len(first) == 2:
+        return slip_reversal(force[:, 1:], velocity[:, 1:])
     ends = closed.searchsorted(first)
     parts = [slice(a, b) for a, b in pairwise(ends) if b > a]
     return max(slip_reversal(force[part, 1:], velocity[part, 1:]) for part in parts)
