@@ -77,9 +77,9 @@ class Compliance:
         self._first = np.concatenate([[0], np.cumsum([port.count for port in ports])])
         self._place = np.full(int(self._first[-1]), -1)
         self._known: Indices = np.empty(0, dtype=np.int64)
-        self._matrix = np.empty((0, 0))
+        self._matrix: Array = np.empty((0, 0))
         self._chosen = self._known
-        self._among = self._matrix  # of the ports chosen last
+        self._among: Array = self._matrix  # of the ports chosen last
         self.columns: Array | None = np.empty((0, body.size))
         """Displacements of the owned unknowns under unit forces at all known ports, one after
         another in (ports d, owned unknowns), m/N; None where they take too much."""
