@@ -78,7 +78,7 @@ class Compliance:
         self._place = np.full(int(self._first[-1]), -1)
         self._known: Indices = np.empty(0, dtype=np.int64)
         self._matrix: Array = np.empty((0, 0))
-        self._chosen = self._known
+        self._chosen: Indices = self._known
         self._among: Array = self._matrix  # of the ports chosen last
         self.columns: Array | None = np.empty((0, body.size))
         """Displacements of the owned unknowns under unit forces at all known ports, one after
