@@ -23,7 +23,7 @@ class Pose:
     about: Array
     """A point of the block in its own frame, (d,), m: the one it stands on."""
     place: Array
-    """Where this point goes, (d,), m, without round-off from the rotation."""
+    """Position of this point, (d,), m, without round-off from the rotation."""
 
     def __call__(self, points: Array) -> Array:
         """Positions of points (n, d) given in the block's own frame."""

@@ -24,7 +24,7 @@ class Boxes:
     """Its axes as the columns of rotation matrices, (n, d, d)."""
 
     def reach(self, axes: Array) -> Array:
-        """How far it reaches from its centre along unit vectors (n, axes, d), (n, axes), m."""
+        """Half its extent along unit vectors (n, axes, d), (n, axes), m."""
         return np.asarray(np.abs(axes @ self.frames) @ self.half)
 
     def at(self, chosen: Indices) -> Boxes:
@@ -33,7 +33,7 @@ class Boxes:
 
 
 def overlap_depth(first: Boxes, second: Boxes) -> Array:
-    """How far two boxes would have to be moved apart, (n,), m; negative or 0 where they are.
+    """Distance by which two boxes overlap, (n,), m; negative or 0 where they are apart.
 
     By the separating axis theorem: the least overlap along the normals of the faces of both and, in
     space, of all pairs of an edge of the one and an edge of the other (Gottschalk et al. 1996).

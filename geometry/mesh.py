@@ -77,7 +77,7 @@ def plate_mesh(
 
 
 def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
-    """Whether there are cells of this kind and number."""
+    """True if there are cells of this kind and number."""
     return (
         dimension in CELLS
         and len(cells) == dimension

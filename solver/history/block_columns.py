@@ -22,7 +22,7 @@ STEEPEST_TOP = 0.5
 
 @compiled
 def has_lost_carrier(level: float, height: float, half: float) -> bool:
-    """Whether a block has lost its carrier: gaps and contact forces are then over level ground.
+    """True if a block has lost its carrier: gaps and contact forces are then over level ground.
 
     Args:
         level: Cosine of the lean of the carrier's top.

@@ -23,7 +23,7 @@ STORED_ENERGIES = _energies("stored")
 """Energies whose sum is `energy.total_J`."""
 
 DISSIPATED_ENERGIES = _energies("dissipated")
-"""What has been dissipated since the start, each from its own formula."""
+"""Names of the energies dissipated since the start, each from its own formula."""
 
 
 def columns(
@@ -74,7 +74,7 @@ def positions(part: Part, dimension: int) -> Any:
 
 
 class Structure(NamedTuple):
-    """What a meshed foundation that moves as a whole has: a plate on rollers nothing of it."""
+    """Numbers of parts of a meshed foundation that moves as a whole; 0 for a plate on rollers."""
 
     storeys: int = 0
     """Number of storeys."""
@@ -83,7 +83,7 @@ class Structure(NamedTuple):
 
 
 class RowLayout(NamedTuple):
-    """Where the parts of an engine's row begin: that of the run at 0."""
+    """Indices at which the parts of an engine's row begin: that of the run at 0."""
 
     block: int
     """The part of the first block."""
@@ -96,9 +96,9 @@ class RowLayout(NamedTuple):
 
 
 def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
-    """Where the parts of a row with all motions of the ground begin, for a number of blocks.
+    """Indices at which the parts of a row with all motions of the ground begin.
 
-    `platform`: whether what carries the blocks moves as a whole.
+    `blocks` is their number; `platform` is true if what carries them moves as a whole.
     """
     energies = len(positions("energy", dimension))
     first, stride = len(positions("run", dimension)), len(positions("block", dimension))

@@ -23,13 +23,13 @@ class Event:
     """
 
     time_s: float
-    """When, s."""
+    """Time, s."""
     kind: str
     """"impact", "lift-off", "flight", "landing", "carrier lost", "overturned" or "fell"."""
     block: str
     """Name of the block."""
     meets: str
-    """What it lands on or lifts off: the name of a block, or "foundation"."""
+    """Name of the block that it lands on or lifts off, or "foundation"."""
     where: str = ""
     """Corners of its bottom that land or lift off, as in `gap_left_m`, joined by "+"."""
     velocity_before_m_s: float = math.nan
@@ -47,7 +47,7 @@ class Event:
     restitution: float = math.nan
     """Angular velocity after the impact over that before it."""
     reason: str = ""
-    """Why that is no restitution, or not known; else empty."""
+    """Reason why that is no restitution, or not known; else empty."""
 
 
 COLUMNS = tuple(field.name for field in fields(Event))

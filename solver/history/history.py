@@ -30,7 +30,7 @@ BLOCK = 4096
 
 
 def structure_of(scene: Scene) -> Structure | None:
-    """What the structure of a scene has; None where what carries the blocks is no structure."""
+    """Storeys and columns of the foundation of a scene; None where it is no structure."""
     parts = scene.foundation.structure(scene.dimension)
     return None if parts is None else Structure(*parts)
 
@@ -73,7 +73,7 @@ class History:
         self._length = 0
         self._written = 0
         self.events: tuple[Event, ...] | None = None
-        """What its run recorded, by their times; None: nothing was recorded."""
+        """Events that its run recorded, by their times; None: nothing was recorded."""
         if file is not None:
             try:
                 file.write_text(",".join(self.columns) + "\n", encoding="utf-8")
@@ -89,7 +89,7 @@ class History:
         return iter(self.columns)
 
     def __contains__(self, column: object) -> bool:
-        """Whether there is a column of that name."""
+        """True if there is a column of that name."""
         return column in self._index
 
     def __getitem__(self, column: str) -> NDArray[np.float64]:

@@ -37,7 +37,7 @@ class Column:
     needs: Literal["", "vertical", "second", "platform", "structure"] = ""
     """The motion of the ground, the platform, or its mesh, without which it does not exist."""
     energy: Literal["", "stored", "dissipated"] = ""
-    """What kind of energy it is."""
+    """Kind of the energy."""
 
     @property
     def part(self) -> Part:

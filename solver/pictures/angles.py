@@ -172,5 +172,5 @@ def draw_overlay(runs: Sequence[Run]) -> Figure:
 
 
 def _same_ground(runs: Sequence[Run]) -> bool:
-    """Whether the ground moves alike in all runs."""
+    """True if the ground moves alike in all runs."""
     return all(run.scene.motion == runs[0].scene.motion for run in runs)

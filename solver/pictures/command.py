@@ -82,7 +82,7 @@ def _width(text: str) -> int:
 
 
 def read_runs(folders: Sequence[Path]) -> list[Run]:
-    """Runs read back; those without a summary are told of."""
+    """Runs read back; those without a summary are reported."""
     from solver.results.runs import UNFINISHED, read_run
 
     runs = [read_run(folder) for folder in folders]

@@ -1,4 +1,4 @@
-"""What carries a block, frame by frame: the contact force, where it acts, and the state."""
+"""Contact of a block with its carrier, frame by frame: force, point of application, state."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LEAST_FORCE = 1e-3
 
 
 class State(Enum):
-    """How a block stands on what carries it."""
+    """State of the contact between a block and its carrier."""
 
     STICKS = "sticks"
     SLIPS = "slips"
@@ -44,9 +44,9 @@ class BlockFrames:
     force: Array
     """Force from its carrier over the weight there, the mean since the frame before, (n, d)."""
     foot: Array
-    """Where that force acts, m, (n, d)."""
+    """Point of application of that force, m, (n, d)."""
     states: list[State]
-    """How it stands, (n,)."""
+    """States of the contact, (n,)."""
 
 
 def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
@@ -121,7 +121,7 @@ def _means(time: Array, values: Array, times: Array) -> Array:
 
 
 def _foot(centres: Array, frames: Array, half: Array, up: Array) -> Array:
-    """Where the bottom is lowest over the carrier: a corner, or between those that share."""
+    """Lowest point of the bottom over the carrier: a corner, or between those that share."""
     dimension = len(half)
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * (dimension - 1))).reshape(dimension - 1, -1).T
     corners = np.concatenate([signs, -np.ones((len(signs), 1))], axis=1) * half
@@ -134,7 +134,7 @@ def _foot(centres: Array, frames: Array, half: Array, up: Array) -> Array:
 
 
 def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
-    """Whether a block sticks, slips or is in the air, from the frame before to each frame."""
+    """State of a block from the frame before to each frame: it sticks, slips or is in the air."""
     history, name, time = run.history, block.name, run.history["time_s"]
     normal = _means(time, np.nan_to_num(history[f"{name}.normal_force_N"]), times)
     weight = run.scene.stacked_mass(block) * run.scene.gravity or 1.0

@@ -56,9 +56,9 @@ class Instant(NamedTuple):
     """An instant, and what happens then."""
 
     time_s: float
-    """When, s."""
+    """Time, s."""
     name: str = ""
-    """What, in a word or two; empty: nothing in particular."""
+    """Name, in a word or two; empty: nothing in particular."""
 
 
 def instants(run: Run) -> list[Instant]:
@@ -259,7 +259,7 @@ def _limit(snapshots: Sequence[Snapshot]) -> float:
 
 
 def _title(snapshot: Snapshot, chosen: Sequence[Instant]) -> str:
-    """What happens, and when."""
+    """Title of a snapshot: the nearest instant by name, and the time."""
     nearest = min(chosen, key=lambda instant: abs(instant.time_s - snapshot.time_s))
     time = f"t = {snapshot.time_s:.3g} s"
     return f"{nearest.name}\n{time}" if nearest.name else time

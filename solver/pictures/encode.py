@@ -113,7 +113,7 @@ def default_ending() -> str:
 
 
 def encoder_for(file: Path) -> Encoder:
-    """What writes a film by the ending of its name; refused where it cannot."""
+    """Encoder of a film by the ending of its name; refused where there is none."""
     ending = file.suffix.lower()
     if ending not in ENCODERS:
         raise SceneError("-o", file.name, "a name that ends with .mp4 or .gif")

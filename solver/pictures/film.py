@@ -40,7 +40,7 @@ BETWEEN = 160
 """Grey of the line between two shots."""
 
 AWAY = 1.5
-"""What leaves its place is followed this far to a side, over the size of all at the start."""
+"""Bodies that leave are followed this far to a side, over the size of all at the start."""
 
 #: Colours of arrows and rigid bodies by state, and of what is no block.
 FORCE = {State.STICKS: "#2aa9ff", State.SLIPS: "#ff6a00", State.OPEN: "#2aa9ff"}
@@ -61,10 +61,10 @@ MARK = np.array([200, 30, 30], dtype=np.uint8)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilmOptions:
-    """How to film."""
+    """Options of a film."""
 
     fixed: bool = False
-    """Whether the ground is seen to move, from a place at rest; else it stands still."""
+    """Show the ground in motion, from a place at rest; else it stands still."""
     slow: float | None = None
     """Seconds of the film for each second of the run; None: 1, or what makes it last 6 s."""
     begin: float | None = None

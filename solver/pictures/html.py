@@ -85,7 +85,7 @@ def items(texts: Iterable[str]) -> str:
 
 
 def cautions(texts: Sequence[str]) -> list[str]:
-    """What the reader should be careful with, in a box; nothing where there is none."""
+    """Cautions to the reader, in a box; nothing where there is none."""
     return [f'<div class="caution">{items(texts)}</div>'] if texts else []
 
 

@@ -40,7 +40,7 @@ CAPTIONS = {
     "motion": "The motion of the ground: acceleration, Husid plot, response spectrum",
     "deformed": "The bodies as they stand",
 }
-"""What the pictures show, by their names."""
+"""Captions of the pictures, by their names."""
 
 HEADING = (
     *("block", "peak angle (°)", "over alpha", "peak slip (mm)", "residual slip (mm)"),
@@ -101,14 +101,14 @@ def _film(run: Run, folder: Path) -> Path:
 
 
 def _status(summary: Mapping[str, Any]) -> str:
-    """How the run ended."""
+    """Status, time and reason of the end of a run, as a sentence."""
     reason = f": {summary['reason']}" if summary.get("reason") else ""
     end = f" at t = {summary['end_s']:.6g} s" if "end_s" in summary else ""
     return f"{summary['model']}, {summary['status']}{end}{reason}."
 
 
 def _why_none(impacts: Sequence[Mapping[str, Any]]) -> str:
-    """Why no impact has a restitution."""
+    """Reasons why no impact has a restitution."""
     reasons = dict.fromkeys(impact["reason"] for impact in impacts if impact.get("reason"))
     return f"none: {'; '.join(reasons)}" if reasons else _number(None)
 
@@ -142,7 +142,7 @@ def _blocks(run: Run) -> list[list[str]]:
 
 
 def _platform(summary: Mapping[str, Any]) -> list[str]:
-    """What the platform did, if there is one."""
+    """Peak values of the platform, if there is one."""
     names = {
         "peak_drift_m": "peak drift of the platform (mm)",
         "residual_drift_m": "residual drift (mm)",
@@ -176,7 +176,7 @@ def _energy(energy: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _derived(run: Run) -> list[str]:
-    """What the scene means; nothing where a file that it names is gone."""
+    """Derived numbers of the scene, or the error where they cannot be found."""
     try:
         return [verbatim(describe(run.scene))]
     except SceneError as error:

@@ -171,7 +171,7 @@ class Renderer:
         return np.asarray(self._plotter.screenshot(return_img=True))[:, :, :3].copy()
 
     def _body(self, surface: Any, colour: str) -> Any:
-        """A body, coloured by its stress where it has one; in space its sides are told apart."""
+        """A body, coloured by its stress where it has one; in space its sides differ in shade."""
         look: dict[str, Any] = {"color": colour, "line_width": 2 * self._line}
         light = AMBIENT
         if "von_mises" in surface.cell_data and self._limit > 0:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 from numpy.typing import NDArray
 
-#: Colours that are told apart by everyone (Okabe and Ito 2008).
+#: Colours that remain distinct for colour-blind readers (Okabe and Ito 2008).
 BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 PURPLE, SKY, GREY = "#CC79A7", "#56B4E9", "#666666"
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)

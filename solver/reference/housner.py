@@ -218,7 +218,7 @@ class _Rocker:
         return velocity**2 / 2 <= RESTING_ENERGY * barrier
 
     def _arms(self, angle: float, side: float) -> tuple[float, float]:
-        """How far the centre moves along x, and upwards, while the block turns by a radian, m."""
+        """Displacement of the centre along x, and upwards, per radian of rotation, m."""
         lean, radius = self.shape.slenderness - side * angle, self.shape.half_diagonal
         return radius * math.cos(lean), side * radius * math.sin(lean)
 
@@ -234,7 +234,7 @@ class _Rocker:
         return (self.gravity + self.vertical(time)) * math.tan(self.shape.slenderness)
 
     def _uplift(self, time: float) -> float | None:
-        """When the block on firm ground begins to rock, s; None: never."""
+        """Time at which the block on firm ground begins to rock, s; None: never."""
         return first_beyond(self.ground, self._limit, time, self.end, self.step)
 
     def _side(self, time: float, state: State) -> float:

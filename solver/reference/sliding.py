@@ -232,7 +232,7 @@ class _Slider:
         return recorder.states
 
     def _uphold(self, slipped: bool, time: float, end: float, step: float) -> float | None:
-        """When the block on firm ground begins to slide, s; None: never."""
+        """Time at which the block on firm ground begins to slide, s; None: never."""
 
         def limit(later: float) -> float:
             return self.law.holds(self.normal(later), slipped)

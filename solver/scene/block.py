@@ -90,7 +90,7 @@ class BlockSpec(Checked):
     """Rigid rotation at the start about the bottom corner on that side, positive towards +x,
     degrees; against its carrier, with which it is tilted if that is."""
     tilt_direction_deg: Turn = 0.0
-    """Where a positive tilt leans to: angle from +x towards +y, degrees; 3-D only."""
+    """Direction in which a positive tilt leans: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
     """Velocity of its centre at the start, relative to the ground, m/s. Default: 0 in every
     direction."""

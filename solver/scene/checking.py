@@ -2,7 +2,7 @@
 
 Understood are `bool`, `str`, `Path`, `Literal[...]`, `Annotated[float, Number(...)]` and the same
 with `int`, tuples of these, dataclasses, tuples of dataclasses, `... | None`, and unions: of
-dataclasses that are told apart by their `kind`, of tuples of different lengths, of a number and a
+dataclasses that differ by their `kind`, of tuples of different lengths, of a number and a
 tuple or a dataclass.
 """
 

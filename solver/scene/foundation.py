@@ -285,7 +285,7 @@ class PlateSpec(Foundation):
     many, or "auto": as many as their error requires; not where all of it is fixed. Default: all
     unknowns of the mesh."""
     support: Literal["fixed", "bottom", "rollers"] = "fixed"
-    """How the plate is held, as described above."""
+    """Support of the plate, as described above."""
     meshed: bool = False
     """Mesh a plate that is held everywhere; other plates always are."""
     period: Duration | None = None

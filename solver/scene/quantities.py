@@ -29,7 +29,7 @@ class Number:
     extremes: Extremes | None = None
     """Magnitudes beyond which nothing can be computed."""
     powers: tuple[float, float] = 0.0, 0.0
-    """How it scales: powers of the scales of density and of length. Accelerations stay, so that
+    """Scaling: powers of the scales of density and of length. Accelerations stay, so that
     times go with the square root of lengths."""
 
     def holds(self, value: Any) -> bool:

@@ -38,7 +38,7 @@ class GeneralizedAlpha:
     rho_inf: float
     """Spectral radius that the weights come from."""
     damped_time: float = 0.0
-    """How long steps are taken with rho_inf = 0 after a change of contact, s."""
+    """Time for which steps are taken with rho_inf = 0 after a change of contact, s."""
 
     @cached_property
     def damped(self) -> GeneralizedAlpha:

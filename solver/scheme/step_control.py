@@ -1,4 +1,4 @@
-"""The ladder of time steps, a factor of two from rung to rung, and who goes up and down on it."""
+"""The ladder of time steps, a factor of two from rung to rung, and the criteria to change rungs."""
 
 from __future__ import annotations
 
@@ -150,5 +150,5 @@ class Tolerance:
         return self.MARGIN * self.GROWTH * used <= 1.0
 
     def halvings(self, used: float) -> int:
-        """How often a step is halved that used this share, above 1, of what is allowed."""
+        """Number of halvings of a step that used this share, above 1, of what is allowed."""
         return max(1, math.floor(math.log(used, self.GROWTH)))

@@ -183,7 +183,7 @@ class StepSolution(NamedTuple):
     inertia: Array
     """M (u - u_n - dt v_n), kg m; zero in equilibrium."""
     outcome: NewtonOutcome
-    """How the iteration ended."""
+    """Outcome of the iteration."""
     held: Array
     """The residual at the unknowns that do not move, `System.fixed`, N."""
 

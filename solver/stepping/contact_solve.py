@@ -51,7 +51,7 @@ PLACED_CORRECTIONS = 2
 
 
 class Iterate(NamedTuple):
-    """Where everything is at one displacement: u, and what each interface looks like there."""
+    """A displacement u, and the state of each interface at it."""
 
     u: Array
     seen: Sequence[Observed]

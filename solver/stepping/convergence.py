@@ -1,4 +1,4 @@
-"""When the iteration of a step has converged, and when it is given up."""
+"""Criteria of convergence and of failure of the iteration of a step."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class NewtonOutcome(NamedTuple):
     residual: float
     """Euclidean norm of the last residual, N."""
     reason: str
-    """Why it ended, in words."""
+    """Reason why it ended, in words."""
 
 
 class NonlinearProblem(Protocol):

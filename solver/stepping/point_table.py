@@ -128,7 +128,7 @@ class PointTable:
         return found
 
     def beds(self, memories: Sequence[Memory], step: float) -> Yielding | None:
-        """How the beds below all points give way in a step of length `step` (s); None: no bed."""
+        """Yielding of the beds below all points in a step of length `step` (s); None: no bed."""
         if not self.has_bed:
             return None
         parts = []

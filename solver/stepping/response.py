@@ -86,7 +86,7 @@ class BodyRole:
         return slice(self.first, self.first + self.count)
 
     def spots(self, kinematics: Kinematics) -> Interpolation | None:
-        """Where the contact points are among the body's own; None where they are the same."""
+        """Interpolation from the body's own points to the contact points; None: the same points."""
         own = kinematics[self.interface]
         if own is None:
             return None

@@ -41,9 +41,9 @@ class ContactModel:
     local: LocalProblem
     """Solver of local problems."""
     margin: ContactMargin
-    """How near points have to be to be looked at."""
+    """Margin within which points are candidates for contact."""
     softening: Softening | None
-    """How rigid points give way; None where there are none."""
+    """Softening of rigid points; None where there are none."""
 
 
 STICKING_MU = 1e6

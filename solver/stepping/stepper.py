@@ -67,7 +67,7 @@ class Stepper:
 
         Args:
             system: The bodies.
-            contacts: Who may touch whom, and with which of its faces.
+            contacts: Candidate pairs of bodies, and their faces in contact.
             scheme: Time stepping.
             gravity: Acceleration of gravity, (d,), m/s2.
             ground: Motion of the ground; None for ground at rest.
