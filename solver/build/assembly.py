@@ -234,7 +234,7 @@ def _bottom(member: BlockBody) -> Face:
 
 
 def _crossings(bottom: Face, top: Face) -> Crossings:
-    """Where the edges of a block's bottom may cross those of what carries it."""
+    """Edges of a block's bottom that may cross those of what carries it."""
     upper, lower = (Outline(rim(face.points), face.degree) for face in (bottom, top))
     return Crossings(upper, lower, top, bottom)
 

@@ -50,7 +50,7 @@ from solver.types import Array, Indices, Mask
 
 
 class Foot(NamedTuple):
-    """Where a column stands on the ground."""
+    """Base of a column on the ground."""
 
     nodes: Indices
     """Owned nodes of the body."""
@@ -396,7 +396,7 @@ REMEDY = "use larger cells, or leave foundation.modes out"
 
 
 class Footprint(NamedTuple):
-    """Where a block stands on a foundation, and what it carries there."""
+    """Area of a foundation on which a block stands, and the mass carried there."""
 
     low: Array
     """Smallest coordinates in plan, (d - 1,), m."""
@@ -425,7 +425,7 @@ def reduced_foundation(
     ground: GroundMotion,
     meshed: Callable[[MPI.Intracomm], FoundationBody],
 ) -> FoundationBody:
-    """The foundation that `meshed` makes, reduced as its scene asks for; collective.
+    """The foundation that `meshed` makes, reduced as its scene requests; collective.
 
     Rank 0 makes and keeps it all; `number` is that of the body.
     """

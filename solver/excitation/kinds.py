@@ -51,7 +51,7 @@ class BaseMotion(Protocol):
 
     @property
     def stop(self) -> float:
-        """When the acceleration is over, s."""
+        """Time at which the acceleration is over, s."""
 
     def acceleration(self, time: float) -> float:
         """Acceleration of the ground a_g, m/s^2."""

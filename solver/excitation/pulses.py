@@ -62,7 +62,7 @@ class Pulse(ABC):
     @property
     @abstractmethod
     def _reversals(self) -> tuple[float, ...]:
-        """Where the acceleration changes its sign, s; of periodic ones the first."""
+        """Times at which the acceleration changes its sign, s; of periodic ones the first."""
 
     @abstractmethod
     def _a(self, tau: float) -> float: ...

@@ -32,7 +32,7 @@ class SampledMotion:
     step: float | None = None
     """Time between samples where it is the same for all, s."""
     largest: str = ""
-    """Where the largest sample stands, in words."""
+    """Place of the largest sample, in words."""
     source: str = ""
     """The source in a file, in words; empty: the samples are of no file."""
     _speed: Array = field(init=False, repr=False)
@@ -54,7 +54,7 @@ class SampledMotion:
 
     @property
     def stop(self) -> float:
-        """When the last sample comes, s."""
+        """Time of the last sample, s."""
         return float(self.time[-1])
 
     @property

@@ -1,4 +1,4 @@
-"""What pictures show below the blocks: the platform, which a scene gives no size, and the floor."""
+"""Ground below the blocks in pictures: the platform, which a scene gives no size, and the floor."""
 
 from __future__ import annotations
 

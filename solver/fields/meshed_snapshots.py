@@ -151,7 +151,7 @@ class MeshedFields:
         return zip(self._run.assembly.stepper.links, self._run.state.contacts, strict=True)
 
     def _add_edges(self, area: Array) -> None:
-        """What edges do where the body overhangs what carries it, by the area of each node, m2."""
+        """Add edge forces where the body overhangs what carries it; `area` of each node, m2."""
         body, d = self._body, self._body.dimension
         forces = np.zeros((body.owned, 2 + d))
         for link, memory in self._contacts():

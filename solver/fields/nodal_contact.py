@@ -1,4 +1,4 @@
-"""What contact does at the nodes of a meshed body: pressure, friction, and what sticks."""
+"""Contact at the nodes of a meshed body: pressure, friction, and states."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEAST_AREA = 1e-6
 
 
 class NodeState(IntEnum):
-    """How a node stands to what carries its body, as files of fields have it."""
+    """Contact state of a node, as in files of fields."""
 
     AWAY = 0
     """A node that is not on a face that may touch."""
@@ -45,11 +45,11 @@ class NodalContact(NamedTuple):
     state: Array
     """Values of `NodeState`, (n,)."""
     area: Array
-    """What belongs to each node: of what may touch, or of all where nothing does, (n,), m2."""
+    """Area of each node: of what may touch, or of all where nothing does, (n,), m2."""
 
 
 class EdgeForces(NamedTuple):
-    """What edges do at the nodes of a body that they press on, or that has them."""
+    """Edge forces at the nodes of a body that edges press on, or that has them."""
 
     layer: Layer
     """The nodes."""
@@ -81,7 +81,7 @@ def nodal_contact(points: ContactPoints, memory: Memory, thickness: float) -> No
 
 
 def edge_forces(interface: Interface, memory: Memory, *, carries: bool) -> EdgeForces | None:
-    """What edges do at the bottom of a meshed body that overhangs what carries it.
+    """Edge forces at the bottom of a meshed body that overhangs what carries it.
 
     The outline of the latter presses on it: for that interface the body is the one that `carries`.
     In space edges of both cross, too. None for all other interfaces.
@@ -114,7 +114,7 @@ def _over(force: Array, area: Array) -> Array:
 
 
 def _states(points: ContactPoints, memory: Memory) -> Array:
-    """What most of the points next to each node do, by their weights."""
+    """State of most of the points next to each node, by their weights."""
     near = abs(points.values_T)  # quadratic shape functions are negative in places
     pressed = memory.force[:, 0] > 0
     may_touch, carries, slips = (

@@ -31,9 +31,9 @@ class Part:
     comm: Comm = field(default_factory=Single)
     """The ranks that share the body."""
     own_points: int | None = None
-    """How many of the nodes are the rank's own; None: all."""
+    """Number of nodes that are the rank's own; None: all."""
     own_cells: int | None = None
-    """How many of the cells are the rank's own; None: all."""
+    """Number of cells that are the rank's own; None: all."""
     numbers: Indices | None = None
     """Numbers of the nodes among those of all ranks, (n,); None: as they stand."""
 

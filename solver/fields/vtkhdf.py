@@ -54,7 +54,7 @@ class HdfFile:
     def __init__(self, file: Path, *, writes: bool = True, until: float | None = None):
         """Take the path; of an old file the times up to one, s, stay."""
         self.path, self.writes, self._until, self.times = file, writes, until, 0
-        """How many there are."""
+        """Number of times in the file."""
         self.root: Any = None
         """The group of all that VTK reads."""
         self._file: Any = None

@@ -130,7 +130,7 @@ def entry_of(time: float, piece: str, part: int = 0, name: str = "") -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class FieldsBefore:
-    """What an earlier part of a run has left of the fields."""
+    """Fields that an earlier part of a run has left."""
 
     part: int = 1
     """Number of the part that is written now; names of pieces tell it from the second one on."""

@@ -1,10 +1,10 @@
-"""When a block has overturned or fallen, and the watch that ends a run there.
+"""Times at which blocks have overturned or fallen, and the watch that ends a run there.
 
 A block has overturned where it leans, against upright, beyond the angle from which it does not come
 back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
 plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
 holds it any more. Where rigid blocks with a restitution stand on a plate, their engine takes it for
-the ground, and a run ends where a corner touches that beyond its edge. All are told from the
+the ground, and a run ends where a corner touches that beyond its edge. All are found from the
 columns of a history, in the same way for all engines.
 """
 
@@ -31,7 +31,7 @@ AT_LEVEL = 1e-6
 
 
 def motion_end(ground: GroundMotion) -> float:
-    """When the motion of the ground is over in all directions, s; 0 without any."""
+    """Time at which the motion of the ground is over in all directions, s; 0 without any."""
     return max((part.stop for part in ground.parts if part is not None), default=0.0)
 
 
@@ -48,7 +48,7 @@ def cut_short(summary: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """Why a run ends early."""
+    """Early end of a run."""
 
     row: int
     """Number of its last row among those that were looked at."""
@@ -76,7 +76,7 @@ class Watch:
 
     @property
     def ends_runs(self) -> bool:
-        """Whether there is something to look for."""
+        """True if there is something to look for."""
         return bool(self._overturning or self._falling or self._leaving)
 
     @property
@@ -114,7 +114,7 @@ def _where(history: Columns, block: BlockSpec, row: int) -> str:
 
 
 def overturned_at(history: Columns, block: BlockSpec) -> float | None:
-    """When a block has overturned, s; None where it has not.
+    """Time at which a block has overturned, s; None where it has not.
 
     Where it ends beyond its point of balance, but not yet beyond return: when it last passed that.
     """
@@ -130,7 +130,7 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
 
 
 def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
-    """When a block has fallen off what carried it, s; None where it has not."""
+    """Time at which a block has fallen off what carried it, s; None where it has not."""
     if not has_ends(scene, block):
         return None
     rows = np.flatnonzero(fallen(scene, history, block))
@@ -176,7 +176,7 @@ def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
 
 
 def has_ends(scene: Scene, block: BlockSpec) -> bool:
-    """Whether what carries a block has ends over which it may fall."""
+    """True if what carries a block has ends over which it may fall."""
     return scene.carrier_of(block) is not None or scene.foundation.top is not None
 
 

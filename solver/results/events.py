@@ -154,7 +154,7 @@ class Recorder:
         return tuple(sorted(self._found, key=lambda event: event.time_s))
 
     def saved(self) -> dict[str, Any]:
-        """How it stands, for `resume`; events in the order in which they were found."""
+        """Data to go on from, for `resume`; events in the order in which they were found."""
         rows = np.concatenate(self._rows) if self._rows else None
         texts = [[getattr(e, name) for name in e.__dataclass_fields__] for e in self._found]
         noted = {name: dict(known) for name, known in self._noted.items()}
@@ -263,7 +263,7 @@ class _Search:
                 yield self._event(time, kind)
 
     def _flights(self, *, ends: bool) -> Iterator[Event]:
-        """Where it leaves what carries it, and where it lands again."""
+        """Events at which it leaves what carries it, and at which it lands again."""
         m, tiny = self._motion, CLEAR * self._block.width
         low = m.gaps.min(axis=1)
         off = (m.normal <= 0) & (low > tiny)
@@ -374,7 +374,7 @@ class _Search:
         )
 
     def _reason(self, before: Swing, after: Swing | None) -> str:
-        """Why no ratio of rotations is a restitution by the swings beside it; or ""."""
+        """Reason why no ratio of rotations is a restitution by the swings beside it; or ""."""
         m = self._motion
         rows = slice(before.first, (after or before).last + 1)
         if m.aside[rows].max() > ASIDE * np.abs(m.angle[rows]).max():
@@ -495,7 +495,7 @@ class _Search:
 
 
 class _Span(NamedTuple):
-    """Where an impact is."""
+    """Rows of an impact."""
 
     first: int
     """First row after the impact before it."""
@@ -506,14 +506,14 @@ class _Span(NamedTuple):
 
 
 class _Read(NamedTuple):
-    """What is read of an impact."""
+    """Values read of an impact."""
 
     velocities: tuple[float, float]
     """Angular velocities before and after, rad/s."""
     end: int
     """The row at which it is over."""
     reason: str
-    """Why nothing is known, or ""."""
+    """Reason why nothing is known, or ""."""
 
 
 def _slope(time: Array, value: Array, row: int) -> float:

@@ -1,4 +1,4 @@
-"""How much of a block a platform feels: the mass that, moved with it, asks for the same friction.
+"""Effective mass of a block on a platform: the mass that, moved with it, needs the same friction.
 
 Where a block lands or topples, the accelerations of rows beside the impact are as large as steps
 are short, and in meshed structures they swing to and fro from row to row. Motion and force are

@@ -17,11 +17,11 @@ from solver.history.history import History
 from solver.types import Array
 
 ALONG_Y = " along y"
-"""How the names of spectra along y end, in space."""
+"""Ending of the names of spectra along y, in space."""
 
 
 def has_floors(history: History) -> bool:
-    """Whether something moves that carries blocks, over more than one row."""
+    """True if something that carries blocks moves, over more than one row."""
     return len(history) > 1 and any(True for _ in _velocities(history))
 
 

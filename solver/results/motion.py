@@ -1,6 +1,6 @@
 """Motion of a block from its columns of the history, and its mode, in the plane and in space.
 
-In space everything is told in the one upright plane in which the block leans most: its signed lean
+In space everything is given in the one upright plane in which the block leans most: its signed lean
 there is the angle of two dimensions, and the width of its base across that plane is the width.
 """
 
@@ -45,14 +45,14 @@ class Columns(Protocol):
     """Rows of a history by the names of their columns: all of them, or some as they come."""
 
     def __contains__(self, column: object) -> bool:
-        """Whether there is a column of that name."""
+        """True if there is a column of that name."""
 
     def __getitem__(self, column: str) -> Array:
         """One column, over the rows."""
 
 
 class Leaning(NamedTuple):
-    """How a block leans in one upright plane.
+    """Lean of a block in one upright plane.
 
     Attributes:
         angle: Lean in that plane, rad, with its sign (towards +x, or +y where that plane has no x),
@@ -80,11 +80,11 @@ class BlockMotion:
     lean: Array
     """Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D."""
     displacement: Array
-    """What its base moved along what carries the block, m, (rows, 1) or, in 3-D, (rows, 2)."""
+    """Displacement of its base along what carries it, m, (rows, 1) or, in 3-D, (rows, 2)."""
     slip: Array
     """The part of that which it moved in contact, not in flight, m."""
     flies: Mask
-    """Where it is in free flight that counts as a hop, (rows,)."""
+    """True where it is in free flight that counts as a hop, (rows,)."""
     turn: Array
     """Angle about the upright axis of what carries the block, rad, unwrapped; 0 in 2-D."""
     friction: Array
@@ -96,7 +96,7 @@ class BlockMotion:
     shape: Block
     """The block as it stands in that plane."""
     fell: bool
-    """Whether it ends below what carried it."""
+    """True if it ends below what carried it."""
     aside: Array
     """Lean out of that plane, rad; 0 in 2-D."""
 
@@ -155,7 +155,7 @@ def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
 
 
 def leaning(history: Columns, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:
-    """How a block leans most: against its carrier, or from upright where none is given."""
+    """Largest lean of a block: against its carrier, or from upright where none is given."""
     if is_spatial(history, block.name):
         return _leaning_in_space(history, block, carrier)
     angle = history[f"{block.name}.angle_rad"]
@@ -269,7 +269,7 @@ def flights(normal: Array, corners: Array, way: Array, width: float) -> Mask:
 
 
 def _turn(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Array:
-    """What `BlockMotion.turn` says: the twist of the block's rotation against its carrier."""
+    """Rotation `BlockMotion.turn`: the twist of the block against its carrier, rad."""
     if not is_spatial(history, block.name):
         return np.zeros(len(history["time_s"]))
     frames = boxes(history, block).frames
@@ -300,7 +300,7 @@ def _angle_from_up(axes: Array) -> Array:
 
 
 def _leaning_in_space(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Leaning:
-    """How a block in space leans against its carrier, or from upright."""
+    """Lean of a block in space against its carrier, or from upright."""
     rotations = _rotations(history, block.name)
     axes = rotated(rotations, UP)
     # The carrier's upright axis as the block sees it tells where the block leans, in its own frame.

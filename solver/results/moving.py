@@ -1,4 +1,4 @@
-"""When something moves in a run: what pictures and films are cut to."""
+"""Interval of a run in which something moves: pictures and films are cut to it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def moving_span(scene: Scene, history: History) -> tuple[float, float]:
 
 
 def _quantities(scene: Scene, history: History) -> Iterator[tuple[Array, float]]:
-    """What may move, each with the least change that counts."""
+    """Quantities that may move, each with the least change that counts."""
     for name in history.columns:
         base = name.startswith("base.") and name.endswith("acceleration_m_s2")
         if base or name.startswith("platform.drift"):

@@ -52,6 +52,6 @@ def _rows(time: Array, every: float) -> Indices:
 
 
 def _may_overlap(one: Boxes, other: Boxes) -> Mask:
-    """Where the spheres around two boxes overlap."""
+    """True at instants at which the spheres around two boxes overlap."""
     apart = np.linalg.norm(one.centres - other.centres, axis=1)
     return np.asarray(apart < np.linalg.norm(one.half) + np.linalg.norm(other.half))

@@ -12,7 +12,7 @@ from solver.results.endings import cut_short
 from solver.results.events import ENDS
 
 UNKNOWN = "unknown"
-"""What stands in the place of a number that nobody knows."""
+"""Text in the place of a number that is not known."""
 
 ROUND_OFF = 1e-6
 """Angles (degrees) and ways (mm) below this are round-off."""
@@ -51,7 +51,7 @@ def report(summary: Mapping[str, Any]) -> str:
 
 
 PERTURBED = {"motion": "motion", "start": "tilt and velocity at the start"}
-"""What a twin has more of, in words."""
+"""Perturbed quantities of a twin, in words."""
 
 
 def _horizon(found: Mapping[str, Any]) -> str:
@@ -68,7 +68,7 @@ def _horizon(found: Mapping[str, Any]) -> str:
 
 
 def residual_slip(block: Mapping[str, Any]) -> float:
-    """How far from its place a block ends along what carries it, m: in 3-D without a sign."""
+    """Residual slip of a block along what carries it, m: in 3-D without a sign."""
     if "residual_slip_second_m" not in block:
         return float(block["residual_slip_m"])
     return math.hypot(block["residual_slip_m"], block["residual_slip_second_m"])
@@ -100,14 +100,14 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
 
 
 def _flown(block: Mapping[str, Any]) -> str:
-    """What a block moved, where that is more than its slip."""
+    """Displacement of a block, where that is more than its slip."""
     moved = _plain(1e3 * block.get("peak_displacement_m", 0.0))
     differs = moved and block["peak_displacement_m"] != block["peak_slip_m"]
     return f", displacement {moved:.3g} mm with what it flew" if differs else ""
 
 
 def _turned(block: Mapping[str, Any]) -> str:
-    """How far a block turned about the vertical, where that is one of its modes."""
+    """Rotation of a block about the vertical, where that is one of its modes."""
     if "turn" not in block["mode"].split("-"):
         return ""
     return f", turned by {math.degrees(block['peak_turn_rad']):.4g} degrees about the vertical"
@@ -124,7 +124,7 @@ CAUSES = {
 
 
 def _losses(loss: Mapping[str, float]) -> str:
-    """What was lost, and to what."""
+    """Energy lost, by its causes."""
     if math.isnan(sum(loss.values())):
         return "lost: not known"  # of a reference
     shares = loss_shares(loss)

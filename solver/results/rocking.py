@@ -33,7 +33,7 @@ class Swing:
     peak_rad: float
     """Largest angle, with its sign, rad."""
     turned: bool
-    """Whether the peak is a turning point, not the last row of the history."""
+    """True if the peak is a turning point, not the last row of the history."""
 
 
 def swings(time: Array, angle: Array, slenderness: float) -> list[Swing]:

@@ -204,7 +204,7 @@ def _step(spec: FileSpec, where: str, chosen: Component) -> tuple[float | None, 
 
 
 def _place(said: Stated[float]) -> str:
-    """Where an interval stands."""
+    """Place of an interval in the file, in words."""
     return f"line {said.line}" if said.line else "its times"
 
 
