@@ -96,7 +96,7 @@ chosen: a quarter of the 0.2 % within which peaks are to agree."""
 
 FREQUENCY_MARGIN = 2.0
 """Frequency of the first mode left out over the highest of the motion, at least; the usual rule for
-fixed-interface modes asks for 1.5 to 2."""
+fixed-interface modes needs 1.5 to 2."""
 
 FIRST_MODES = 16
 """Number of modes that are computed first where their number is chosen; then twice as many."""

@@ -52,7 +52,7 @@ class CellValues:
     """
 
     def __init__(self, form: Any, functions: Sequence[fem.Function]):
-        """Ask dolfinx for the order of the values, of a compiled form of these functions."""
+        """Find the order in which dolfinx packs the values for a compiled form of functions."""
         self._arrays = [function.x.array for function in functions]
         kept = [array.copy() for array in self._arrays]
         starts = np.cumsum([0, *map(len, kept)])

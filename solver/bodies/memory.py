@@ -35,7 +35,7 @@ ASKED_PART = 0.5
 either in use by then, or comes later."""
 
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
-"""Where Linux says how much memory a container may use."""
+"""File with the memory that a container may use, on Linux."""
 
 
 class MemoryExceeded(RockslipError):

@@ -154,7 +154,7 @@ class DenseBody(ABC):
 
     @abstractmethod
     def material_positions(self, points: Array, values: Array) -> Array:
-        """Where material points (n, d) of the body are for all unknowns `values`, (n, d)."""
+        """Positions of material points (n, d) of the body for all unknowns `values`, (n, d)."""
 
     @abstractmethod
     def rows(self, points: Array, values: Array) -> Array:

@@ -43,7 +43,7 @@ class Layer:
             self.order = np.concatenate(comm.allgather(position)).astype(np.int64)
 
     def numbers(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Where nodes of the layer stand in what `reached` and `room` give."""
+        """Indices of nodes of the layer in the arrays of `reached` and `room`."""
         return self.index[nodes] if self.direct else nodes
 
     def reached(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -54,7 +54,7 @@ class Layer:
         return values if self.direct else self.gather(values)
 
     def room(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where to add what belongs to owned nodes, (n, ...); `put` then takes it over."""
+        """Array to add values of owned nodes to, (n, ...); `put` then takes it over."""
         return target if self.direct else np.zeros((self.size, *target.shape[1:]))
 
     def put(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:

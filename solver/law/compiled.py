@@ -35,10 +35,10 @@ SWITCH = "ROCKSLIP_NO_NUMBA"
 
 COMPILING = "compiling, once, up to a minute: kept for later runs"
 COMPILING_IN_VAIN = "compiling, up to a minute: nothing can be kept in the user's cache folder"
-"""What watchers show."""
+"""Texts on the display while functions are compiled."""
 
 ROOT = Path(__file__).parents[2]
-"""Where the packages are."""
+"""Folder of the packages."""
 
 PACKAGES = (
     *("scene", "excitation", "law", "scheme", "history", "bodies", "contact", "stepping"),
@@ -48,16 +48,16 @@ PACKAGES = (
 code holds nothing of those behind it. Code of other packages is not kept."""
 
 UNUSED = 30 * 24 * 3600.0
-"""How long the code of a version that nothing uses is kept, s."""
+"""Age up to which the code of a version that nothing uses is kept, s."""
 
 
 def is_interpreted() -> bool:
-    """True if the environment asks for compiled functions to be interpreted."""
+    """True if the environment has compiled functions interpreted."""
     return os.environ.get(SWITCH, "0") not in ("", "0")
 
 
 NUMBA = None if is_interpreted() else find_spec("numba")
-"""Where the compiler is, if it is installed and wanted; it is not imported yet."""
+"""Import spec of the compiler, if it is installed and wanted; it is not imported yet."""
 
 
 def runs_machine_code() -> bool:
@@ -80,8 +80,8 @@ def _compiler() -> ModuleType | None:
 class _Compiled:
     """A function that is compiled at its first call.
 
-    Compiled functions that call it see the machine code: numba asks what an object is by
-    `_numba_type_`.
+    Compiled functions that call it see the machine code: numba reads the type of an object
+    from `_numba_type_`.
     """
 
     def __init__(self, function: FunctionType):
@@ -125,7 +125,7 @@ class _Compiled:
 
     @property
     def _numba_type_(self) -> Any:
-        """What the machine code is to numba."""
+        """Type of the machine code in numba."""
         return self._part._numba_type_
 
 

@@ -1,4 +1,4 @@
-"""When edges of two faces cross: the limits that hold for meshed and for rigid bodies alike."""
+"""Limits for edges of two faces that cross, the same for meshed and for rigid bodies."""
 
 from __future__ import annotations
 

@@ -35,15 +35,15 @@ SLIP_ROUND_OFF = 1e-5
 
 
 RATE, SLIPPED, BROKEN = 0, 1, 2
-"""What a point remembers of its friction, in this order: its slip rate in the last step (m/s; 0
+"""Entries of the past of a point, in this order: its slip rate in the last step (m/s; 0
 where it stuck), whether it slipped then, and whether it ever broke loose (0 or 1)."""
 
 PAST = 3
-"""How much that is. The engines carry it along; what it means is known in this file only."""
+"""Number of these entries. The engines carry them along; their meaning stays in this file."""
 
 
 def new_pasts(*shape: int) -> Array:
-    """What points remember that have touched nothing yet, (*shape, PAST)."""
+    """Pasts of points that have touched nothing yet, (*shape, PAST)."""
     return np.zeros((*shape, PAST))
 
 
@@ -73,7 +73,7 @@ class FrictionLaws(NamedTuple):
     cohesion: Array
     """c, Pa: what a closed point holds without pressure."""
     cohesion_lost: Mask
-    """Whether a point that has broken loose has no cohesion any more."""
+    """True for a law by which a point that has broken loose has no cohesion any more."""
 
     @classmethod
     def of(cls, laws: Sequence[FrictionSpec]) -> FrictionLaws:
@@ -158,7 +158,7 @@ class Bounds(NamedTuple):
 
 @compiled
 def is_frictionless(bounds: Bounds) -> bool:
-    """Whether no point holds any tangential force."""
+    """True if no point holds any tangential force."""
     for i in range(len(bounds.mu)):
         if bounds.mu[i] > 0.0 or bounds.cohesion[i] > 0.0:
             return False
@@ -184,13 +184,13 @@ def radius(bounds: Bounds, i: int, normal: float) -> float:
 
 @compiled
 def at_bound(bounds: Bounds, i: int, normal: float, tangential: float) -> bool:
-    """Whether closed point i holds all the friction that it can: |f_t| is at its bound."""
+    """True if closed point i holds all the friction that it can: |f_t| is at its bound."""
     return normal > 0.0 and tangential >= radius(bounds, i, normal) * (1.0 - BOUND_ROUND_OFF)
 
 
 @compiled
 def slips(distance: float, own: float, force: float) -> bool:
-    """Whether a point at its bound slips; by its way (m), compliance (m/N) and force (N)."""
+    """True if a point at its bound slips; by its way (m), compliance (m/N) and force (N)."""
     return distance > SLIP_ROUND_OFF * own * force
 
 

@@ -62,7 +62,7 @@ class Impact(NamedTuple):
 
 @compiled
 def _on_a_line(place: Array, pair: Indices, i: int, start: Array, way: Array) -> bool:
-    """Whether the points of the two bodies of point i lie on the line from a place along a way."""
+    """True if all points of the pair of point i lie on the line through `start` along `way`."""
     length = np.sum(way * way)
     for j in range(len(pair)):
         if pair[j] == pair[i]:

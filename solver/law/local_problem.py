@@ -69,7 +69,7 @@ def new_counts() -> Indices:
 
 
 def named(counts: Indices) -> Counter[str]:
-    """What was needed besides Newton's method, by name."""
+    """Counts of what was needed besides Newton's method, by name."""
     return Counter({name: int(n) for name, n in zip(OUTCOMES[1:], counts[1:], strict=True) if n})
 
 
@@ -291,7 +291,7 @@ class LocalProblem:
 
     @property
     def fallbacks(self) -> Counter[str]:
-        """How many problems needed what besides Newton's method."""
+        """Numbers of problems that needed more than Newton's method, by name of the fallback."""
         return named(self.counts)
 
     def solve(

@@ -41,7 +41,7 @@ GMRES_STEPS = (10, 150)
 fortieth part of their number, which take about as long as the factors."""
 
 GMRES_TOLERANCES = (1e-3, 1e-9)
-"""What GMRES leaves of the residual of a Newton step: while steps do well and states change, and
+"""Relative residuals of GMRES in a Newton step: while steps do well and states change, and
 otherwise. Points of a stiff body share its rigid motions, so that forces may be far from right
 where it is small; with the first alone Newton's method then wanders."""
 

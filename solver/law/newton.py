@@ -320,7 +320,7 @@ def best_step(local: Local, r: Array, f: Array, target: Array, halvings: int) ->
 
 @compiled
 def _alike(states: Indices, others: Indices) -> bool:
-    """Whether all points are in the same states."""
+    """True if all points are in the same states."""
     for i in range(len(states)):
         if states[i] != others[i]:
             return False

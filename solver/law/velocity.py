@@ -43,7 +43,7 @@ class ImpulseCorrection(NamedTuple):
     """Change of the impulses and the energy that it takes (per metre of thickness in 2-D)."""
 
     found: bool
-    """Whether there is one."""
+    """True if there is one."""
     q: Array
     """Impulses of the closed points in their frames, (d m,) or (m, d), N s."""
     contact: float

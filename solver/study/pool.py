@@ -161,7 +161,7 @@ class _Worker:
             return ProcessEnded(f"its process was ended by {_cause(self._process.exitcode)}")
 
     def stop(self) -> None:
-        """Ask the process to end."""
+        """Terminate the process."""
         self.connection.close()
         self._process.terminate()
 
@@ -283,7 +283,7 @@ def finished_cases(
 
 
 def reason_of(error: Exception) -> str:
-    """Why a case failed, in one line: what a refused scene says, else kind and text of the error.
+    """Reason why a case failed: the line of a refused scene, else kind and text of the error.
 
     Raises:
         EnvironmentTrouble: Where a package is missing: then no case can be run.

@@ -323,7 +323,7 @@ def test_the_search(
     """It comes near in few runs, or as near as the noise lets it; else it knows the reach."""
     random = np.random.default_rng(3)
     search = Search(low=3.7e-6, high=high, wanted=(wanted,), restitution=wanted)
-    while values := search.ask():
+    while values := search.next_values():
         for value in values:
             found = law(value) + noise * float(random.uniform(-1, 1))
             search.tell(Trial(value=value, restitution=found, found=(found,)))

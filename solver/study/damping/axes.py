@@ -282,7 +282,7 @@ AXES = {
         ),
     )
 }  # fmt: skip
-"""All of them by name, in the order in which they are told."""
+"""All of them by name, in the order in which they are listed."""
 
 
 def axis_called(name: str, option: str = "--of") -> Axis:

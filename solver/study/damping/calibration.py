@@ -275,7 +275,7 @@ class Search:
     made: list[Trial] = field(default_factory=list)
     """Runs in the order in which they were made."""
 
-    def ask(self) -> list[float]:
+    def next_values(self) -> list[float]:
         """Values to run next; none where the search has ended."""
         if not self.made:
             return [self.low, _rounded(math.sqrt(self.low * self.high)), self.high]

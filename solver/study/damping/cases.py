@@ -187,7 +187,7 @@ class Calibration(_Impacts):
         Raises:
             SceneError: The target is out of reach.
         """
-        while values := self.search.ask():
+        while values := self.search.next_values():
             cases = [self.base.case((self.axis, value)) for value in values]
             yield cases
             for value, case in zip(values, cases, strict=True):

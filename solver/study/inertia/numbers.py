@@ -25,7 +25,7 @@ ROUND_OFF = 1e-9
 """A target that is this near to a point of the curve is met there."""
 
 INSENSITIVE = 0.01
-"""Where D changes by less than this part between lambda = 0 and 1, lambda is not reported."""
+"""Part of D; lambda is not reported if D changes by less between lambda = 0 and 1."""
 
 RESAMPLES, SEED = 1000, 19
 """Number of suites that the bootstrap draws, and the seed that it draws them by."""

@@ -316,7 +316,7 @@ class SuiteStudy(Study[SuiteCase]):
         return f"{self.intensity.name} ({self.intensity.unit})" if self.intensity else ""
 
     def _notes_on_levels(self, beside: Collection[str]) -> list[str]:
-        """How levels are meant, and when their runs end."""
+        """Notes on the meaning of levels, and on the end of their runs."""
         if self.intensity is None:
             return []
         of = "" if self.intensity.horizontal else " along x"

@@ -59,7 +59,7 @@ SQUARE = math.cos(math.radians(85))
 ALLOWED = "files as NAME_000, NAME_090, NAME_UP, or @LIST of x, y, vertical"
 
 DIRECTIONS = ("", "second", "vertical")
-"""Where components shake: "" is x, the others are keys of `[motion]`."""
+"""Directions of components: "" is x, the others are keys of `[motion]`."""
 
 MISSING = {
     "": "a horizontal component",
@@ -393,7 +393,7 @@ def _events(
 def _notes(
     recordings: Iterable[_Recording], rows: Sequence[dict[str, Path | None]], beside: Sequence[str]
 ) -> Iterator[str]:
-    """How files are put together, and which are left out."""
+    """Notes on how files are put together, and on those that are left out."""
     several = [own for own in recordings if len(own.horizontal) > 1]
     if several and "second" in beside:
         yield (

@@ -39,7 +39,7 @@ SHOWN = (
 )
 
 MOST_CAUTIONS = 10
-"""Cases whose cautions are told; those of all others stand in the table."""
+"""Number of cases whose cautions are printed; those of all others stand in the table."""
 
 CONFIDENCE = 0.95
 """Probability that an interval holds what it is for."""
@@ -168,7 +168,7 @@ class Sample:
 
     @property
     def overturned(self) -> int:
-        """How many motions overturned the block."""
+        """Number of motions that overturned the block."""
         return sum(math.isinf(angle) for angle in self.angle)
 
     @property
