@@ -1,4 +1,4 @@
-"""What is worth writing down of one block in a step of meshed bodies: its part of a row."""
+"""Part of a row of the history that describes one block, in a run with meshed bodies."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class BlockObserver:
         return self._links[self._member.contacts[0]]
 
     def saved(self) -> tuple[Any, ...]:
-        """What is carried on from step to step, for `resume`."""
+        """Values carried on from step to step, for `resume`."""
         return self._angles.copy(), self._slip.copy(), self._known
 
     def resume(self, saved: tuple[Any, ...]) -> None:
@@ -111,7 +111,7 @@ class BlockObserver:
         return points.points.layer.numbers(corners), places[corners]
 
     def _corner_positions(self, state: State) -> Array:
-        """Where the bottom corners are."""
+        """Positions of the bottom corners."""
         u = state.u[self._own]
         body = self._member.body
         if isinstance(body, RigidBox):
@@ -195,7 +195,7 @@ class BlockObserver:
         write_space_motion(row, angles, motion.spin, centre)
 
     def _lost_its_carrier(self, state: State) -> bool:
-        """Whether the block has lost the block that carried it (`has_lost_carrier`)."""
+        """True if the block has lost the block that carried it (`has_lost_carrier`)."""
         assert self._carrier is not None
         system = self._stepper.system
         own = state.rigid_motion(system, self._member.number)
@@ -205,7 +205,7 @@ class BlockObserver:
         return has_lost_carrier(up[-1], float(shift @ up), self._carrier.spec.height / 2)
 
     def _penetration(self, state: State, contacts: Sequence[int]) -> float:
-        """How deep a point is in what it touches in some interfaces, at most; 0 if none is, m."""
+        """Largest penetration of a point in some interfaces, m; 0 if none penetrates."""
         deepest = 0.0
         for number in contacts:
             interface, memory = self._links[number].interface, state.contacts[number]
@@ -236,7 +236,7 @@ class BlockObserver:
         return force
 
     def _first_home(self, state: State) -> dict[Key, Array]:
-        """Where the points of the face that stands on the carrier belong along it, m.
+        """Reference positions along the carrier of the points of the face that stands on it, m.
 
         As far from those that touch as in the block: a tilted block has its base foreshortened.
         """

@@ -57,7 +57,7 @@ TYPES = {
 
 @dataclass(frozen=True, slots=True)
 class Checkpoint:
-    """What a run goes on from."""
+    """State that a run goes on from."""
 
     time: float
     """s."""
@@ -66,11 +66,11 @@ class Checkpoint:
     part: int
     """Number of the part of the run that goes on."""
     saved: Any
-    """What this rank saved."""
+    """Data that this rank saved."""
 
 
 class Schedule:
-    """When checkpoints are due."""
+    """Schedule of checkpoints."""
 
     def __init__(self, spec: CheckpointSpec | None, comm: Comm):
         """Count the minutes from now."""
@@ -78,7 +78,7 @@ class Schedule:
 
     @property
     def wanted(self) -> bool:
-        """Whether there are any."""
+        """True if there are any."""
         return self._spec is not None
 
     def next_step(self, step: int) -> float:
@@ -88,7 +88,7 @@ class Schedule:
         return (step // self._spec.steps + 1) * self._spec.steps
 
     def is_due(self, step: int) -> bool:
-        """Whether one is due after a step; collective."""
+        """True if one is due after a step; collective."""
         if self._spec is None:
             return False
         if self._spec.steps is not None:
@@ -180,7 +180,7 @@ def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm
 
 
 def _loaded(part: bytes) -> Any:
-    """What a rank has saved; None where a type is no part of a checkpoint."""
+    """Data that a rank has saved; None where a type is no part of a checkpoint."""
     try:
         return _Reader(io.BytesIO(part)).load()
     except (pickle.UnpicklingError, AttributeError, ImportError):
@@ -198,7 +198,7 @@ class _Reader(pickle.Unpickler):
 
 
 def _origin(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
-    """What a checkpoint is made from: the scene but for its end, and a digest of its motions.
+    """Origin of a checkpoint: the scene but for its end, and a digest of its motions.
 
     Modes that a foundation is reduced to by itself depend on what the ground does up to the end.
     """

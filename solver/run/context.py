@@ -30,7 +30,7 @@ class ProgressReport(Protocol):
         """Something else takes its time."""
 
     def go_on(self) -> None:
-        """What took its time is over; steps go on."""
+        """End a pause: steps go on."""
 
     def update(self, time: float, step: float, iterations: int) -> None:
         """A step of length `step` ended at `time`."""
@@ -45,16 +45,16 @@ class Engine(Protocol):
     description: str
     """Size of the problem, for the log."""
     remarks: Sequence[str]
-    """What could not begin as asked, in words."""
+    """Cautions about what could not begin as requested, in words."""
 
     def first_row(self) -> Sequence[float] | NDArray[np.float64]:
         """The row of the history at t = 0."""
 
     def open_fields(self, folder: Path, before: FieldsBefore) -> Fields:
-        """What writes the fields, after those that an earlier part of the run has left."""
+        """Writer of the fields, after those that an earlier part of the run has left."""
 
     def saved(self) -> dict[str, Any]:
-        """How the run stands, for `resume`."""
+        """State of the run, for `resume`."""
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved; collective."""
@@ -63,7 +63,7 @@ class Engine(Protocol):
         """Step to the end; returns status and reason."""
 
     def cost(self) -> dict[str, Any]:
-        """What the run took, seconds apart."""
+        """Counts of steps, iterations and unknowns of the run, without its wall time."""
 
 
 @dataclass(slots=True)
@@ -103,7 +103,7 @@ class RunContext:
             self.progress.update(now, step, iterations)
 
     def stopped(self, now: float) -> str:
-        """Why the run has to stop at a time (s); empty where it has not."""
+        """Reason why the run has to stop at a time (s); empty where it has not."""
         if not self.interruption.requested():
             return ""
         return f"stopped by {self.interruption.cause} at t = {now:.6g} s"

@@ -1,4 +1,4 @@
-"""What a scene means, without solving it: derived numbers, expected mode, size."""
+"""Description of a scene, without solving it: derived numbers, expected mode, size."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ SPECTRUM_PERIODS = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
 
 
 def describe(scene: Scene) -> str:
-    """What a scene means: derived numbers, expected mode, size of the mesh, steps."""
+    """Describe a scene: derived numbers, expected mode, size of the mesh, steps."""
     lines = [("scene", scene.title or "without a title")]
     for block in scene.blocks:
         lines += _block_numbers(block, scene)
@@ -67,7 +67,7 @@ def describe(scene: Scene) -> str:
 
 
 def _linear_solver(block: BlockSpec, scene: Scene) -> Lines:
-    """How the equations of a meshed block are solved; nothing where it has no mesh."""
+    """Linear solver of a meshed block; nothing where it has no mesh."""
     if block.model == "rigid":
         return []
     unknowns = scene.dimension * box_nodes(block)
@@ -107,7 +107,7 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
 
 
 def _along_y(block: BlockSpec, scene: Scene) -> Lines:
-    """What is another along y, where a block has its thickness for a width."""
+    """Numbers that differ along y, where a block has its thickness for a width."""
     shape = replace(block.shape, width=block.thickness, thickness=block.width)
     alpha, down = shape.slenderness, -scene.gravity_vector[-1]
     lines = [("  slenderness along y", f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees")]
@@ -120,7 +120,7 @@ def _along_y(block: BlockSpec, scene: Scene) -> Lines:
 
 
 def _restitution(block: BlockSpec, shape: Block, scene: Scene) -> str:
-    """What a rigid block of a shape keeps of its angular velocity at an impact, and by what."""
+    """Part of its angular velocity that a rigid block keeps at an impact, and the source of it."""
     ratio, source = housner_restitution(shape), "Housner 1963"
     if scene.has_platform and len(scene.blocks) == 1:
         ratio = restitution_on_platform(shape, scene.platform().mass)
@@ -134,7 +134,7 @@ def _restitution(block: BlockSpec, shape: Block, scene: Scene) -> str:
 
 
 def _on_firm_ground(block: BlockSpec, scene: Scene) -> bool:
-    """Whether what carries a block neither moves nor deforms by its impacts."""
+    """True if what carries a block neither moves nor deforms by its impacts."""
     foundation = scene.foundation
     moves = foundation.is_meshed or foundation.moves_as_a_whole
     return block.on == "foundation" and not moves
@@ -207,7 +207,7 @@ def _uplift(shape: Block, scene: Scene, along: float) -> float:
 
 
 def _foundation(scene: Scene, ground: GroundMotion) -> Lines:
-    """What carries the blocks, with its natural period where it has one."""
+    """Foundation that carries the blocks, with its natural period where it has one."""
     lines = scene.foundation.describe(scene.dimension, scene.carried_mass)
     if scene.has_platform:
         mass, stiffness, damping = platform = scene.platform()
@@ -225,7 +225,7 @@ def _foundation(scene: Scene, ground: GroundMotion) -> Lines:
 
 
 def _reduction(scene: Scene, ground: GroundMotion) -> Lines:
-    """What is left of the mesh of a reduced foundation."""
+    """Modes and nodes that remain of the mesh of a reduced foundation."""
     try:
         from solver.build.foundation import reduction_in_words
     except ImportError as error:

@@ -26,7 +26,7 @@ PAUSE = 1.0
 
 
 class Fields(Protocol):
-    """What writes the fields of a run; collective."""
+    """Writer of the fields of a run; collective."""
 
     def write(self, time: float) -> None:
         """Write the fields as they are at a time (s)."""
@@ -138,13 +138,13 @@ class RunFiles:
             raise found
 
     def _trouble(self, error: OSError) -> OutputTrouble:
-        """What the system says, and how far the history came."""
+        """Error of the system, with the time up to which the history is written."""
         until = math.nan if self._history is None else self._history.written_to
         return OutputTrouble.of(error, "" if math.isnan(until) else f"up to t = {until:.6g} s")
 
     @property
     def history_file(self) -> Path | None:
-        """Where rank 0 writes the history."""
+        """File of the history on rank 0; None elsewhere, and without a folder."""
         return self._folder / "history.csv" if self._writes and self._folder is not None else None
 
     def open_history(self, columns: Sequence[str]) -> History:
@@ -223,7 +223,7 @@ class RunFiles:
 
     @property
     def late(self) -> bool:
-        """Whether what waits to be written may have waited long; never on several ranks."""
+        """True if rows may have waited long to be written; never on several ranks."""
         files = self._folder is not None and self._comm.size == 1
         return files and time.perf_counter() - self._flushed >= PAUSE
 

@@ -128,7 +128,7 @@ def hold_folder(folder: Path) -> None:
     try:
         number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     except OSError:
-        return  # who writes there will say it
+        return  # the error is reported where a file is written
     state = os.fstat(number)
     inode = (state.st_dev, state.st_ino)
     if inode in _held:

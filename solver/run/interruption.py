@@ -10,7 +10,7 @@ from typing import Any
 
 from solver.parallel import Comm, any_rank
 
-#: Signals that ask for the end: Ctrl-C, what asks politely, and what batch systems announce the end
+#: Signals to end: Ctrl-C, the usual signal to terminate, and what batch systems announce the end
 #: of their time with. The mpirun of Open MPI 6 hands only the last of them on to its ranks.
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 
@@ -46,20 +46,20 @@ class Interruption:
 
     @property
     def _over(self) -> bool:
-        """Whether the limit of wall time is reached on this rank."""
+        """True if the limit of wall time is reached on this rank."""
         return self._seconds is not None and time.monotonic() - self._began > self._seconds
 
     @property
     def cause(self) -> str:
-        """What asked for the end, as this rank knows it: a signal, the limit, or another rank."""
+        """Cause of the end, as seen on this rank: a signal, the limit, or another rank."""
         if self._signal is not None:
             return signal.Signals(self._signal).name
         return f"the limit of {self._seconds:g} s" if self._over else "another rank"
 
     def requested(self) -> bool:
-        """Whether the run is to stop; collective, the same on every rank."""
+        """True if the run is to stop; collective, the same on every rank."""
         return self.anywhere(self._signal is not None or self._over)
 
     def anywhere(self, here: bool) -> bool:
-        """Whether something is so on any rank; collective, the same on every rank."""
+        """True if `here` is true on any rank; collective, the same on every rank."""
         return any_rank(self._comm, here)

@@ -88,13 +88,13 @@ class MeshedRun:
         return self._observer.row(self.state, Exchange(), self._scene.time.step)
 
     def open_fields(self, folder: Path, before: FieldsBefore) -> Fields:
-        """What writes the fields, after those that an earlier part of the run has left."""
+        """Writer of the fields, after those that an earlier part of the run has left."""
         from solver.fields.meshed_snapshots import Snapshots
 
         return Snapshots(self, folder, self._scene, before)
 
     def saved(self) -> dict[str, Any]:
-        """How the run stands, for `resume`."""
+        """State of the run, for `resume`."""
         self._ahead = None  # solved anew, here as in a run that goes on from this
         return {
             "state": self.state,
@@ -218,7 +218,7 @@ class MeshedRun:
             self._row = None
 
     def cost(self) -> dict[str, Any]:
-        """What the run took."""
+        """Counts of steps, iterations, factorizations and unknowns of the run."""
         stepper = self._stepper
         system = stepper.system
         bodies = [body for body, _ in system.meshed]

@@ -1,4 +1,4 @@
-"""What is worth writing down of each step: one row of the history."""
+"""Rows of the history, one for each step."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STORED = ("kinetic", "strain", "gravity", "spring", "interface")
 """Energies that a state stores, in the order in which they are added up."""
 
 EXCHANGED = ("input", *DISSIPATED_ENERGIES)
-"""What a step takes in and dissipates: the fields of an `Exchange`."""
+"""Energies that a step takes in and dissipates: the fields of an `Exchange`."""
 
 
 _EXCHANGED = attrgetter(*EXCHANGED)
@@ -85,7 +85,7 @@ class Observer:
         self._start: float | None = None
 
     def saved(self) -> dict[str, Any]:
-        """What is carried on from step to step, for `resume`."""
+        """Values carried on from step to step, for `resume`."""
         return {
             "own": (self._exchanged, self._start),
             "blocks": [block.saved() for block in self._blocks],

@@ -32,7 +32,7 @@ class ProgressDisplay:
             self._bar = _bar(**bar)
 
     def _line_is_due(self, now: float, share: float) -> bool:
-        """Whether to write a line at this share of the whole; it then counts as written."""
+        """True if a line is to be written at this share of the whole; it then counts as written."""
         late = now - self._shown_at >= EVERY_SECONDS
         due = late and share - self._shown_share >= EVERY_PART
         if due:

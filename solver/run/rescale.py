@@ -62,7 +62,7 @@ def _sampled(scene: Scene) -> dict[str, SampledMotion]:
 
 
 def _beside(file: Path, path: str) -> Path:
-    """Where the samples of a motion go, by the file of the scene and the path of its table."""
+    """File for the samples of a motion, beside that of the scene, by the path of its table."""
     direction = path.rpartition("motion.")[2] if path != "motion" else ""
     return file.with_name(f"{file.stem}_{f'{direction}_' if direction else ''}motion.csv")
 

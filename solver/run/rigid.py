@@ -88,11 +88,11 @@ class RigidRun:
         return self._system.row(self._scene.time.step, ground)[self._columns]
 
     def open_fields(self, folder: Path, before: FieldsBefore) -> RigidSnapshots:
-        """What writes the fields, after those that an earlier part of the run has left."""
+        """Writer of the fields, after those that an earlier part of the run has left."""
         return RigidSnapshots(self._system, folder, self._scene, writes=self._writes, before=before)
 
     def saved(self) -> dict[str, Any]:
-        """How the run stands, for `resume`."""
+        """State of the run, for `resume`."""
         return {
             "system": self._system.saved(),
             "counts": (self._steps, self._rejected, self._iterations),
@@ -221,7 +221,7 @@ class RigidRun:
             context.show(float(last[run.time_s]), float(last[run.step_s]), iterations)
 
     def cost(self) -> dict[str, Any]:
-        """What the run took."""
+        """Counts of steps, iterations and unknowns of the run."""
         return {
             "steps": self._steps,
             "rejected_steps": self._rejected,

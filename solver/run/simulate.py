@@ -40,7 +40,7 @@ Log = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a run gives."""
+    """Result of a run."""
 
     status: str
     """"completed", "not converged" or "interrupted"."""
@@ -118,7 +118,7 @@ def simulate(
         petsc_options: Options for SNES, with prefix `rockslip_`, such as
             ("-rockslip_snes_monitor",).
         progress: A display; on every rank.
-        log: Is told what happens, line by line, besides run.log.
+        log: Called with each line of the log, which run.log gets as well.
         seconds: Wall time after which the run is stopped between two steps; None: never.
         comm: Communicator; None: all ranks of the command.
         ground: Motion of the ground, as it was read; None: it is read here, by rank 0, before

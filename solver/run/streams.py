@@ -31,7 +31,7 @@ def lasting_streams() -> Iterator[None]:
 
 
 def say(text: str) -> None:
-    """Write to the standard output; quietly nowhere once nobody reads it, or it is full."""
+    """Write to the standard output, or to nowhere once its reader is gone or it is full."""
     _write(sys.stdout, text)
 
 

@@ -1,4 +1,4 @@
-"""What a history tells of a structure: base shear; of a meshed one moments, storeys, columns."""
+"""Response of a structure in the history: base shear; meshed: moments, storeys, columns, too."""
 
 from __future__ import annotations
 

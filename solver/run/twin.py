@@ -24,7 +24,7 @@ PERTURBATION = 1e-6
 """Relative difference between both."""
 
 FINER = 4.0
-"""How many times smaller the tolerance of adaptive steps is in the twin of a run."""
+"""Tolerance of adaptive steps in a run, over that in its twin."""
 
 APART = 1e-2
 """Difference of two angles, over alpha, from which on they are not the same."""
@@ -65,7 +65,7 @@ def refuse_without_twin(scene: Scene, where: str = "output.twin") -> None:
     """Refuse a scene that has nothing to perturb, or whose perturbed twin is no valid scene.
 
     Raises:
-        Statement: Before the scene itself is run; it names what asks for a twin.
+        Statement: Before the scene itself is run; it names the key that requests a twin.
     """
     if scene.motion is None and all(block.begins_at_rest for block in scene.blocks):
         raise Statement(where, "needs something to perturb: a motion, a tilt or a velocity")
@@ -116,11 +116,11 @@ def horizon(scene: Scene, history: History, twin: History) -> float | None:
 
 
 class TwinRun(Protocol):
-    """What is known of the run of a twin."""
+    """Run of a twin."""
 
     @property
     def status(self) -> str:
-        """How it ended."""
+        """Status at its end."""
 
     @property
     def history(self) -> History:
@@ -130,7 +130,7 @@ class TwinRun(Protocol):
 def horizon_beside(
     scene: Scene, history: History, run_twin: Callable[[], TwinRun]
 ) -> dict[str, Any]:
-    """What a summary says of the time up to which a run and its twin, run now, are the same."""
+    """Entry of a summary on the time up to which a run and its twin, run now, are the same."""
     perturbed = "start" if scene.motion is None else "motion"
     known: dict[str, Any] = {"perturbed": perturbed, "perturbation": PERTURBATION, "apart": APART}
     known["tolerance"] = finer_twin_of(scene).time.tolerance
