@@ -1,4 +1,4 @@
-"""Histories made up column by column, and what is told of them."""
+"""Histories made up column by column, and their summaries."""
 
 from __future__ import annotations
 

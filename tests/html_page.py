@@ -1,4 +1,4 @@
-"""What an HTML page holds, for tests."""
+"""Content of an HTML page, for tests."""
 
 from __future__ import annotations
 

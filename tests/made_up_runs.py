@@ -1,4 +1,4 @@
-"""Folders of runs that nobody computed: histories and fields made from formulas."""
+"""Folders of runs that were not computed: histories and fields made from formulas."""
 
 from __future__ import annotations
 

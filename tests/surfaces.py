@@ -1,4 +1,4 @@
-"""What compiled functions make of the contact points of a surface, to test their equations."""
+"""Compiled functions on the contact points of a surface, to test their equations."""
 
 from __future__ import annotations
 

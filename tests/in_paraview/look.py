@@ -1,4 +1,4 @@
-"""What ParaView makes of a run: pvpython look.py FOLDER ANSWER, by the script in the folder.
+"""Inspect a run in ParaView: pvpython look.py FOLDER ANSWER, by the script in the folder.
 
 The answer, in JSON: times, names of the bodies, their bounds at some of the times, and how much is
 drawn in pictures of two of them, which are left beside it.

@@ -38,7 +38,7 @@ WIDTH, HEIGHT = 0.25, 1.0
 def screen() -> Iterator[dict[str, str]]:
     """The variables of a process that draws: ParaView does so on an X server, of this module.
 
-    Its number is nobody else's: who ends a server of the same number takes the socket away. And it
+    Its number is its own: the end of another server of that number removes the socket. And it
     never starts anew: it would do so between the two connections that ParaView begins with.
     """
     reads, writes = os.pipe()

@@ -36,7 +36,7 @@ def past(*times: float) -> Numbers:
 
 
 def ended(first: float, second: float, law: str, within: float = 2e-3) -> Numbers:
-    """How far two blocks have come, m."""
+    """Displacements of two blocks at the end, m."""
     return {
         "last n1.centre_x_m": closed(first, law, abs=within),
         "last n2.centre_x_m": closed(1.2 + second, law, abs=within),

@@ -73,7 +73,7 @@ def program(expected: float, name: str, **tolerance: float) -> Value:
 
 
 def count(expected: int, source: str) -> Value:
-    """How many."""
+    """A count."""
     return Value(expected, 0.5, source)
 
 
@@ -133,7 +133,7 @@ class Oracle:
 
 @dataclass(frozen=True)
 class Run:
-    """What a run left.
+    """Results of a run.
 
     Attributes:
         files: Text of its files by their names.
@@ -236,7 +236,7 @@ READERS: dict[str, Callable[..., Any]] = {
 
 
 def _at(tables: Any, path: str) -> Any:
-    """What stands at a path."""
+    """Value at a path."""
     for part in path.split("."):
         tables = tables[int(part)] if isinstance(tables, list) else tables[part]
     return tables

@@ -55,7 +55,7 @@ def event(function: Callable[..., float], direction: float, *, ends: bool = True
 
 @dataclass
 class Answer:
-    """What an own program finds; angles and slips with their signs."""
+    """Answer of an independent program; angles and slips with their signs."""
 
     impacts: list[float] = field(default_factory=list)
     peaks: list[float] = field(default_factory=list)
@@ -216,7 +216,7 @@ def sliding(
         return -(omega**2 * y[0] + 2 * xi * omega * y[1])
 
     def felt(t: float, y: Any) -> float:
-        """Absolute acceleration along the slope that sticking asks for, less gravity's."""
+        """Absolute acceleration along the slope that sticking needs, less gravity's."""
         moved = spring(y) / (1 + ratio) if platform else ground(t)
         return moved - G * math.sin(b)
 

@@ -42,7 +42,7 @@ def drifts(*cases: tuple[str, float, object]) -> dict[str, object]:
 
 
 def overturns(level: float) -> int:
-    """Whether the made-up earthquake, scaled to a peak (g), overturns the granite block."""
+    """1 if the made-up earthquake, scaled to a peak (g), overturns the granite block, else 0."""
     ground = own.sampled(TIMES, WAVE * (level * own.G / np.abs(WAVE).max()))
     return int(own.rocking(0.25, 1.0, TIMES[-1], ground=ground).overturned < TIMES[-1])
 

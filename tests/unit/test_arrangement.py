@@ -1,4 +1,4 @@
-"""Where blocks stand, and the plane that carries them."""
+"""Positions of blocks, and the plane that carries them."""
 
 import math
 

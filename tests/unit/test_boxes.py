@@ -1,4 +1,4 @@
-"""How deep two boxes are in one another, against closed forms in the plane and in space."""
+"""Overlap of two boxes, against closed forms in the plane and in space."""
 
 from __future__ import annotations
 

@@ -354,7 +354,7 @@ class TestPlot:
 def test_folders_that_in_env_does_not_show_are_refused(
     granite: Path, capsys: Captured, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
 ) -> None:
-    """What is written there would be gone when the command ends."""
+    """Files written there would be gone when the command ends."""
     if arguments[0] in ("run", "study"):
         pytest.importorskip("mpi4py")
     shown, hidden = granite.parent, granite.parent.parent / "hidden"

@@ -119,7 +119,7 @@ def test_a_bad_key_on_two_ranks_is_one_line(earlier: Path) -> None:
 
 
 def mpirun_kills() -> bool:
-    """Whether mpirun answers Ctrl-C and SIGTERM with SIGKILL for its ranks, and nothing before.
+    """True if mpirun answers Ctrl-C and SIGTERM with SIGKILL for its ranks, and nothing before.
 
     Seen by strace with Open MPI 6.0.0rc2 (PRRTE 5.0.0rc1), which has no option for it.
     """

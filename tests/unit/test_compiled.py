@@ -36,7 +36,7 @@ print(NUMBA is not None, sorted(forbidden), *map(repr, rows[-1].tolist()))
 
 
 def output_of(script: str, folder: Path = REPOSITORY, **environment: str) -> str:
-    """What a script prints in a process of its own, in a folder."""
+    """Output of a script in a process of its own, in a folder."""
     done = subprocess.run(
         [sys.executable, "-c", script],
         env=os.environ | {"PYTHONPATH": str(folder)} | environment,
@@ -49,7 +49,7 @@ def output_of(script: str, folder: Path = REPOSITORY, **environment: str) -> str
 
 
 def in_a_process(**environment: str) -> tuple[bool, str, np.ndarray]:
-    """Whether numba was used, forbidden imports, and the last row of a run over an impact."""
+    """Use of numba, forbidden imports, and the last row of a run over an impact."""
     used, forbidden, *row = output_of(RUN, **environment).split()
     return used == "True", forbidden, np.array(row, dtype=np.float64)
 
@@ -125,7 +125,7 @@ def test_the_version_is_that_of_all_that_a_package_may_import_from(tmp_path: Pat
 
 
 def test_code_of_versions_that_nothing_has_used_for_a_month_is_removed(tmp_path: Path) -> None:
-    """When code of a new version is made."""
+    """They are removed when code of a new version is made."""
     month = time.time() - 1.01 * module.UNUSED
     for name in ("unused", "recent"):
         (tmp_path / name).mkdir()

@@ -1,4 +1,4 @@
-"""What is told of a run that ends before its motion does begins with that."""
+"""Reports of runs that end before their motions do: they begin with that."""
 
 from __future__ import annotations
 

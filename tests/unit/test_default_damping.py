@@ -35,7 +35,7 @@ def damping(*overrides: str) -> DampingSpec:
 
 
 def transfer(omega: float, width: float, height: float, material: Material) -> float:
-    """What a free end of Timoshenko's beam lacks at a frequency: zero at its natural ones.
+    """Residual at a free end of Timoshenko's beam at a frequency: zero at its natural ones.
 
     Deflection, rotation, moment and shear go from the base to the top by the exponential of their
     differential equations, for a rectangle of unit thickness in plane stress.

@@ -324,7 +324,7 @@ def test_folders_that_cannot_be_shown_are_refused(machine: Machine) -> None:
 
 
 def test_the_command_is_told_what_it_sees(machine: Machine) -> None:
-    """Where folders are hidden; the Python of the machine itself sees them all."""
+    """ROCKSLIP_VISIBLE lists the folders that are shown; the machine's own Python sees them all."""
     shown = machine.folder / "shown"
     shown.mkdir()
     telling = ["sh", "-c", 'echo "${ROCKSLIP_VISIBLE:-all}"']

@@ -132,7 +132,7 @@ def test_what_cannot_be_filmed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_ffmpeg_gets_the_frames(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Even sizes, all bytes; what it complains of is told."""
+    """Even sizes, all bytes; its error messages are reported."""
     from solver.pictures.encode import encoder_for
 
     program = tmp_path / "ffmpeg"

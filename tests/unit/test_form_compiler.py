@@ -1,4 +1,4 @@
-"""How forms are compiled: fast, for this processor, and unless the user says otherwise."""
+"""Compiler options of forms: fast, for this processor, unless the user has set others."""
 
 from mpi4py import MPI
 

@@ -17,7 +17,7 @@ from solver.study.suite.numbers import Sample, distances, fitted, fragility_text
 def samples(
     median: float, beta: float, levels: list[float], trials: int, seed: int
 ) -> tuple[list[int], list[int]]:
-    """How many of so many motions overturn a block of a known fragility at each level."""
+    """Numbers of motions that overturn a block of a known fragility at each level, and of all."""
     rng = np.random.default_rng(seed)
     probability = norm.cdf(np.log(np.array(levels) / median) / beta)
     return rng.binomial(trials, probability).tolist(), [trials] * len(levels)

@@ -29,7 +29,7 @@ def mask(*values: int) -> np.ndarray:
 
 
 def pasts(*rows: tuple[float, int, int]) -> np.ndarray:
-    """What points remember: slip rate, slipped, broken."""
+    """Pasts of points: slip rate, slipped, broken."""
     return np.array(rows, dtype=float)
 
 

@@ -364,7 +364,7 @@ NAMES = {
 def test_headers_that_talk(
     folder: Path, talk: list[str], stated: str, name: str, data: some.DataObject
 ) -> None:
-    """What is stated is the unit, quantities beside it are not, and a key that says it agrees."""
+    """The stated unit is used, not quantities beside it; a key with the same unit agrees."""
     header = [line for line in talk if not line.startswith("1")]
     body = "\n".join(f"{value}" for value in WAVES[0])
     said = stated.format(name)
@@ -523,7 +523,7 @@ def test_tables(folder: Path) -> None:
 
 
 class TestObspy:
-    """What obspy reads, through a module that stands for it: obspy itself is not installed here."""
+    """Records read by obspy, through a module that stands for it: it is not installed here."""
 
     BINARY = b"\x00\x01SAC"
 
@@ -612,7 +612,7 @@ RIGHT: list[tuple[str, dict[str, Any], float | str]] = [
 @pytest.mark.skipif(not CASES.is_dir(), reason="no files of motions here")
 @pytest.mark.parametrize(("name", "options", "right"), RIGHT)
 def test_shared_cases(name: str, options: dict[str, Any], right: float | str) -> None:
-    """What ../shared/cases/README.md calls right."""
+    """The right answers of ../shared/cases/README.md."""
     spec = RecordSpec(file=CASES / name, **({"dt": 0.01} | options))
     if isinstance(right, str):
         with pytest.raises(SceneError) as caught:

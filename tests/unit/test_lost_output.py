@@ -113,7 +113,7 @@ class TestFullDisk:
 
     @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
     def test_so_do_pieces_of_the_fields(self, tmp_path: Path, ranks: int) -> None:
-        """What has no room is not listed."""
+        """Pieces without room are not listed."""
         pytest.importorskip("dolfinx")
         text = GRANITE + "[time]\nend = 0.03\nstep = 0.001\n[output]\nevery = 0.01\n"
         (tmp_path / "scene.toml").write_text(text)

@@ -178,7 +178,7 @@ def test_newtons_method_does_not_wander_where_a_block_lifts(
 
 
 def test_points_are_known_again_by_their_numbers() -> None:
-    """Where those before them are gone, the factors serve the others."""
+    """After points before them are gone, the factors serve the others."""
     W, places = half_space(18, 3)
     bounds, solver, forces = Bounds.uniform(5.0, 324), ManyPoints(), np.zeros((324, 3))
     made = []

@@ -1,4 +1,4 @@
-"""What nodes of a contact surface do, told from made-up points around them."""
+"""States of the nodes of a contact surface, by made-up points around them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What SNES is told about an iteration that gets nowhere."""
+"""Verdicts on iterations that SNES cannot finish."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What pictures and the page of a run show, from made-up histories: curves, units, bodies."""
+"""Content of the pictures and the page of a run, from made-up histories: curves, units, bodies."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def without_rows(scene: Scene, summary: dict[str, Any]) -> Run:
 
 
 def curves_of(axes: Any) -> dict[str, Array]:
-    """What the curves of a panel show, by their labels."""
+    """Ordinates of the curves of a panel, by their labels."""
     return {line.get_label(): np.asarray(line.get_ydata()) for line in axes.lines}
 
 

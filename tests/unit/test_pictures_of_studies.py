@@ -1,4 +1,4 @@
-"""What the pictures of the studies show, from made-up numbers: their marks, bars and areas."""
+"""Content of the pictures of the studies, from made-up numbers: marks, bars and areas."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
 
 
 def test_parts_are_opened_together(tmp_path: Path) -> None:
-    """Copies are told from what they are copies of; a rank may have no cell at all."""
+    """Copies are distinct from what they are copies of; a rank may have no cell at all."""
     nothing = Part(points=np.empty((0, 3)), nodes=np.empty((0, 4), dtype=np.int64), kind=0)
     parts = ["piece_p0.vtu", "piece_p1.vtu"]
     for part, cells in zip(parts, (SQUARES, nothing), strict=True):

@@ -131,7 +131,7 @@ if __name__ == "__main__":
 def test_a_signal_ends_all_processes_at_once(
     tasks: Path, tmp_path: Path, number: signal.Signals
 ) -> None:
-    """What had finished was yielded; no process stays behind; the signals are free again."""
+    """Finished outcomes were yielded; no process stays behind; the signals are free again."""
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(folder=str(tasks)))
     run = subprocess.Popen(
@@ -149,7 +149,7 @@ def test_a_signal_ends_all_processes_at_once(
 
 
 def is_there(group: int) -> bool:
-    """Whether a group of processes has any left."""
+    """True if a group of processes has any left."""
     try:
         os.killpg(group, 0)
     except ProcessLookupError:

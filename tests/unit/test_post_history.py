@@ -102,7 +102,7 @@ def test_a_row_of_the_wrong_length_is_refused() -> None:
 
 
 def test_a_column_is_a_copy() -> None:
-    """What a caller does to a column does not reach the history."""
+    """Changes that a caller makes to a column do not reach the history."""
     history = History(["time_s"])
     history.append([1.0])
     history["time_s"][0] = 2.0

@@ -1,4 +1,4 @@
-"""What blocks did, told from made-up histories: stacks, platforms, three dimensions, falls."""
+"""Motions of blocks, from made-up histories: stacks, platforms, three dimensions, falls."""
 
 from __future__ import annotations
 

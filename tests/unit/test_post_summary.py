@@ -104,7 +104,7 @@ def test_a_run_without_a_row_has_a_summary(tmp_path: Path) -> None:
 
 
 def in_words(slip: dict[str, float], platform: dict[str, float]) -> str:
-    """What is told of a run with these slips and drifts."""
+    """Report of a run with these slips and drifts."""
     block = {"mode": "slide", "peak_angle_rad": 0.0, "peak_slip_m": 0.02, "impacts": []}
     summary = {
         "status": "completed", "end_s": 2.0, "reason": "", "blocks": {"stone": block | slip},

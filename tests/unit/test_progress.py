@@ -94,7 +94,7 @@ def test_what_is_left_counts_neither_set_up_nor_pauses(monkeypatch: pytest.Monke
 
 
 def test_that_functions_are_compiled_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the log and to the display, which is told of every pause."""
+    """In the log and on the display, which shows every pause."""
     now, said, told = [0.0], [], []
     monkeypatch.setattr(simulate.time, "perf_counter", lambda: now[0])
 

@@ -1,4 +1,4 @@
-"""What people meet who call rockslip from Python: its names, its errors, folders that are used."""
+"""The interface for callers from Python: names, errors, folders that are in use."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def test_velocities_impulse_and_energy_of_an_impact(
 
 
 def test_a_block_lifts_off_once(shaken: Result) -> None:
-    """Where the ground's acceleration passes g B/H for the first time, against it."""
+    """It does so when the ground's acceleration first passes g B/H, against it."""
     (found,) = events(shaken, "lift-off")
     known = math.asin(0.25 / 0.4) * 0.4 / (2 * math.pi)
     assert found.time_s == pytest.approx(known, abs=0.015)

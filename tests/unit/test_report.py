@@ -96,7 +96,7 @@ def test_what_is_neither_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_a_page_is_written_over_no_other_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What does not end as pages do is refused: it may be the user's, or the run's."""
+    """Files that do not end as pages do may be the user's, or the run's: they are refused."""
     record = tmp_path / "mine.AT2"
     record.write_text("samples")
     assert main(["report", str(tmp_path), "-o", str(record), "--no-film"]) == 2

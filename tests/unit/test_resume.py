@@ -238,7 +238,7 @@ def test_types_that_runs_save_exist() -> None:
 
 
 def test_the_format_goes_with_the_fields_of_the_types() -> None:
-    """Where this fails, raise FORMAT: a checkpoint with other fields is refused, never misread."""
+    """If this fails, raise FORMAT: a checkpoint with other fields is refused, never misread."""
     pytest.importorskip("dolfinx")
     types = [
         getattr(importlib.import_module(module), name)
@@ -252,7 +252,7 @@ def test_the_format_goes_with_the_fields_of_the_types() -> None:
 
 
 class TestRefused:
-    """What a run cannot go on from, in one line."""
+    """Checkpoints that a run cannot go on from: refused in one line."""
 
     @pytest.fixture
     def done(self, tmp_path: Path) -> Path:

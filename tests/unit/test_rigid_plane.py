@@ -118,7 +118,7 @@ def test_columns_are_those_of_the_history() -> None:
 def test_a_step_that_cannot_be_solved_is_halved_and_then_given_up(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """When and why is said, and the rows before it are there."""
+    """Time and reason are reported, and the rows before it are there."""
     calls = {"count": 0}
 
     def fails(*arguments: Any) -> int:

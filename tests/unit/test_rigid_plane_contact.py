@@ -158,7 +158,7 @@ def test_on_equal_outlines_a_corner_counts_once() -> None:
 
 
 def test_what_flies_away_is_not_near() -> None:
-    """What comes near within the step is."""
+    """One that comes near within the step is."""
     system, state, memory, work = parts(platform=False)
     state.q[4] += 0.05
     assert listed(system, state, memory, work) == [(0, -1), (0, -1)]

@@ -1,4 +1,4 @@
-"""What tells that a slip turned round within a step."""
+"""Signs that a slip turned round within a step."""
 
 from __future__ import annotations
 

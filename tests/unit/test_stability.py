@@ -174,7 +174,7 @@ def test_too_soft_for_what_it_carries() -> None:
 
 
 def test_too_soft_for_the_inertia_of_a_pulse() -> None:
-    """1 g of gravity, 1 g along x and 0.5 g upwards: 2.5 times the modulus that weight asks for."""
+    """1 g of gravity, 1 g along x and 0.5 g upwards: 2.5 times the modulus that weight needs."""
     pulse = {"kind": "half_sine", "amplitude_g": 1.0, "duration": 0.1}
     motion = {**pulse, "vertical": {**pulse, "amplitude_g": -0.5}}
     with pytest.raises(SceneError, match=r"block\.young: .* young >= 1\.31e\+06"):
@@ -352,7 +352,7 @@ def test_without_the_repository_it_says_what_it_needs(
 
 
 def test_the_sentence_says_the_largest_of_what_is_a_number() -> None:
-    """Where nothing moves energies have no scale: such a scene comes first here."""
+    """A scene in which nothing moves has no scale of energies; it comes first here."""
     verdicts = [
         Verdict(
             family="f", row="r", column="c", verdict="holds", energy_gain=gain, ledger_error=error

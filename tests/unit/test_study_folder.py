@@ -59,7 +59,7 @@ def claim(tmp_path: Path, settings: dict[str, Any], **others: Any) -> None:
 
 
 def test_a_study_runs_round_after_round(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """What failed is said and tried again; what has a row is not."""
+    """Cases that failed are reported and tried again; those with a row are not."""
     given = [2, -1, 3]
     assert Squares.run(options(tmp_path, numbers=given)) == 3
     told = "failed: square of -1: number: got -1, allowed 0 or more\n"

@@ -163,7 +163,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """What a study leaves, without what it works with."""
+    """Files of a study by their names, without its subfolders."""
     return {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()}
 
 

@@ -138,7 +138,7 @@ def test_a_block_that_falls_counts_as_one_that_overturns(
 
 
 def test_a_root_is_followed_from_where_the_last_one_was() -> None:
-    """Where its branch has ended, the nearest to the last one counts, not the nearest to 1."""
+    """Past the end of its branch the root nearest to the last one counts, not that nearest to 1."""
     axis = np.array([-0.5, 0.0, 0.2, 0.5, 0.8, 1.5])
     curve = Curve(axis, np.array([0.0, 0.5, 0.3, 0.8, 0.6, 1.3]))
     found = curve.followed(np.array([0.9, 0.55, 0.25, 0.7]))

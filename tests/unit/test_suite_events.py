@@ -145,7 +145,7 @@ def test_what_is_missing_is_named(
 
 
 def test_synthetic_events_have_three_components_of_one_earthquake() -> None:
-    """What the scene says of scale, start and samples holds; what is drawn is said to be."""
+    """Scale, start and samples are those of the scene; the notes list what is not."""
     motion = {"kind": "synthetic", "seed": 5, "scale": 2.0,
               "second": {"kind": "synthetic", "scale": 3.0},
               "vertical": {"kind": "synthetic", "scale": 0.6, "dt": 0.01}}  # fmt: skip

@@ -1,4 +1,4 @@
-"""What a program says of its checks."""
+"""Printed verdict of a program on its checks."""
 
 from __future__ import annotations
 

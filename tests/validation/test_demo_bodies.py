@@ -64,7 +64,7 @@ def test_its_checks_hold(left: tuple[str, Path], capsys: Captured) -> None:
 
 
 def test_its_checks_can_fail(left: tuple[str, Path]) -> None:
-    """What the last run says is moved a little: at least one check sees it."""
+    """A small change of the results of the last run fails at least one check."""
     name, folder = left
     demo = module_of(name)
     runs = [read_run(each) for each in runs_of(folder)]
@@ -129,7 +129,7 @@ def test_what_ends_too_early_is_said_in_a_line(demo: str, tmp_path: Path, capsys
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
 def test_it_runs_as_another_user() -> None:
-    """Who may not write into the repository finds the results in the current folder."""
+    """A user without write access to the repository finds the results in the current folder."""
     with tempfile.TemporaryDirectory() as made:  # pytest's own folders are closed to others
         home = Path(made)
         home.chmod(0o755)

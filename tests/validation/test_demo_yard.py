@@ -87,7 +87,7 @@ def failed(name: str, runs: list[Run]) -> list[str]:
 
 
 def test_its_checks_can_fail(left: tuple[str, Path]) -> None:
-    """What stands in the runs is moved a little: the check that it concerns sees it."""
+    """A small change of the results fails the check that concerns them."""
     name, folder = left
     runs = runs_of(folder)
     assert failed(name, runs) == []

@@ -98,7 +98,7 @@ def found() -> list[tuple[str, str]]:
 
 
 def reason_not_to_run(words: list[str]) -> str:
-    """Why a command is not run here; empty where it is."""
+    """Reason why a command is not run here; empty where it is."""
     if words[0] == "docker":
         return "needs a container engine and an image"
     if words[0] in ("paraview", "pvpython"):
@@ -188,7 +188,7 @@ def call(folder: Path, words: list[str]) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def furnished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the commands name: scenes, records, lists, a finished run and its reference."""
+    """A folder with all that the commands name: scenes, records, lists, a run and its reference."""
     for package in ("dolfinx", "gmsh", "matplotlib", "pyvista"):
         pytest.importorskip(package)
     folder = tmp_path_factory.mktemp("pages")

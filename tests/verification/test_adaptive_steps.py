@@ -48,7 +48,7 @@ def scene(*overrides: str) -> Scene:
 
 
 def impacts(result: Result, key: str) -> list[float]:
-    """What the summary says of the impacts of the block."""
+    """Values of the block's impacts in the summary."""
     found = result.summary["blocks"]["block"]["impacts"]
     return [impact[key] for impact in found if impact[key] is not None]
 

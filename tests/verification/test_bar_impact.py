@@ -33,7 +33,7 @@ END = 4 * bar_impact.PERIOD
 
 @dataclass(frozen=True, slots=True)
 class Bounce:
-    """What four periods of the bar gave, relative to the exact solution."""
+    """Errors over four periods of the bar, relative to the exact solution."""
 
     highest_energy: float
     changes: int

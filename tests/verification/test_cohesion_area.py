@@ -14,11 +14,11 @@ pytestmark = pytest.mark.serial
 G, COHESION = 9.81, 2000.0
 SIZE = {"width": 0.8, "height": 0.1, "thickness": 0.5, "density": 2000.0}
 HOLD = COHESION / (SIZE["density"] * SIZE["height"] * G)
-"""What cohesion holds under the whole bottom, over the weight: 1.02."""
+"""Acceleration over gravity that cohesion under the whole bottom holds: 1.02."""
 
 
 def slips(engine: str, pull: float, share: float) -> bool:
-    """Whether a smooth block slides, pulled by a part of its weight.
+    """True if a smooth block slides, pulled by a part of its weight.
 
     Args:
         engine: "plane", "space" or "meshed" (beside a held meshed plate, rigid and elastic blocks).

@@ -73,7 +73,7 @@ def suite(folder: Path, scene: str, *words: str, **parts: Array) -> list[dict[st
 
 
 def peaks(row: dict[str, Any]) -> Array:
-    """What a suite tells of a block, rad and m."""
+    """Peaks of a block in a row of a suite, rad and m."""
     keys = ("peak_angle_rad", "peak_slip_m", "peak_angle_over_alpha")
     return np.array([float(row[f"block.{key}"]) for key in keys])
 

@@ -119,7 +119,7 @@ def test_quadratic_tetrahedra_at_rest(tmp_path: Path) -> None:
 def test_a_block_that_overhangs_what_carries_it(
     tmp_path: Path, dimension: int, degree: int
 ) -> None:
-    """What the edges of its carrier press with, and where edges cross, is in the fields as well."""
+    """The fields also contain the forces of the carrier's edges, and those where edges cross."""
     cells = [4, 2] if dimension == 2 else [2, 2, 2]
     size = {
         "width": WIDTH,

@@ -112,7 +112,7 @@ class Vibration:
         return self.stepper.start(u, speed * self.shape)
 
     def coordinate(self, state) -> float:
-        """How much of the mode is in a state."""
+        """Modal coordinate of a state."""
         return float(self.shape @ self.body.inertia(state.u - self.aloft))
 
     def energy(self, state) -> float:

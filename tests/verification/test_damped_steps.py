@@ -47,7 +47,7 @@ def test_so_many_steps_after_each_change() -> None:
 
 
 def test_a_step_that_fails_leaves_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is tried again with half the step is as damped as the step would have been."""
+    """Two halves of a step that failed are as damped as the step would have been."""
     scene = thrown(1e9, 0.3, 2e-3)
     assembly = build(scene)
     stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)

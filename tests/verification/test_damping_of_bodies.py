@@ -42,7 +42,7 @@ def run(block: dict[str, Any] | None = None, **tables: Any) -> Result:
 
 
 def lost(result: Result) -> np.ndarray:
-    """What damping took, J."""
+    """Energy that damping took, J."""
     return result.history["energy.damping_J"]
 
 

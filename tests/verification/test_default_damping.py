@@ -1,4 +1,4 @@
-"""What the default damping is to a meshed block."""
+"""Default damping of a meshed block."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def test_a_run_ends_with_the_block_that_overturned(engine: str) -> None:
     for column in ended.history.columns:
         again = whole.history[column][: len(angle)]
         np.testing.assert_array_equal(ended.history[column], again)
-    # Of the run that goes on: what came before is told apart from what came after.
+    # Of the run that goes on: what came before is separate from what came after.
     assert known["peak_angle_while_standing_rad"] == pytest.approx(angle[-1], rel=1e-12)
     assert known["peak_angle_rad"] > 2 * known["peak_angle_while_standing_rad"]
     assert known["peak_slip_while_standing_m"] <= known["peak_slip_m"]

@@ -130,7 +130,7 @@ depends on when an engine takes a point to slip, and on how points share the for
 """
 
 SCALES = {"m": 0.1, "m/s": 1.0, "rad": 0.1, "rad/s": 1.0, "m/s²": 1.0}
-"""How far and how fast things move in these scenes; forces are measured by the weight, energies by
+"""Displacements and speeds of these scenes; forces are measured by the weight, energies by
 the largest that is taken in, dissipated or in motion."""
 
 AT_CHANGES = 0.05
@@ -200,7 +200,7 @@ def pairs(engine: str, name: str) -> list[tuple[Column, str, str]]:
 
 
 def scale(column: Column, plane: History) -> float:
-    """What differences of a column are small against."""
+    """Scale by which differences of a column are measured."""
     if column.unit == "N":
         return float(np.median(plane["a.normal_force_N"]))
     if column.unit == "J":

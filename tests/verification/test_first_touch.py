@@ -67,7 +67,7 @@ def test_a_corner_that_the_other_one_turns_into_the_floor_touches(
 ) -> None:
     """The free step ends with one corner in the floor, contact there turns the other one into it.
 
-    One correction is made to be enough: nobody has looked at the other corner by then.
+    One correction is made to be enough: the other corner has not been examined by then.
     """
     monkeypatch.setattr("solver.stepping.active_set.FIRST_MARGIN", margin)
     looked = []

@@ -134,7 +134,7 @@ def growing(folder: Path) -> tuple[Path, np.ndarray, np.ndarray]:
 
 
 def phases(velocity: np.ndarray) -> list[tuple[bool, int]]:
-    """Whether it slides and for how many steps, one after another."""
+    """Phases one after another: true for sliding, and the number of steps."""
     return [(bool(k), len(list(g))) for k, g in itertools.groupby(np.abs(velocity) > 0.02)]
 
 

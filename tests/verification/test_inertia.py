@@ -72,7 +72,7 @@ def line_of(frictions: Sequence[float], motions: Sequence[SuiteMotion], of: Stru
 def findings(
     frictions: Sequence[float], motions: Sequence[SuiteMotion], of: Structure | None = None
 ) -> list[Finding]:
-    """What the sliding block says for each friction."""
+    """Findings of the sliding block for each friction."""
     own = of or structure()
     line = line_of(frictions, motions, own)
     cells = (Cell(values=(), structure=own, friction=mu, aspect=None) for mu in frictions)

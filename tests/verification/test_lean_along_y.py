@@ -1,4 +1,4 @@
-"""A block in space that rocks along y: what is told over alpha is over that of its thickness."""
+"""A block in space that rocks along y: angles over alpha are over that of its thickness."""
 
 from __future__ import annotations
 

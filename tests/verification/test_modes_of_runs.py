@@ -46,7 +46,7 @@ def test_a_block_thrown_up_and_aside_hops(dimension: int) -> None:
 
 
 def test_a_block_that_lands_and_stays_only_hops() -> None:
-    """Where mu v_z takes all of v_x: no slip at all."""
+    """Friction takes all of v_x, as mu v_z exceeds it: no slip at all."""
     block = told(simulate(scene(2, 0.5, velocity=[0.4, 1.2])))
     assert block["mode"] == "hop"
     assert block["peak_slip_m"] < 1e-9

@@ -159,7 +159,7 @@ def released(under: Platform, **options: Any) -> RockingReference:
 
 
 def arms(found: RockingReference) -> tuple[Array, Array]:
-    """How the centre moves across and up per radian, m."""
+    """Displacement of the centre across and up per radian, m."""
     lean = PAPER.slenderness - np.abs(found.angle)
     side = np.where(found.angle < 0, -1.0, 1.0)
     return PAPER.half_diagonal * np.cos(lean), side * PAPER.half_diagonal * np.sin(lean)

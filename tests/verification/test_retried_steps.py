@@ -61,7 +61,7 @@ SCENES = {
 
 
 def equal(a: Any, b: Any) -> bool:
-    """Whether two values hold the same numbers, to the last digit."""
+    """True if two values hold the same numbers, to the last digit."""
     if is_dataclass(a):
         names = [field.name for field in fields(a) if field.compare]
         return type(a) is type(b) and all(equal(getattr(a, n), getattr(b, n)) for n in names)

@@ -170,7 +170,7 @@ def differences(one: Result, other: Result, name: str) -> tuple[Array, Array]:
 
 
 def first_strike(result: Result) -> float:
-    """When a second corner of the tall block strikes, s: the force is many times its weight."""
+    """Time at which a second corner of the tall block strikes, s, by the force over its weight."""
     struck = result.history["tall.normal_force_N"] > 10 * WEIGHT
     return float(result.history["time_s"][np.argmax(struck)])
 

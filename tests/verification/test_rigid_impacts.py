@@ -32,7 +32,7 @@ class Landing(NamedTuple):
     before: Array
     """Velocities along x, upwards, clockwise, (3,)."""
     change: Array
-    """What impulses at the left corner change, upwards and along x, (3, 2)."""
+    """Changes of velocity by unit impulses at the left corner, upwards and along x, (3, 2)."""
     left: Array
     """Rows of the left corner's velocity, upwards and along x, (2, 3)."""
     right: Array
@@ -99,7 +99,7 @@ class Swing:
         return (PlaneSystem if flat else SpaceSystem).from_scene(scene)
 
     def landing_time(self, step: float) -> float:
-        """When it lands in steps of this length, s."""
+        """Time at which it lands in steps of this length, s."""
         system, count = self.start(step), 0
         while True:
             turned, speed = system.rotation(0)[0], -motion(system)[2]

@@ -248,7 +248,7 @@ def test_the_system_is_that_of_the_scene() -> None:
 
 @pytest.mark.parametrize("offsets", [(0.52, 0.5), (0.503, 0.35), (0.51, 0.45)])
 def test_a_cube_tips_over_the_edges_of_what_carries_it(offsets: tuple[float, float]) -> None:
-    """Where its edges cross them, and where it meets the side: contact only takes energy."""
+    """Its edges cross them, and it meets the side: contact only takes energy."""
     lower = {"name": "lower", "width": 1.0, "thickness": 1.0, "height": 0.5}
     cube = {"name": "cube", "on": "lower", "width": 0.4, "thickness": 0.4, "height": 0.4}
     placed = {"offset": offsets[0], "offset_second": offsets[1]}

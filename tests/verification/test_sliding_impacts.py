@@ -21,7 +21,7 @@ PLATE = {"kind": "elastic", "height": 0.3, "young": 5e10, "poisson": 0.2, "densi
 
 
 class Told(NamedTuple):
-    """What a run tells of its first impact."""
+    """Results of a run after its first impact."""
 
     peak: float
     """Largest angle after it, over that before it."""

@@ -58,7 +58,7 @@ def placed(body: ElasticBody, turn: tuple[float, ...], shift: tuple[float, ...])
 
 
 def crossed(bottom: Face, top: Face) -> CrossingInterface:
-    """Where the edges of two faces cross."""
+    """Interface of the crossing edges of two faces."""
     over, under = (Outline(rim(face.points), face.degree) for face in (bottom, top))
     return CrossingInterface(Crossings(over, under, top, bottom), LAW)
 

@@ -100,7 +100,7 @@ def test_momentum_is_judged_alike_beside_a_fine_mesh(
     solve = NonlinearSolver.solve
 
     def watched(self: Any, problem: Any, unknowns: Array, tolerance: ResidualTolerance) -> Any:
-        """What is solved, and how well."""
+        """Solve, and record the tolerance."""
         seen.append(tolerance)
         return solve(self, problem, unknowns, tolerance)
 

@@ -1,4 +1,4 @@
-"""How blocks begin to move: rigid and elastic ones against Shenton (1996)."""
+"""Modes in which blocks begin to move: rigid and elastic ones against Shenton (1996)."""
 
 from __future__ import annotations
 
