@@ -1,4 +1,4 @@
-"""How near the default steps come to the limit of short ones.
+"""Errors of the default steps, against the limit of short ones.
 
     ./in-env python3 benchmarks/adaptive_steps.py [--processes N]
 
@@ -58,7 +58,7 @@ PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_rat
 
 
 class Answer(NamedTuple):
-    """What is compared."""
+    """Values that are compared."""
 
     restitutions: list[float]
     times: list[float]

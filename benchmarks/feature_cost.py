@@ -35,7 +35,7 @@ STEPS = 300
 COMPILED = 15_000
 """Steps of rigid blocks: so many that they run as machine code."""
 
-#: `rockslip`, which then tells its largest memory, kB. (That which the parent of a process is told
+#: `rockslip`, which then prints its largest memory, kB. (That which the parent of a process gets
 #: includes the parent's own.)
 PROCESS = """
 import sys

@@ -82,7 +82,7 @@ def turned(blocks: list[RigidBlock], seed: int) -> list[RigidBlock]:
 
 
 def run(scene: Scene, seed: int) -> dict[str, Any]:
-    """How the run of a column went."""
+    """Run a column; returns its results."""
     step, scheme = scene.time.step, GeneralizedAlpha(scene.time.rho_inf)
     system = SpaceSystem(turned(blocks_of(scene), seed), scheme)
     count, motion = round(scene.time.end / step), read_ground(scene)

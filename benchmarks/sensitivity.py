@@ -1,4 +1,4 @@
-"""How much of a history a start decides: blocks released from tilts that hardly differ.
+"""Sensitivity of a history to its start: blocks released from tilts that hardly differ.
 
     ./in-env python3 benchmarks/sensitivity.py
 

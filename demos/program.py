@@ -1,4 +1,4 @@
-"""What the demos share: where they write, how they run a scene, and how they end."""
+"""Common parts of the demos: output folder, run of a scene, exit code."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ Picture = Callable[[list[Run], Path], Path]
 """Draws runs into a folder, and returns the file."""
 
 Checks = Callable[[list[Run]], Results]
-"""Whether some runs hold, one check after the other."""
+"""Checks of some runs: true if one holds, and its text."""
 
 CHANGES = "other values of the scene, such as time.end=0.5; the checks are meant for its own"
 
 
 def output_of(demo: str) -> Path:
-    """Where a demo writes unless it is told: a folder in the current one, which is the user's."""
+    """Default folder of a demo's output: in the current one, which is the user's."""
     return Path("output") / demo
 
 
@@ -117,7 +117,7 @@ def demo(
     Args:
         program: Its name in what it says of itself.
         description: Of `--help`.
-        output: Where it writes unless it is told.
+        output: Default folder of its output.
         work: Runs the scenes into a folder, with other values of the scene (`--set`); collective.
         show: Shows and judges what that has made, on the first rank.
         arguments: Options; None: those of the command line.

@@ -1,4 +1,4 @@
-"""What demos of studies have in common: their command line, their tables, their verdict."""
+"""Common parts of the demos of studies: command line, tables, verdict."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from solver.cli import main as rockslip
 Rows = list[dict[str, str]]
 
 Checks = Callable[[Path], list[tuple[bool, str]]]
-"""Whether what a study left in a folder holds, one check after the other."""
+"""Checks of the results of a study in a folder: true if one holds, and its text."""
 
 
 def judged_study(

@@ -10,7 +10,7 @@ from mpi4py import MPI
 from solver.results.runs import Run
 
 Results = list[tuple[bool, str]]
-"""Whether each check holds, and what it says."""
+"""Results of checks: true if one holds, and its text."""
 
 
 def kept(run: Run, name: str | None = None) -> Results:

@@ -21,7 +21,7 @@ LEFT = re.compile(r"^(?:- |\d+\. |\|.*\|$|#+ |```)", re.MULTILINE)
 
 
 class Page(HTMLParser):
-    """What a page links to, loads, offers as anchors, and says in paragraphs."""
+    """Links, loaded files, anchors and paragraphs of a page."""
 
     def __init__(self, text: str) -> None:
         """Read the page."""
@@ -56,7 +56,7 @@ class Page(HTMLParser):
 
 
 def faults_of(folder: Path) -> list[str]:
-    """What is wrong with a site, a line each."""
+    """Faults of a site, a line each."""
     pages = {file: Page(file.read_text(encoding="utf-8")) for file in folder.rglob("*.html")}
     faults = [] if pages else [f"{folder}: no pages"]
     for file, page in pages.items():
@@ -72,13 +72,13 @@ def faults_of(folder: Path) -> list[str]:
 
 
 def outside(url: str) -> bool:
-    """Whether an address is one of a network, or of a mail."""
+    """True if an address is one of a network, or of a mail."""
     parts = urlsplit(url)
     return bool(parts.scheme or parts.netloc)
 
 
 def faults_of_link(url: str, file: Path, pages: dict[Path, Page]) -> list[str]:
-    """What is wrong with a link of a page to the site itself."""
+    """Faults of a link of a page to the site itself."""
     parts = urlsplit(url)
     target = (file.parent / unquote(parts.path)).resolve() if parts.path else file
     if target.is_dir():

@@ -119,7 +119,7 @@ def circles(graph: dict[str, set[str]]) -> list[str]:
 
 
 def arrows() -> Counter[tuple[str, str]]:
-    """How many imports lead from one package to another."""
+    """Numbers of imports that lead from one package to another."""
     counted: Counter[tuple[str, str]] = Counter()
     for module, targets in imports(lazy=True).items():
         for target in targets:

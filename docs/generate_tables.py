@@ -48,7 +48,7 @@ COLUMNS = {
 
 
 def in_block(column: Column, dimension: int) -> bool:
-    """Whether a column belongs to the blocks of a dimension."""
+    """True if a column belongs to the blocks of a dimension."""
     return column.part == "block" and column.dimension in (None, dimension)
 
 
@@ -87,7 +87,7 @@ def members(hint: Any) -> list[Any]:
 
 
 def number(hint: Any, key: str) -> str:
-    """What is allowed for a number."""
+    """Allowed values of a number, in words."""
     kind, range_ = get_args(hint)
     words = range_.words(key).removeprefix(f"{key} ")
     words = words if words == "a finite number" else f"`{words}`"
@@ -95,7 +95,7 @@ def number(hint: Any, key: str) -> str:
 
 
 def allowed(hint: Any, key: str) -> str:
-    """What the value of a key may be."""
+    """Allowed values of a key, in words."""
     if hint == Cell:
         plane, space = (", ".join(f"`{shown(name)}`" for name in SHAPES[d]) for d in (2, 3))
         return f"{plane}; 3-D: {space}"
@@ -116,7 +116,7 @@ def allowed(hint: Any, key: str) -> str:
 
 
 def allowed_one(hint: Any, key: str) -> str:
-    """What the value of a key may be that is no union."""
+    """Allowed values of a key that is no union, in words."""
     origin = get_origin(hint)
     if origin is tuple:
         items = get_args(hint)

@@ -26,11 +26,11 @@ NUMBERED = re.compile(r"^( {4}.*\S) {3,}(\([A-Z]\d+\))$", re.MULTILINE)
 """An equation and its number."""
 
 COLUMN = 82
-"""Where the number of an equation begins, if the equation is not longer."""
+"""Column at which the number of an equation begins, if the equation is not longer."""
 
 
 def in_site(target: str, source: str) -> str | None:
-    """Where a file that a page links to is in the site; None for what is not in the repository.
+    """Place in the site of a file that a page links to; None for what is not in the repository.
 
     Both paths are relative: the target to the page, the page to the root of the repository.
     """

@@ -34,7 +34,7 @@ class Beside:
         program: Its name.
         measure: What was measured.
         error: Magnitude of the relative error; where it is a bound, the note says so.
-        seconds: What it took, s; nan where nobody measured it.
+        seconds: What it took, s; nan where it was not measured.
         note: What else to know.
     """
 

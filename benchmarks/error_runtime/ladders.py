@@ -62,7 +62,7 @@ class RunOutcome:
 
     @property
     def completed(self) -> bool:
-        """Whether it came to its end."""
+        """True if it came to its end."""
         return self.status == "completed"
 
 
@@ -134,7 +134,7 @@ def climb(
         repeat: Times that each rung is run.
         longest: Rungs that would take longer than this, by what the one before took, are left
             out, s.
-        tell: Is told of every rung.
+        tell: Called for every rung.
     """
     trials: list[Trial] = []
     left_out: list[str] = []

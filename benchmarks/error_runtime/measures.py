@@ -78,7 +78,7 @@ def scale_of(measure: str, value: Array) -> float:
 
 
 def fits(measure: str, pattern: str) -> bool:
-    """Whether a measure is meant by a name that may leave out its owner and its unit."""
+    """True if a pattern names a measure; it may leave out its owner and its unit."""
     column = measure.partition(".")[2]
     return pattern in (measure, column, re.sub(r"_(m|s|rad|fraction)$", "", column))
 

@@ -68,7 +68,7 @@ def study(
         others: Points of other programs.
         answered_by: A scene whose rigid-body answer is that of this one in what is wanted, such as
             one in the plane.
-        tell: Is told of every run.
+        tell: Called with a line for every run.
     """
     plain = replace(scene, output=replace(scene.output, fields="none", history_every=1))
     every = coarsest_step(plain)
@@ -131,7 +131,7 @@ def write(findings: Findings, folder: Path) -> list[Path]:
 
 
 def _line(trial: Trial) -> str:
-    """A run, for who waits."""
+    """A line on a run, for the display."""
     outcome = trial.outcome
     said = f"{trial.loop_s:.3g} s" if outcome.completed else outcome.status
     return f"{trial.family.name}, {trial.rung.setting}: {said}"

@@ -66,7 +66,7 @@ COMMAND = ["suite", str(SCENE), "--levels", "0.3:0.7:5", "--engines", "rigid,ode
 
 # +
 def checks(folder: Path) -> list[tuple[bool, str]]:
-    """Whether engines agree, as far as samples of this size can."""
+    """Check that the engines agree, as far as samples of this size can."""
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     done = f"{summary['completed']} of {summary['cases']} cases completed"
     results = [(summary["completed"] == summary["cases"], done)]

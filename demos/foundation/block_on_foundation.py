@@ -201,7 +201,7 @@ def _axes(corners: np.ndarray, top: bool) -> tuple[np.ndarray, np.ndarray]:
 
 # +
 def checks(runs: list[Run]) -> list[tuple[bool, str]]:
-    """Whether the runs hold, check by check."""
+    """Check the runs; a line for each check."""
     results = []
     for run in runs:
         completed, *balance = kept(run)

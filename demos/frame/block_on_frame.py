@@ -174,7 +174,7 @@ def _drawn(runs: list[Run]) -> Figure:
 
 # +
 def checks(runs: list[Run]) -> list[tuple[bool, str]]:
-    """Whether the runs hold, check by check."""
+    """Check the runs; a line for each check."""
     results = [line for run in runs for line in kept(run)]
     mesh, plain = runs
     period, beam = plain.scene.platform().period, beam_period(frame_of(mesh.scene))

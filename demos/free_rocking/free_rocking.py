@@ -263,7 +263,7 @@ def overview(run: Run, reference: RockingReference, matched: RockingReference) -
 
 # +
 def checks(run: Run, matched: RockingReference) -> list[tuple[bool, str]]:
-    """Whether the run holds, check by check."""
+    """Check the run; a line for each check."""
     times, restitutions = impacts(run)
     exact = matched.impacts[:5]
     results = []

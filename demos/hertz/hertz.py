@@ -175,7 +175,7 @@ def _drawn(contacts: list[Pressed]) -> Figure:
 
 # +
 def checks(contacts: list[Pressed]) -> list[tuple[bool, str]]:
-    """Whether the contacts hold, check by check."""
+    """Check the contacts; a line for each check."""
     results = []
     for one in contacts:
         at = f"P = {1e-6 * one.hertz.load:.3g} MN/m"

@@ -76,7 +76,7 @@ def study(name: str, words: list[str], output: Path = OUTPUT) -> int:
 
 # +
 def checks(of_map: Rows, of_blocks: Rows) -> list[tuple[bool, str]]:
-    """Whether the studies hold, check by check."""
+    """Check the studies; a line for each check."""
     results = []
     for period in dict.fromkeys(row["period_s"] for row in of_map):
         rows = [row for row in of_map if row["period_s"] == period]
@@ -115,7 +115,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _is_first_rank() -> bool:
-    """Whether this process judges, under mpirun."""
+    """True if this process judges, under mpirun."""
     from mpi4py import MPI
 
     return MPI.COMM_WORLD.rank == 0

@@ -160,7 +160,7 @@ def pairs(runs: list[Run]) -> list[tuple[Pair, Run, Run]]:
 
 
 def table(runs: list[Run]) -> str:
-    """What stands in the laboratory, and what it does."""
+    """Bodies in the laboratory, and their peaks."""
     lines = [f"{'':22} {'deck':>9} {'column':>7} {'block':>9} {'E frame':>8} {'lasts':>7}  peaks"]
     for run in runs:
         spec, block = run.scene.to_dict()["foundation"], run.scene.blocks[0]
@@ -239,7 +239,7 @@ def _draw_pair(column: np.ndarray, model: Run, prototype: Run) -> None:
 
 # +
 def checks(runs: list[Run]) -> Results:
-    """Whether the runs hold, and models do what prototypes do."""
+    """Check the runs, and that models do what prototypes do."""
     results = [line for run in runs for line in kept(run)]
     for pair, model, prototype in pairs(runs):
         name = f"{pair.block}, {pair.model}"

@@ -76,7 +76,7 @@ COMMAND = ["modes", str(SCENE)]
 
 # +
 def checks(folder: Path) -> list[tuple[bool, str]]:
-    """Whether the maps hold, one by one."""
+    """Check the maps; a line for each check."""
     results = []
     for found in json.loads((folder / "summary.json").read_text(encoding="utf-8"))["maps"]:
         name = f"{found['engine']} block, H/B = {found['ratio']:g}"

@@ -70,7 +70,7 @@ COMMAND = ["overturning", str(SCENE), "--restitution", "0.936", "--ode", "2,4,6"
 
 # +
 def checks(folder: Path) -> list[tuple[bool, str]]:
-    """Whether the boundaries hold."""
+    """Check the boundaries; a line for each check."""
     rows = read_table(folder / "overturning.csv")
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     done = f"{summary['completed']} of {summary['cases']} cases completed"

@@ -185,7 +185,7 @@ def table(runs: list[Run], answers: dict[float, SlidingReference]) -> str:
 
 
 def _off(value: float, exact: float) -> str:
-    """How far a number is from that of the reference; a hyphen where that is 0."""
+    """Difference of a number from that of the reference; a hyphen where that is 0."""
     return f"{value / exact - 1:+8.3%}" if exact else f"{'-':>8}"
 
 
@@ -353,7 +353,7 @@ def _add(axes: np.ndarray, run: Run, answer: SlidingReference) -> None:
 
 # +
 def checks(runs: list[Run], answers: dict[float, SlidingReference]) -> list[tuple[bool, str]]:
-    """Whether the runs hold, check by check."""
+    """Check the runs; a line for each check."""
     results = []
     for run in runs:
         (drift, slip), exact = numbers(run), exact_numbers(answers[friction_of(run)])
@@ -368,7 +368,7 @@ def checks(runs: list[Run], answers: dict[float, SlidingReference]) -> list[tupl
 
 
 def _within(name: str, value: float, exact: float, band: float) -> tuple[bool, str]:
-    """Whether a length (m) agrees with the reference, once that has any."""
+    """Check that a length (m) agrees with the reference, once that has any."""
     if not exact:
         return False, f"{name}: 0 until the end, too early to compare"
     good = abs(value / exact - 1) <= band

@@ -184,7 +184,7 @@ def _drawn(runs: list[Run]) -> Figure:
 
 # +
 def checks(runs: list[Run]) -> list[tuple[bool, str]]:
-    """Whether the runs hold, check by check."""
+    """Check the runs; a line for each check."""
     results = [line for run in runs for line in kept(run)]
     held, elastic, rigid = runs
     drift = held.history["platform.drift_m"]

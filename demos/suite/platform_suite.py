@@ -176,7 +176,7 @@ def _drawn(rows: Rows) -> Figure:
 
 # +
 def checks(rows: Rows) -> list[tuple[bool, str]]:
-    """Whether the runs hold, check by check."""
+    """Check the runs; a line for each check."""
     done = completed(rows)
     results = [(len(done) == len(rows), f"{len(done)} of {len(rows)} runs completed")]
     for friction in FRICTIONS:
@@ -220,7 +220,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _is_first_rank() -> bool:
-    """Whether this process draws and judges, under mpirun."""
+    """True if this process draws and judges, under mpirun."""
     from mpi4py import MPI
 
     return MPI.COMM_WORLD.rank == 0

@@ -82,7 +82,7 @@ class Stack(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What tells it from others."""
+        """Name that differs from those of all others."""
         how = "locked" if self.locked or self.containers == 1 else "free"
         return f"{self.containers} {'full' if self.full else 'empty'} {how} {self.friction:g}"
 
@@ -139,7 +139,7 @@ def slenderness(run: Run) -> float:
 
 # +
 def onset(scene: Scene, stack: Stack) -> tuple[str, float, float]:
-    """How a stack begins to move; at which acceleration, and at which it should, over g."""
+    """Mode in which a stack begins to move; acceleration at which it does, and should, over g."""
     tables = tables_of(scene, stack)
     (width, height) = (scene.blocks[0].width, stack.containers * scene.blocks[0].height)
     expected, strength, length = min(stack.friction, width / height), 0.6, 24.0
@@ -178,7 +178,7 @@ def ramp(folder: Path, comm: MPI.Intracomm) -> None:
 
 
 def onsets(runs: list[Run]) -> list[dict[str, str]]:
-    """How stacks begin to move, as it was written."""
+    """Table of the onsets of motion of the stacks, as it was written."""
     with (runs[0].folder.parent / ONSETS).open(encoding="utf-8", newline="") as stream:
         return list(csv.DictReader(stream))
 
@@ -228,7 +228,7 @@ def farthest(run: Run, entry: str) -> float:
 
 
 def ramp_table(runs: list[Run]) -> str:
-    """How stacks begin to move."""
+    """Onsets of motion of the stacks."""
     rows = onsets(runs)
     heads = "".join(f"{f'mu {friction:g}':>16}" for friction in FRICTIONS)
     lines = [f"begins to move at, over g   B/H{heads}"]
@@ -242,7 +242,7 @@ def ramp_table(runs: list[Run]) -> str:
 
 
 def table(runs: list[Run]) -> str:
-    """How stacks begin to move, and what the earthquake did to them."""
+    """Onsets of motion of the stacks, and the effects of the earthquake on them."""
     lines = ["earthquake             B/H  fate    slip mm  lean deg  deck drift mm  weight felt"]
     for run in runs:
         slip, lean = farthest(run, "peak_slip_m"), farthest(run, "peak_angle_rad")
@@ -399,7 +399,7 @@ def _draw_felt(axes: Any, runs: list[Run]) -> None:
 
 # +
 def checks(runs: list[Run]) -> Results:
-    """Whether the runs hold, check by check."""
+    """Check the runs; a line for each check."""
     rows = onsets(runs)
     off = max(abs(float(row["at_g"]) / float(row["expected_g"]) - 1) for row in rows)
     block = runs[0].scene.blocks[0]
@@ -418,7 +418,7 @@ def checks(runs: list[Run]) -> Results:
 
 
 def _under_the_earthquake(runs: list[Run]) -> Results:
-    """Whether the shaken stacks do what friction and slenderness allow."""
+    """Check that the shaken stacks do what friction and slenderness allow."""
     able = [slenderness(run) < run.scene.friction_of(run.scene.blocks[0]).static for run in runs]
     rocks = [fate(run) in ("rock", "fall") for run in runs]
     most = max(_over_friction(run) for run in runs if len(run.scene.blocks) == 1)
@@ -440,7 +440,7 @@ def _under_the_earthquake(runs: list[Run]) -> Results:
 
 
 def _over_friction(run: Run) -> float:
-    """How much larger the force of a locked stack along its deck is than mu N, over its weight."""
+    """Largest excess over mu N of a locked stack's force along its deck, over its weight."""
     (own,) = run.scene.blocks
     force, normal = (run.history[f"{own.name}.{n}_force_N"] for n in ("friction", "normal"))
     over = np.abs(force) - run.scene.friction_of(own).static * normal
