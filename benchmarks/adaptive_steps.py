@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.rows import processes_wanted, side_by_side, write_table
+from benchmarks.rows import parallel_map, processes_wanted, write_table
 from rockslip import History, Scene, parse_scene, simulate
 from solver.results.rocking import peaks
 
@@ -157,7 +157,7 @@ def main() -> int:
     cases = [*BLOCKS, "on a block", "on an oscillator", "dropped flat"]
     tasks = [("demo", VIBRATING), *((case, damping) for case in cases for damping in BETAS)]
     processes = processes_wanted(__doc__)
-    found = side_by_side(rows_of, tasks, processes=processes, name="adaptive steps")
+    found = parallel_map(rows_of, tasks, processes=processes, name="adaptive steps")
     write_table(TABLE, (row for rows in found for row in rows))
     sys.stdout.write(f"table in {TABLE}\n")
     return 0

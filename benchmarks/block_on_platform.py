@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rows import processes_wanted, side_by_side, write_table
+from benchmarks.rows import parallel_map, processes_wanted, write_table
 from rockslip import Scene, parse_scene, simulate
 from solver.reference.sliding import SlidingReference, sliding
 
@@ -129,7 +129,7 @@ def main() -> int:
     """Run all; 0 where every run completed."""
     processes = processes_wanted(__doc__)
     rows = write_table(
-        TABLE, side_by_side(run, list(points()), processes=processes, name="platform")
+        TABLE, parallel_map(run, list(points()), processes=processes, name="platform")
     )
     failed = [row for row in rows if row["status"] != "completed"]
     sys.stdout.write(f"{len(rows) - len(failed)} of {len(rows)} runs; table in {TABLE}\n")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.rows import processes_wanted, side_by_side, write_table
+from benchmarks.rows import parallel_map, processes_wanted, write_table
 from rockslip import Result, Scene, load_scene, simulate
 from solver.reference.housner import housner
 
@@ -75,7 +75,7 @@ def run(case: tuple[float, int]) -> dict[str, Any]:
 def main() -> int:
     """Run all."""
     processes = processes_wanted(__doc__)
-    rows = side_by_side(run, CASES, processes=processes, name="damped steps")
+    rows = parallel_map(run, CASES, processes=processes, name="damped steps")
     write_table(TABLE, rows)
     sys.stdout.write(TABLE.read_text(encoding="utf-8"))
     return 0

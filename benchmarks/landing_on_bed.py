@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rows import processes_wanted, side_by_side, write_table
+from benchmarks.rows import parallel_map, processes_wanted, write_table
 from rockslip import Result, Scene, load_scene, simulate
 
 SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
@@ -94,7 +94,7 @@ def main() -> int:
     processes = processes_wanted(__doc__)
     bars = [row("bar", *case, "", bar(*case)) for case in itertools.product(BEDS, RATIOS)]
     cases = list(itertools.product(RATIOS, STEPS, CELLS))
-    blocks = side_by_side(run, cases, processes=processes, name="landings")
+    blocks = parallel_map(run, cases, processes=processes, name="landings")
     write_table(TABLE, itertools.chain(bars, blocks))
     sys.stdout.write(TABLE.read_text(encoding="utf-8"))
     return 0

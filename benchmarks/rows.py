@@ -25,7 +25,7 @@ def processes_wanted(description: str | None) -> int:
     return processes
 
 
-def side_by_side(
+def parallel_map(
     run: Callable[[Case], Row], cases: Sequence[Case], *, processes: int, name: str
 ) -> Iterator[Row]:
     """The rows of all cases in their order, as they come.

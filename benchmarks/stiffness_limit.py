@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.rows import processes_wanted, side_by_side, write_table
+from benchmarks.rows import parallel_map, processes_wanted, write_table
 from rockslip import Scene, load_scene, parse_scene, simulate
 from solver.reference.housner import housner
 from solver.run.meshed import MeshedRun
@@ -99,7 +99,7 @@ def distance(angle: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 def main() -> int:
     """Run all."""
     processes = processes_wanted(__doc__)
-    write_table(TABLE, side_by_side(run, POINTS, processes=processes, name="stiffness"))
+    write_table(TABLE, parallel_map(run, POINTS, processes=processes, name="stiffness"))
     sys.stdout.write(f"table in {TABLE}\n")
     return 0
 

@@ -31,7 +31,7 @@ from solver.errors import (
 from solver.parallel import launched_rank
 from solver.pictures.command import add_pictures
 from solver.run.folders import claim_folder, release_folders
-from solver.run.streams import FULL, lasting_streams, say, tell
+from solver.run.streams import FULL, guard_streams, say, tell
 from solver.scene.checking import nearest
 from solver.study.command import add_studies
 from solver.study.page import add_report
@@ -74,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, without the name of the program; returns its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with lasting_streams():
+        with guard_streams():
             return _main(words)
     finally:
         release_folders()
@@ -181,7 +181,7 @@ def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -
 
 
 def run_scene(options: argparse.Namespace) -> int:
-    """`rockslip run`: rank 0 reads scene and motion, every rank takes part."""
+    """`rockslip run`: rank 0 reads scene and motion, all ranks run it."""
     from solver.excitation.motion import read_ground
     from solver.fields.vtkhdf import refuse_without_h5py
     from solver.parallel import abort_on_exceptions, on_first_rank, world

@@ -172,7 +172,9 @@ def _contacts(
         bottom = _bottom(member)
         area = (bottom.facet / 2) ** (scene.dimension - 1)
         area *= member.spec.thickness if scene.dimension == 2 else 1.0
-        edge = Interface(rim(carrier.points), bottom, law, bed=bed, corner_area=area, of_edge=True)
+        edge = Interface(
+            outline_points(carrier.points), bottom, law, bed=bed, corner_area=area, of_edge=True
+        )
         contacts.append(FixedContactPair(edge, body=on, on=member.number))
         if scene.dimension == 3:
             crossings = _crossings(bottom, carrier)
@@ -235,11 +237,11 @@ def _bottom(member: BlockBody) -> Face:
 
 def _crossings(bottom: Face, top: Face) -> Crossings:
     """Edges of a block's bottom that may cross those of what carries it."""
-    upper, lower = (Outline(rim(face.points), face.degree) for face in (bottom, top))
+    upper, lower = (Outline(outline_points(face.points), face.degree) for face in (bottom, top))
     return Crossings(upper, lower, top, bottom)
 
 
-def rim(points: FacePoints) -> FacePoints:
+def outline_points(points: FacePoints) -> FacePoints:
     """Points of a level face that lie on its outline: of what cannot bend, its corners."""
     if isinstance(points, RigidPoints):
         return points
@@ -254,7 +256,7 @@ def rim(points: FacePoints) -> FacePoints:
 
 
 def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
-    """The state at t = 0, and a remark where it could not be as asked.
+    """The state at t = 0, and a remark where it could not be as requested.
 
     In equilibrium where the blocks begin closed, else unstressed.
     """

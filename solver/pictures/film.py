@@ -39,7 +39,7 @@ MOST_FRAMES = 3000
 BETWEEN = 160
 """Grey of the line between two shots."""
 
-AWAY = 1.5
+FOLLOWED_DISTANCE = 1.5
 """Bodies that leave are followed this far to a side, over the size of all at the start."""
 
 #: Colours of arrows and rigid bodies by state, and of what is no block.
@@ -246,7 +246,7 @@ def _extent(blocks: Sequence[BlockFrames], bodies: Bodies, ground: Array) -> tup
     start = np.concatenate([np.asarray(surface.points) for surface in bodies.at(0)])
     start = start[:, : ground.shape[1]]
     first, last = start.min(axis=0), start.max(axis=0)
-    away = AWAY * float((last - first).max())
+    away = FOLLOWED_DISTANCE * float((last - first).max())
     low, high = first + ground.min(axis=0), last + ground.max(axis=0)
     for block in blocks:
         reach = np.einsum("nij,j->ni", np.abs(block.frames), block.half)

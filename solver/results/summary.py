@@ -23,9 +23,9 @@ from solver.results.cautions import (
     cautions_of_steps,
     loss_shares,
 )
+from solver.results.effective_mass import friction_mass_ratio
 from solver.results.endings import fell_at, motion_end, overturned_at
 from solver.results.events import recorded
-from solver.results.felt_mass import friction_mass_ratio
 from solver.results.flutter import cautions_of_flutter
 from solver.results.motion import block_motion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps

@@ -61,9 +61,9 @@ class BlockObserver:
         self._gaps = slice(getattr(at, gaps[0]), getattr(at, gaps[1]) + 1)
         forces = ("normal_force_N", "friction_force_N", "friction_force_second_N")[:d]
         self._forces = [getattr(at, name) for name in forces]
-        self._take_interface()
-        self._known = self._first_home(state)
-        self._take_homes()
+        self._set_interface()
+        self._known = self._first_reference(state)
+        self._order_reference()
 
     @property
     def _link(self) -> Link:
@@ -78,19 +78,21 @@ class BlockObserver:
         """Go on from the steps that another observer of the block has seen."""
         self._angles, self._slip, self._known = saved
         self._links = self._stepper.links
-        self._take_interface()
-        self._take_homes()
+        self._set_interface()
+        self._order_reference()
 
-    def _take_interface(self) -> None:
-        """Look at the points that the block has now."""
+    def _set_interface(self) -> None:
+        """Set the points that the block has now."""
         self._interface = self._link.interface
         self._level = LEVEL * self._interface.size
         self._corners = self._bottom()
 
-    def _take_homes(self) -> None:
-        """Put the homes of its points in order; nan where one is not known yet."""
+    def _order_reference(self) -> None:
+        """Order the reference positions of its points; nan where one is not known yet."""
         unknown = np.full(self._interface.dimension - 1, np.nan)
-        self._home = np.array([self._known.get(key, unknown) for key in self._interface.keys()])
+        self._reference = np.array(
+            [self._known.get(key, unknown) for key in self._interface.keys()]
+        )
 
     def _bottom(self) -> Array | tuple[Indices, Array]:
         """The bottom corners: of a rigid block where they are in it, of a mesh which nodes."""
@@ -134,10 +136,10 @@ class BlockObserver:
         edges = [number for number in edges if not state.contacts[number].clear]
         memory = state.contacts[own]
         if self._link.interface is not self._interface:
-            self._take_interface()
-            self._take_homes()
+            self._set_interface()
+            self._order_reference()
         if not self._write_own(state, memory, row):
-            self._settle(memory)
+            self._set_reference(memory)
             self._write_own(state, memory, row)
         lost = self._carrier is not None and self._lost_its_carrier(state)
         corners = self._corner_positions(state)
@@ -153,14 +155,14 @@ class BlockObserver:
             row[self._forces] = self._force(state, lost)
 
     def _write_own(self, state: State, memory: Memory, row: Array) -> bool:
-        """The columns but the gaps, by the block's own points; False where a home is unknown.
+        """The columns but the gaps, by the block's own points; False where a reference is unknown.
 
         Then only the points that touch are found.
         """
         place, at = memory.kinematics.place, self._at
         self._touching = touching(memory.force, place, memory.may_touch, self._level)
         chosen = self._touching
-        slip = np.add.reduce(place.take(chosen, 0)[:, 1:] - self._home.take(chosen, 0)) / len(
+        slip = np.add.reduce(place.take(chosen, 0)[:, 1:] - self._reference.take(chosen, 0)) / len(
             chosen
         )
         if math.isnan(slip[0]):
@@ -235,7 +237,7 @@ class BlockObserver:
             force = force + sign * pushed.sum(axis=0) @ frame.T
         return force
 
-    def _first_home(self, state: State) -> dict[Key, Array]:
+    def _first_reference(self, state: State) -> dict[Key, Array]:
         """Reference positions along the carrier of the points of the face that stands on it, m.
 
         As far from those that touch as in the block: a tilted block has its base foreshortened.
@@ -245,20 +247,20 @@ class BlockObserver:
         carrier, points = interface.carrier, interface.points
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T
-        self._home = np.full((interface.count, interface.dimension - 1), np.nan)
+        self._reference = np.full((interface.count, interface.dimension - 1), np.nan)
         self._write_own(state, memory, np.empty(0))  # finds the points that touch
         touching = self._touching
-        home = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
+        reference = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
         same = np.flatnonzero(tag == tag[touching[0]])
-        return {keys[q]: home[q] for q in same}
+        return {keys[q]: reference[q] for q in same}
 
-    def _settle(self, memory: Memory) -> None:
-        """Find homes for points that touch for the first time.
+    def _set_reference(self, memory: Memory) -> None:
+        """Set the reference positions of points that touch for the first time.
 
-        Home is where a point belongs at the start, for points of other faces where it has to be
-        for the slip not to jump when they first touch.
+        That is the position of a point at the start; for points of other faces it is the one with
+        which the slip does not jump when they first touch.
         """
         place, keys = memory.kinematics.place, self._interface.keys()
         touching = self._touching
@@ -266,4 +268,4 @@ class BlockObserver:
         slip = sum(known) / len(known) if known else self._slip
         for q in touching:
             self._known.setdefault(keys[q], place[q, 1:] - slip)
-        self._take_homes()
+        self._order_reference()

@@ -16,7 +16,7 @@ FULL: list[int] = []
 
 
 @contextmanager
-def lasting_streams() -> Iterator[None]:
+def guard_streams() -> Iterator[None]:
     """Let a command end in good order whatever becomes of its standard output and error."""
     FULL.clear()
     _open_closed()

@@ -19,7 +19,7 @@ from solver.stepping.point_table import joined
 from solver.stepping.state import Exchange, GroundForces, State
 from solver.types import Array
 
-WAYS = ("", "_second")
+DIRECTIONS = ("", "_second")
 """Names of the horizontal directions within those of columns."""
 
 
@@ -27,8 +27,8 @@ def write_base_shear(forces: GroundForces, comm: MPI.Intracomm, row: Array) -> N
     """Force on the ground along each horizontal direction; `row` begins with these columns."""
     total = global_sum(comm, forces.total)
     at = positions("foundation", len(total))
-    for k, way in enumerate(WAYS[: len(total) - 1]):
-        row[getattr(at, f"base_shear{way}_N")] = -total[k]
+    for k, direction in enumerate(DIRECTIONS[: len(total) - 1]):
+        row[getattr(at, f"base_shear{direction}_N")] = -total[k]
 
 
 class StructureObserver:
@@ -63,16 +63,16 @@ class StructureObserver:
         for number, foot in enumerate(feet):
             part, pushed, moment = columns[len(column) * number :], foot[:d], foot[d:]
             part[column.axial_force_N] = pushed[-1]
-            for k, way in enumerate(WAYS[: len(moment)]):
-                part[getattr(column, f"shear{way}_N")] = -pushed[k]
-                part[getattr(column, f"moment{way}_Nm")] = moment[k]
+            for k, direction in enumerate(DIRECTIONS[: len(moment)]):
+                part[getattr(column, f"shear{direction}_N")] = -pushed[k]
+                part[getattr(column, f"moment{direction}_Nm")] = moment[k]
 
     def _write_base(self, forces: GroundForces, base: Array, row: Array) -> None:
         """Base shear and overturning moment."""
         d, at = self._body.dimension, self._at[0]
         write_base_shear(forces, self._body.comm, row)
-        for k, way in enumerate(WAYS[: d - 1]):
-            row[getattr(at, f"overturning_moment{way}_Nm")] = base[d + k]
+        for k, direction in enumerate(DIRECTIONS[: d - 1]):
+            row[getattr(at, f"overturning_moment{direction}_Nm")] = base[d + k]
 
     def _resultants(self, forces: GroundForces, state: State) -> Array:
         """Forces of the ground on all nodes, and on those of each foot, with their moments.
@@ -103,9 +103,9 @@ class StructureObserver:
         drift[1:] -= place[:-1]
         for number in range(len(floors)):
             part = row[len(at) * number :]
-            for k, way in enumerate(WAYS[: place.shape[1]]):
-                part[getattr(at, f"drift{way}_m")] = drift[number, k]
-                part[getattr(at, f"velocity{way}_m_s")] = velocity[number, k]
+            for k, direction in enumerate(DIRECTIONS[: place.shape[1]]):
+                part[getattr(at, f"drift{direction}_m")] = drift[number, k]
+                part[getattr(at, f"velocity{direction}_m_s")] = velocity[number, k]
 
     def _means(self, vector: Array) -> Array:
         """Horizontal means over the floors, (floors, d - 1)."""

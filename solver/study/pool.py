@@ -43,7 +43,7 @@ Value = TypeVar("Value")
 #: Time that a process is given to end by itself before it is killed, s.
 TIME_TO_END = 2.0
 
-#: Environment variables that tell libraries how many threads to use.
+#: Environment variables with the number of threads of libraries.
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -51,7 +51,7 @@ class ProcessEnded(RockslipError):
     """A task took its process down."""
 
 
-def side_by_side(
+def parallel_map(
     function: Callable[[Task], Value], tasks: Sequence[Task], *, processes: int | None = None
 ) -> Generator[tuple[int, Value | Exception], None, None]:
     """Call a function for each of many tasks; yields as they finish, not in their order.
@@ -165,7 +165,7 @@ class _Worker:
         self.connection.close()
         self._process.terminate()
 
-    def bury(self) -> None:
+    def join(self) -> None:
         """Wait for the end of the process, and force it."""
         self._process.join(TIME_TO_END)
         if self._process.is_alive():
@@ -178,7 +178,7 @@ def _end(workers: list[_Worker]) -> None:
     for worker in workers:
         worker.stop()
     for worker in workers:
-        worker.bury()
+        worker.join()
 
 
 def _work(function: Callable[[Any], Any], connection: Connection) -> None:
@@ -251,7 +251,7 @@ def _termination_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-# ---------------------------------------------------------------- with a tally
+# ---------------------------------------------------------------- with a display
 
 
 def finished_cases(
@@ -262,7 +262,7 @@ def finished_cases(
     processes: int | None = None,
     quiet: bool = False,
 ) -> Generator[tuple[NamedTask, Value | Exception], None, None]:
-    """Cases as they finish, not in their order, while a tally is shown; as `side_by_side`.
+    """Cases as they finish, not in their order, while the progress is shown; as `parallel_map`.
 
     `done` is how many other cases had been done before. With each case comes what the function
     returned or the exception that it raised.
@@ -271,15 +271,15 @@ def finished_cases(
 
     if MPI.COMM_WORLD.size > 1:
         # PETSc starts on all ranks together, also on the first one, which runs nothing. Where it is
-        # missing, cases that need it say so.
+        # missing, cases that need it fail with that reason.
         with suppress(ImportError):
             import_module("petsc4py.PETSc")
-    tally = Tally(done + len(cases), done=done, quiet=quiet, rank=MPI.COMM_WORLD.rank)
-    outcomes = side_by_side(function, cases, processes=processes)
-    with closing(tally), closing(outcomes):
+    progress = CaseProgress(done + len(cases), done=done, quiet=quiet, rank=MPI.COMM_WORLD.rank)
+    outcomes = parallel_map(function, cases, processes=processes)
+    with closing(progress), closing(outcomes):
         for number, outcome in outcomes:
             yield cases[number], outcome
-            tally.add(cases[number].name)
+            progress.add(cases[number].name)
 
 
 def reason_of(error: Exception) -> str:
@@ -295,7 +295,7 @@ def reason_of(error: Exception) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
-class Tally(ProgressDisplay):
+class CaseProgress(ProgressDisplay):
     """Finished cases of a study, and the time that is left; shown on rank 0 only."""
 
     def __init__(self, total: int, *, done: int = 0, quiet: bool = False, rank: int = 0):

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from solver.errors import SceneError
-from solver.study.pool import ProcessEnded, side_by_side
+from solver.study.pool import ProcessEnded, parallel_map
 
 pytestmark = pytest.mark.serial
 
@@ -69,7 +69,7 @@ def test_each_task_has_its_outcome(tasks: Path) -> None:
     import pool_tasks
 
     names = ["a", "die", "b", "refuse", "fault", "c", "odd", "lambda", "leave", "threads", "d"]
-    outcomes = dict(side_by_side(pool_tasks.act, names, processes=2))
+    outcomes = dict(parallel_map(pool_tasks.act, names, processes=2))
     found = {names[number]: outcome for number, outcome in outcomes.items()}
     assert set(found) == set(names)
     for name in "abcd":
@@ -91,7 +91,7 @@ def test_petsc_catches_no_broken_pipe(tasks: Path) -> None:
     import pool_tasks
 
     before = os.environ.get("PETSC_OPTIONS")
-    assert list(side_by_side(pool_tasks.act, ["catches"])) == [(0, False)]
+    assert list(parallel_map(pool_tasks.act, ["catches"])) == [(0, False)]
     assert os.environ.get("PETSC_OPTIONS") == before
 
 
@@ -100,7 +100,7 @@ def test_a_task_that_cannot_be_read_fails_alone(tasks: Path) -> None:
     import pool_tasks
 
     given = ["a", pool_tasks.Unreadable(), "b", "c"]
-    outcomes = dict(side_by_side(pool_tasks.act, given, processes=1))
+    outcomes = dict(parallel_map(pool_tasks.act, given, processes=1))
     assert [outcomes[number][1] for number in (0, 2, 3)] == ["a", "b", "c"]
     assert isinstance(outcomes[1], ProcessEnded) and "exit code 1" in str(outcomes[1])
 
@@ -109,7 +109,7 @@ def test_two_processes_work_at_the_same_time(tasks: Path) -> None:
     """Both sleep at once: results come as they finish, the short one first."""
     import pool_tasks
 
-    order = [number for number, _ in side_by_side(pool_tasks.sleep, [0.6, 0.0], processes=2)]
+    order = [number for number, _ in parallel_map(pool_tasks.sleep, [0.6, 0.0], processes=2)]
     assert order == [1, 0]
 
 
@@ -117,10 +117,10 @@ SCRIPT = """
 import sys
 sys.path.insert(0, {folder!r})
 from pool_tasks import sleep
-from solver.study.pool import side_by_side
+from solver.study.pool import parallel_map
 if __name__ == "__main__":
     try:
-        for number, outcome in side_by_side(sleep, [0.0, 60.0, 60.0], processes=2):
+        for number, outcome in parallel_map(sleep, [0.0, 60.0, 60.0], processes=2):
             print("finished", number, flush=True)
     except KeyboardInterrupt:
         sys.exit(130)
@@ -161,7 +161,7 @@ def test_leaving_the_loop_ends_the_others(tasks: Path) -> None:
     import pool_tasks
 
     began = time.monotonic()
-    outcomes = side_by_side(pool_tasks.sleep, [0.0, 60.0], processes=2)
+    outcomes = parallel_map(pool_tasks.sleep, [0.0, 60.0], processes=2)
     assert next(iter(outcomes)) == (0, 0.0)
     outcomes.close()  # type: ignore[attr-defined]
     assert time.monotonic() - began < 10
@@ -175,8 +175,8 @@ def test_the_ranks_of_mpirun_share_the_tasks(tasks: Path, tmp_path: Path) -> Non
         f"import sys; sys.path.insert(0, {str(tasks)!r})\n"
         "from mpi4py import MPI\n"
         "from pool_tasks import act\n"
-        "from solver.study.pool import side_by_side\n"
-        "found = sorted((n, str(o)[-3:]) for n, o in side_by_side(act, ['refuse', 'b', 'odd']))\n"
+        "from solver.study.pool import parallel_map\n"
+        "found = sorted((n, str(o)[-3:]) for n, o in parallel_map(act, ['refuse', 'b', 'odd']))\n"
         "print(MPI.COMM_WORLD.rank, found, flush=True)\n"
     )
     command = ["mpirun", "--oversubscribe", "-n", "3", sys.executable, str(script)]

@@ -19,7 +19,7 @@ import pytest
 from rockslip import load_scene
 from solver.cli import build_parser, main
 from solver.errors import SceneError
-from solver.study.pool import Tally
+from solver.study.pool import CaseProgress
 from solver.study.suite.cases import SuiteStudy, variations
 from solver.study.suite.motions import find_motions
 from solver.study.suite.numbers import as_text, ratios
@@ -314,13 +314,13 @@ def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) ->
     shared = SimpleNamespace(monotonic=lambda: next(now))
     monkeypatch.setattr("solver.run.progress.clock", shared)
     monkeypatch.setattr("solver.study.pool.clock", shared)
-    tally = Tally(5, done=2)
+    progress = CaseProgress(5, done=2)
     for name in ("c", "d", "e"):
-        tally.add(name)
-    tally.close()
+        progress.add(name)
+    progress.close()
     assert capsys.readouterr().err.splitlines() == [
         "4 of 5 (d), 3 s spent, 2 s left", "5 of 5 (e), 4 s spent, 0 s left"
     ]  # fmt: skip
-    Tally(1, rank=1).add("a")
-    Tally(1, quiet=True).add("a")
+    CaseProgress(1, rank=1).add("a")
+    CaseProgress(1, quiet=True).add("a")
     assert capsys.readouterr().err == ""

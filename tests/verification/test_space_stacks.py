@@ -15,7 +15,7 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from rockslip import Scene, parse_scene, simulate
 from solver.bodies.elastic_body import ElasticBody
-from solver.build.assembly import rim
+from solver.build.assembly import outline_points
 from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings, Outline
@@ -59,7 +59,7 @@ def placed(body: ElasticBody, turn: tuple[float, ...], shift: tuple[float, ...])
 
 def crossed(bottom: Face, top: Face) -> CrossingInterface:
     """Interface of the crossing edges of two faces."""
-    over, under = (Outline(rim(face.points), face.degree) for face in (bottom, top))
+    over, under = (Outline(outline_points(face.points), face.degree) for face in (bottom, top))
     return CrossingInterface(Crossings(over, under, top, bottom), LAW)
 
 
@@ -109,7 +109,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
         outlined(UPPER, FacetTag.BOTTOM, cell, degree),
         outlined(LOWER, FacetTag.TOP, cell, degree),
     )
-    over, under = (Outline(rim(face.points), degree) for face in (bottom, top))
+    over, under = (Outline(outline_points(face.points), degree) for face in (bottom, top))
     interface = CrossingInterface(Crossings(over, under, top, bottom), LAW)
     system = System([upper, lower])
     u0 = np.concatenate(

@@ -164,7 +164,7 @@ def _histories(curves: Mapping[str, Angles]) -> Figure:
     """All curves in one panel."""
     figure = new_figure(3.2)
     axes = figure.subplots()
-    for number, (label, (time, angle)) in enumerate(some(curves).items()):
+    for number, (label, (time, angle)) in enumerate(distinct_curves(curves).items()):
         axes.plot(time, np.degrees(angle), color=colour(number), linewidth=0.9, label=label)
     zero_line(axes)
     axes.set(xlabel="time (s)", ylabel="rocking angle (°)")
@@ -172,8 +172,8 @@ def _histories(curves: Mapping[str, Angles]) -> Figure:
     return figure
 
 
-def some(curves: Mapping[str, Angles]) -> dict[str, Angles]:
-    """Curves that can be told apart: of too many some, evenly chosen, first and last included."""
+def distinct_curves(curves: Mapping[str, Angles]) -> dict[str, Angles]:
+    """Curves that stay distinct: of too many some, evenly chosen, first and last included."""
     names = list(curves)
     if len(names) > MOST_CURVES:
         chosen = np.linspace(0, len(names) - 1, MOST_CURVES).round().astype(int)

@@ -132,10 +132,10 @@ STEP = 4e-3
 STEPS_A_RADIAN = 50
 """Fewest steps while the phase of the pulse moves on by one."""
 
-AT_ONCE = 100
-"""Steps between two looks at the block."""
+STEPS_BETWEEN_CHECKS = 100
+"""Steps between two checks of the block."""
 
-SHIVER = 1e-4
+SMALLEST_SWING = 1e-4
 """Largest angle over alpha of a swing that does not count."""
 
 RIGID_LATEST = 60.0
@@ -178,7 +178,7 @@ class RigidUnderPulses:
         first = 0
         while first < last:
             shaken = first < self._shaken
-            stop = min(first + AT_ONCE, self._shaken if shaken else last)
+            stop = min(first + STEPS_BETWEEN_CHECKS, self._shaken if shaken else last)
             moved = (ground[first : stop + 1], mean[first:stop]) if shaken else (None, None)
             outcome = self._system.advance(stop - first, self._step, moved[0], mean=moved[1])
             if outcome.failure:
@@ -205,7 +205,7 @@ class _Swings:
 
     def __init__(self, slenderness: float):
         """Begin with a block at rest of this slenderness, rad."""
-        self._least = SHIVER * slenderness
+        self._least = SMALLEST_SWING * slenderness
         self._side, self.impacts = 0.0, 0
 
     def follow(self, angle: Array) -> None:
