@@ -1,4 +1,4 @@
-"""Draw docs/pictures/architecture.png: the packages of the program and who imports whom.
+"""Draw docs/pictures/architecture.png: the packages of the program and their imports.
 
     ./in-env python3 docs/draw_architecture.py
 

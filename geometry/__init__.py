@@ -1,4 +1,4 @@
-"""Shapes and meshes of blocks and of what carries them; knows nothing of time or force.
+"""Shapes and meshes of blocks and of what carries them, without time or force.
 
 Nothing is imported here: `geometry.block` and `geometry.tags` need the standard library only,
 `geometry.arrangement`, `geometry.foundation` and `geometry.grading` numpy; `geometry.gmsh_model`

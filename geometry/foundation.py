@@ -12,7 +12,7 @@ from solver.types import Array
 
 
 def level_frame(dimension: int, up: float = 1.0) -> Array:
-    """Rows normal and tangents of a level face that looks up, or down with `up` = -1, (d, d).
+    """Rows normal and tangents of a level face that points up, or down with `up` = -1, (d, d).
 
     In the plane the tangent is the normal turned clockwise; in space the first one is +x, and the
     frame is right-handed.

@@ -211,7 +211,7 @@ class _Boxes:
         return volume
 
     def outside(self, boxes: list[Box]) -> dict[FacetTag, list[int]]:
-        """The faces that belong to one box only, by where they look and what they are."""
+        """The faces that belong to one box only, by their direction and what they are."""
         present, found = set(boxes), dict[FacetTag, list[int]]()
         for place, direction, up in product(boxes, range(self.dimension), (False, True)):
             across = _next(place, direction, 1 if up else -1)
@@ -222,7 +222,7 @@ class _Boxes:
         return found
 
     def _tag(self, place: Box, direction: int, up: bool) -> FacetTag:
-        """The side that a face looks to; the undersides of the lowest boxes are feet."""
+        """The side that a face points to; the undersides of the lowest boxes are feet."""
         if direction == self.dimension - 1:
             down = FacetTag.BOTTOM if place[-1] else FacetTag.FEET
             top = FacetTag.TOP if place[-1] == self.carries else FacetTag.FREE

@@ -143,7 +143,7 @@ def blocks(columns: int, unknowns: int) -> Iterator[slice]:
 
 
 class MassInverse:
-    """The inverse of a mass matrix, direction by direction: it knows of no other.
+    """The inverse of a mass matrix, direction by direction: they are independent.
 
     Directions in which the same nodes are held share a factorization, of 1/d of the unknowns.
     """

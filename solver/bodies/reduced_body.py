@@ -105,7 +105,7 @@ class ReducedBody(DampedBody):
     """It stands on the ground, and does not turn."""
 
     def __init__(self, comm: MPI.Intracomm, facts: ReducedFacts, parts: ReducedParts | None):
-        """Take what all ranks know, and on rank 0 the parts."""
+        """Take what all ranks have, and on rank 0 the parts."""
         self.comm, self.name, self.mass = comm, facts.name, facts.mass
         self.rigidity = facts.rigidity
         self.damping, self.delay, self.dimension = facts.damping, facts.delay, facts.dimension
@@ -330,7 +330,7 @@ class _PartOfLayer(Layer):
 
 
 class Reduction(NamedTuple):
-    """The reduction of a mesh, in numbers that every rank knows."""
+    """The reduction of a mesh, in numbers that every rank has."""
 
     facts: ReducedFacts
     """The body."""

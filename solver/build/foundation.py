@@ -407,7 +407,7 @@ class Footprint(NamedTuple):
 
 
 class Reduced(NamedTuple):
-    """A reduced foundation on rank 0, to be told to the others."""
+    """A reduced foundation on rank 0, to be sent to the other ranks."""
 
     reduction: Reduction
     parts: ReducedParts

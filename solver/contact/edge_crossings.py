@@ -160,8 +160,8 @@ class Crossings(FacetCarrier):
     """Contacts between the four edges of a lower face and those of an upper one, 16 pairs.
 
     Attributes:
-        upper: Outline of the face that looks down.
-        lower: Outline of the face that looks up.
+        upper: Outline of the face that points down.
+        lower: Outline of the face that points up.
         points: The nodes of the lower outline.
         detected: What is settled for the present step; `detect` settles it anew.
     """
@@ -169,7 +169,7 @@ class Crossings(FacetCarrier):
     count = 16
 
     def __init__(self, upper: Outline, lower: Outline, top: Face, bottom: Face):
-        """Take the outlines of a face that looks down and of one that looks up, and the faces.
+        """Take the outlines of a face that points down and of one that points up, and the faces.
 
         The latter is what carries the former's nodes, the former what the latter's outline presses
         on.

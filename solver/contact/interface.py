@@ -182,7 +182,7 @@ class Interface:
     def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
         """Points that may touch.
 
-        At each corner it is the point whose face looks most against the carrier, and all other
+        At each corner it is the point whose face is most opposed to the carrier, and all other
         points; but no point behind a face that came there round its edge.
         """
         if self.corners is None:

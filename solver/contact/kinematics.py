@@ -69,7 +69,7 @@ class EdgeInterpolation(Interpolation):
 class ContactKinematics(NamedTuple):
     """Gaps and tangential positions of points over a carrier at one instant.
 
-    A carrier knows of no tractions: it gives augmented positions without them, and the interface
+    A carrier has no tractions: it gives augmented positions without them, and the interface
     takes those off.
     """
 

@@ -30,7 +30,7 @@ class Memory(NamedTuple):
             pushed out, since that would gain energy; 0 for others, (points,), m.
         clear: How far the points and their carrier may move, together, before they have to be
             observed, m: an interface far from contact. Until then all else stays as it was
-            when that was done last. 0 where every step looks.
+            when that was done last. 0 where every step does so.
     """
 
     surface: SurfaceState
@@ -119,8 +119,8 @@ SAME_PLACE = 9
 class CornerPoints:
     """Groups of contact points of different faces at one place.
 
-    At each corner only one of its points may touch at a time: that of the face which looks most
-    against the carrier.
+    At each corner only one of its points may touch at a time: that of the face which is most
+    opposed to the carrier.
     """
 
     def __init__(self, places: Array, normal: Array):

@@ -1,4 +1,4 @@
-"""The faces of a body that take part in contact: those turned towards what carries the body.
+"""The active faces of a body in contact: those turned towards what carries the body.
 
 Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a
 face cost time in every iteration, so a face joins when it has turned to within 60 degrees of facing
@@ -34,7 +34,7 @@ class ContactPair(Protocol):
         body: Number of the body whose points these are; None for what is fixed to the ground.
         carrier: Number of the body that carries them; None for the ground and what is fixed to it.
         surface: The carrier's surface.
-        always: Tags of the faces that take part from the beginning.
+        always: Tags of the faces that are active from the beginning.
     """
 
     body: int | None
@@ -43,7 +43,7 @@ class ContactPair(Protocol):
     always: frozenset[int]
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of the faces that a rotation turns towards the carrier, or that always take part."""
+        """Tags of the faces active under a rotation: turned to the carrier, or always active."""
 
     def join(self, faces: frozenset[int]) -> Interface:
         """The interface of these faces, made anew; collective."""
@@ -92,7 +92,7 @@ class MeshedContactPair:
         facets, _ = gather(space, records, extent(space.mesh))
         self._face, self._outward = facets.tag, np.ascontiguousarray(facets.normal)
         self._found: dict[bytes, frozenset[int]] = {}  # faces, by the facets that are turned there
-        # The bottom always takes part: the gaps in the history are those of its corners.
+        # The bottom is always active: the gaps in the history are those of its corners.
         self.always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
     def facing(self, rotation: Array) -> frozenset[int]:
@@ -123,7 +123,7 @@ class MeshedContactPair:
 
 
 class FixedContactPair:
-    """Points that take part from the beginning to the end: of rigid bodies, of edges."""
+    """Points that are active from the beginning to the end: of rigid bodies, of edges."""
 
     always: frozenset[int] = frozenset()
 
@@ -133,7 +133,7 @@ class FixedContactPair:
         self._interface = interface
 
     def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of faces that take part: no face ever joins."""
+        """Tags of active faces: no face ever joins."""
         return self.always
 
     def join(self, faces: frozenset[int]) -> Interface:

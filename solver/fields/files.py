@@ -1,4 +1,4 @@
-"""The files of the fields of a run, by the format that its scene wants."""
+"""The files of the fields of a run, by the format that its scene selects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fields of a meshed body as functions on its mesh, and as arrays as VTK wants them."""
+"""The fields of a meshed body as functions on its mesh, and as arrays in VTK's form."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class BodyFunctions:
             ]
 
     def arrays(self) -> tuple[dict[str, Values], dict[str, Values]]:
-        """Values at the nodes and in the cells that this rank knows, its own first; collective.
+        """Values at the nodes and in the cells that this rank holds, its own first; collective.
 
         They are named as the fields are; the stress is that of the displacement as it is.
         """
@@ -120,7 +120,7 @@ class BodyFunctions:
 
 
 def part_of(space: fem.FunctionSpace) -> Part:
-    """The nodes of a function space and the cells over them that this rank knows."""
+    """The nodes of a function space and the cells over them that this rank holds."""
     topology = space.mesh.topology
     cells = topology.index_map(topology.dim)
     known = range(cells.size_local + cells.num_ghosts)

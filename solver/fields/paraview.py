@@ -39,7 +39,7 @@ from paraview.simple import (
     WarpByVector,
 )
 
-# ParaView does not always tell a script where it lies: then look into the current folder
+# ParaView does not always give a script its own path: then look into the current folder
 here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
 HALF_FLOOR, LEVEL = $half_floor, $level  # m
 DARK = [0.15, 0.15, 0.15]

@@ -1,4 +1,4 @@
-"""The mesh of a body, or of a rank's part of it, as VTK wants it."""
+"""The mesh of a body, or of a rank's part of it, in VTK's form."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def one_cell(corners: Array) -> Part:
 
 
 def in_space(vectors: Array) -> Array:
-    """Vectors (n, d) with the third component that VTK wants, (n, 3)."""
+    """Vectors (n, d) with the third component that VTK needs, (n, 3)."""
     spatial = np.zeros((len(vectors), 3))
     spatial[:, : vectors.shape[1]] = vectors
     return spatial

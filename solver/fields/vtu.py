@@ -133,7 +133,7 @@ class FieldsBefore:
     """Fields that an earlier part of a run has left."""
 
     part: int = 1
-    """Number of the part that is written now; names of pieces tell it from the second one on."""
+    """Number of the part that is written now; names of pieces contain it from the second one on."""
     until: float | None = None
     """Time up to which earlier pieces stay, s; None: there are none."""
 

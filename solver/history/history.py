@@ -1,4 +1,4 @@
-"""The history of a run: one row a step, and, if asked for, a CSV file of them."""
+"""The history of a run: one row a step, and, on request, a CSV file of them."""
 
 from __future__ import annotations
 

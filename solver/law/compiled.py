@@ -4,7 +4,7 @@ Without numba, or with ROCKSLIP_NO_NUMBA=1 in the environment, they stay what th
 code is interpreted.
 
 numba keeps machine code between runs, in a folder for each version of a package and of all that it
-may import from: numba itself looks at the file of a function only, not at those of the functions
+may import from: numba itself checks the file of a function only, not those of the functions
 that it calls, and would run old code after an update. NUMBA_CACHE_DIR says where these folders are;
 else they are in the user's cache folder, and where that cannot be written, nowhere: each run then
 compiles anew.

@@ -91,7 +91,7 @@ def _solve_by_lapack(matrix: Array, right: Array) -> bool:
     """As `solve_dense`, for many rows."""
     try:
         right[:] = np.linalg.solve(matrix, right)
-    except Exception:  # LinAlgError; numba knows no narrower word
+    except Exception:  # LinAlgError; numba has no narrower class
         return False
     return True
 

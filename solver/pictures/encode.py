@@ -49,7 +49,7 @@ class Mp4(Encoder):
             try:
                 process.stdin.write(np.ascontiguousarray(even).tobytes())
             except BrokenPipeError:
-                break  # it has ended, and says why
+                break  # it has ended, and its message says why
         if process is None:
             raise ValueError("no frames")
         _, said = process.communicate()

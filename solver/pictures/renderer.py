@@ -85,7 +85,7 @@ def display() -> Iterator[None]:
 
 
 def _start(program: str) -> tuple[subprocess.Popen[bytes], int]:
-    """Start a server on a free display, which it tells; returns it and the number."""
+    """Start a server on a free display, whose number it prints; returns it and the number."""
     answer, told = os.pipe()
     words = [program, "-displayfd", str(told), "-screen", "0", "1280x1024x24", "-nolisten", "tcp"]
     silent = subprocess.DEVNULL

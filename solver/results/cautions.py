@@ -131,7 +131,7 @@ def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
 
 
 def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
-    """Motions of which a run sees nothing, or not all."""
+    """Motions that begin after the end of a run, or end after it."""
     end = scene.time.end * (1 + 1e-9)
     late = [(where, getattr(spec, "start", 0.0)) for where, spec in scene.motions]
     found = [

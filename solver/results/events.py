@@ -195,14 +195,14 @@ class Recorder:
             self._first[block.name] = max(first + search.needed, len(table) - MOST_ROWS)
         if ends:
             return
-        # A whole number of chunks goes, so that the next look comes where it would have come.
+        # A whole number of chunks goes, so that the next search begins where it would have begun.
         gone = min(self._first.values()) // CHUNK * CHUNK
         self._rows, self._count = [table[gone:]], len(table) - gone
         self._first = {name: first - gone for name, first in self._first.items()}
 
 
 def recorded(scene: Scene, history: History, *, rigid: bool = False) -> tuple[Event, ...]:
-    """The events of a history: those that its run recorded, else what its rows tell."""
+    """The events of a history: those that its run recorded, else those found in its rows."""
     if history.events is not None:
         return history.events
     recorder = Recorder(scene, history.columns, rigid=rigid)

@@ -210,7 +210,7 @@ def slenderness(history: Columns, block: BlockSpec) -> Array:
     shape = block.shape
     if not is_spatial(history, block.name):
         return np.full(len(history["time_s"]), shape.slenderness)
-    # The upright direction as the block sees it.
+    # The upright direction in the block's own frame.
     across = np.abs(boxes(history, block).frames[:, 2, :2])
     length = np.hypot(across[:, 0], across[:, 1])
     width = across @ [shape.width, shape.thickness]
@@ -303,7 +303,7 @@ def _leaning_in_space(history: Columns, block: BlockSpec, carrier: BlockSpec | N
     """Lean of a block in space against its carrier, or from upright."""
     rotations = _rotations(history, block.name)
     axes = rotated(rotations, UP)
-    # The carrier's upright axis as the block sees it tells where the block leans, in its own frame.
+    # The carrier's upright axis in the block's own frame gives the direction of the lean.
     below = np.broadcast_to(UP, axes.shape)
     if carrier is not None:
         below = upright_axes(history, carrier.name)

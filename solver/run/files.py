@@ -172,7 +172,7 @@ class RunFiles:
             self._also(line)
 
     def start(self, fields: Callable[[Path, FieldsBefore], Fields], description: str) -> None:
-        """Say what is being run; open and write the fields of t = 0 where they are asked for."""
+        """Log the run; open and write the fields of t = 0 where they are requested."""
         self.log(description)
         folder = self._folder
         if folder is not None and self._resumed is not None:

@@ -16,7 +16,7 @@ ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 
 
 class Interruption:
-    """While entered, signals are noted; `requested` tells every rank that one was."""
+    """While entered, signals are noted; `requested` is true on every rank once one was."""
 
     def __init__(self, comm: Comm, seconds: float | None = None):
         """Watch on behalf of `comm`; `seconds` from now on is also a reason to stop."""

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from solver.rigid.space.system import SpaceSystem
 
 
-#: Most steps after which someone may interrupt the run, as machine code or interpreted.
+#: Most steps between two times at which the run can be interrupted, as machine code or interpreted.
 STEPS_AT_ONCE = {True: 500, False: 20}
 
 #: Wall time of steps at once above which there are fewer the next time, s; else there are more.
@@ -209,7 +209,7 @@ class RigidRun:
         return self._system.advance(count, step, accelerations, smallest, mean)
 
     def _report(self, context: RunContext, outcome: Advance) -> None:
-        """Count, and tell of what went wrong."""
+        """Count, and log steps that were halved."""
         run = self._run_columns
         self._rejected += outcome.rejected
         self._iterations += int(outcome.rows[:, run.newton_iterations].sum())

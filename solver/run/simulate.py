@@ -130,7 +130,7 @@ def simulate(
 
     Raises:
         TypeError: `scene` is not a `Scene`.
-        RockslipError: What is asked for cannot be run, or not be written.
+        RockslipError: The request cannot be run, or its results cannot be written.
     """
     began = time.perf_counter()
     folder = None if folder is None else Path(folder)
@@ -200,7 +200,7 @@ def _run(
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
     counter, s, with these cautions; it may go on from a checkpoint. What is compiled or read back
-    in the loop counts as set-up. `twin` runs the twin of the scene, where the scene wants it.
+    in the loop counts as set-up. `twin` runs the twin of the scene, if the scene has one.
     """
     scene, history, files = context.scene, context.history, context.files
     for where, part in zip(scene.directions, context.ground.parts, strict=True):

@@ -680,4 +680,4 @@ class FrameSpec(Foundation):
 
 
 FoundationSpec: TypeAlias = RigidSpec | OscillatorSpec | PlateSpec | FrameSpec
-"""All kinds, told apart by `kind`; the first is the default."""
+"""All kinds, distinguished by `kind`; the first is the default."""

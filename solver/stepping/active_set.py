@@ -241,7 +241,7 @@ def largest_displacements(system: System, now: Array, before: Array) -> list[flo
 
 
 def _largest_displacement(body: Body, now: Array, before: Array) -> float:
-    """At most how far a point moves that this rank knows of, m."""
+    """Bound on the displacement of the points that this rank holds, m."""
     if isinstance(body, DenseBody):
         return body.way(now - before)
     return math.sqrt(body.dimension) * float(np.abs(now - before).max(initial=0.0))

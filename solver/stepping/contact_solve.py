@@ -47,7 +47,7 @@ from solver.stepping.system import Body, Link, System, response_of
 from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2
-"""Corrections of a step that look where bodies are: later ones turn them no more to speak of."""
+"""Corrections of a step with new positions of the bodies: later ones hardly turn them."""
 
 
 class Iterate(NamedTuple):
@@ -58,7 +58,7 @@ class Iterate(NamedTuple):
 
 
 class ActivePair(NamedTuple):
-    """An interface that residuals look at: what stays the same from one to the next.
+    """An interface that enters residuals: what stays the same from one to the next.
 
     Attributes:
         number: Its number.
@@ -136,7 +136,7 @@ class StepProblem:
         return residual
 
     def _pairs(self) -> list[ActivePair]:
-        """The interfaces that residuals look at."""
+        """The interfaces that enter residuals."""
         balance, points, found = self._balance, self._points, []
         for number, inactive in enumerate(self.active_set.inactive):
             if not inactive:

@@ -37,7 +37,7 @@ class InterfaceState(NamedTuple):
     """Frames of carriers and crossings of edges in a step.
 
     Attributes:
-        faces: Tags of the faces that take part.
+        faces: Tags of the active faces.
         settled: For each interface the frame of its carrier, or the contacts of its edges.
     """
 
@@ -102,7 +102,7 @@ class Interfaces:
         return [self._system.rotation(u, contact.body) for contact in self._contacts]
 
     def rotations_of(self, state: State) -> list[Array]:
-        """Rotations of these bodies in a state, which knows how its bodies have moved."""
+        """Rotations of these bodies in a state, from its rigid motions, (d, d) each."""
         system = self._system
         return [
             system.rotation(state.u, None)
@@ -133,7 +133,7 @@ class Interfaces:
     def start(self, state: State, faces: Faces, dt: float) -> StepStart:
         """Contact at the start of a step of length `dt` (s); the state is left as it is.
 
-        Faces that have joined by now take part from now on, frames are those of the middle of the
+        Faces that have joined by now are active from now on, frames are those of the middle of the
         step, and points of corners are chosen anew.
         """
         contacts, exchanged = state.contacts, 0.0

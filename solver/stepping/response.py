@@ -1,12 +1,12 @@
 """Responses of bodies to forces at contact points: compliance, and motion.
 
-A body takes part in interfaces with its points (it is carried) or with what it carries them on (it
+A body enters interfaces with its points (it is carried) or with what it carries them on (it
 carries). For all of them together it offers its free motion and its compliance, and takes forces:
 an elastic body with its factorized tangent in the frame that turns with it, a rigid block or a
 platform with its mass. The contact problem sees only rows and a small dense matrix.
 
 A response holds nothing of an iteration. What a body is like at a displacement is its
-configuration, and how it takes part in a set of points its coupling; each is a value that is passed
+configuration, and its part in a set of points its coupling; each is a value that is passed
 on to the next call. So is a motion, a correction of its unknowns as surface points are read from
 it: of a meshed body in the frame that turns with it; of a rigid one all unknowns, on every rank.
 """
@@ -348,7 +348,7 @@ class ElasticResponse:
     """Response of a meshed body, K^-1 = R (K_0^-1 + S) R_m^T, from one factorization of K_0.
 
     Motions without strain end in R, and forces of strain have no moment in R_m, the rotation in the
-    middle of the step. Inertia knows of neither: S = (R^T R_m - I)/(w m) on all nodes alike gives
+    middle of the step. Inertia contains neither: S = (R^T R_m - I)/(w m) on all nodes alike gives
     translations what their inertia w m alone does.
     """
 

@@ -96,7 +96,7 @@ class Stepper:
         self._resources = ExitStack()
 
     def _join(self, faces: Faces) -> None:
-        """Let these faces of each contact take part; tangents change with them."""
+        """Make these faces of each contact the active ones; tangents change with them."""
         if faces is self._faces or faces == self._faces:
             return
         self._faces, self.links = faces, self._interfaces.links(faces)
@@ -114,7 +114,7 @@ class Stepper:
         """Start of a step of length `dt` (s) from a state.
 
         The frames of carriers are those of this step afterwards, and faces that have turned to
-        their carriers take part; the state stays as it is.
+        their carriers are active; the state stays as it is.
         """
         faces = self._interfaces.joined_by(state.faces, self._interfaces.rotations_of(state))
         self._join(faces)

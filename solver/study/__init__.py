@@ -1,1 +1,1 @@
-"""Studies: many runs of scenes, and what they say together."""
+"""Studies: many runs of scenes, and their common results."""

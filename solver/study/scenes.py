@@ -1,4 +1,4 @@
-"""Scenes of studies: as a command line says them, of one block on firm ground, and variants."""
+"""Scenes of studies: from a command line, of one block on firm ground, and variants."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Tables = dict[str, Any]
 
 
 def scene_tables(options: argparse.Namespace) -> Tables:
-    """The tables of the scene of a command line, with what `--set` says."""
+    """The tables of the scene of a command line, with the values of `--set`."""
     path = options.scene
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)

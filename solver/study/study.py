@@ -172,7 +172,7 @@ class Study(ABC, Generic[Case]):
         return [case for key, case in found.items() if key not in self.rows]
 
     def conclude(self) -> bool:
-        """Write what the study leaves and say it; True if all is done and right."""
+        """Write the results of the study and print them; True if all is done and right."""
         text = self.write() if self.rows else ""
         if not self.options.quiet:
             self.say(text)
@@ -266,7 +266,7 @@ def finished(folder: Path) -> dict[str, Row]:
 
 
 def digest(said: Any) -> str:
-    """A name made from what JSON can say: equal things have one."""
+    """A name made from values that JSON can hold: equal values have one."""
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:20]
 
 

@@ -364,7 +364,7 @@ class BaseScene:
 
 
 def _key(scene: Scene) -> str:
-    """A key made from all that a scene says but its title."""
+    """A key made from all values of a scene but its title."""
     return digest(replace(scene, title="").to_dict())[:12]
 
 
@@ -508,7 +508,7 @@ def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
                 try:
                     case = base.case(*([other] if other else []), (axis, value))
                 except SceneError as error:
-                    # Of an axis that is asked for by name, at least the first value is possible.
+                    # Of an axis that is requested by name, at least the first value is possible.
                     if given or (of and number == 0):
                         raise
                     left_out.append(f"{axis.name} {value:g}: {error}")

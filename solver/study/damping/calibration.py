@@ -25,7 +25,7 @@ ALLOWED = "restitution=NUMBER, or history=FILE with times (s) and angles (rad)"
 COLUMNS = "two columns, time (s) and angle (rad; degrees or mrad where the heading says so)"
 
 SMALLEST_PEAK = 0.05
-"""Peaks below this part of the largest are not told from noise."""
+"""Peaks below this part of the largest are not distinguished from noise."""
 
 RELEASE = 0.05
 """Largest difference between the release that was measured and that of the scene, over the latter:

@@ -32,7 +32,7 @@ class Restitution:
 
     @classmethod
     def of(cls, block: Mapping[str, Any], wanted: int) -> Restitution:
-        """From the part of a summary that tells of a block.
+        """From the part of a summary that describes a block.
 
         Args:
             block: `summary["blocks"][NAME]`.
@@ -180,7 +180,7 @@ def lines(sweep: Sweep, rows: Rows, impacts: int) -> list[Line]:
     """The lines of a study, in the order of its table.
 
     Args:
-        sweep: What was asked for.
+        sweep: The sweep of the command line.
         rows: What is finished.
         impacts: Number of impacts that count.
     """

@@ -27,7 +27,7 @@ from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
 
 COUNT = 300
-"""Synthetic motions where the command line says nothing."""
+"""Default number of synthetic motions."""
 
 FIRST = 30
 """Motions of the first round where as many are taken as an interval needs."""

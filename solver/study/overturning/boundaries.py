@@ -105,7 +105,7 @@ def _extremum(
 
 
 def _between(respond: Respond, low: Sample, high: Sample, tolerance: float) -> list[Boundary]:
-    """Boundaries between two samples, as far as their fates or numbers of impacts tell of any.
+    """Boundaries between two samples, as far as their fates or numbers of impacts show any.
 
     By bisection. Two numbers of impacts may have a narrow interval between them in which the block
     stays.

@@ -380,7 +380,7 @@ class SuiteStudy(Study[SuiteCase]):
         return text
 
     def _write_fragility(self, rows: Sequence[Row]) -> dict[str, Any]:
-        """Write tables and pictures of an ensemble; returns what the summary says of it."""
+        """Write tables and pictures of an ensemble; returns its entry in the summary."""
         found = numbers.samples(rows, self.varied, self.blocks)
         measure = {"intensity": self.axis} if self.intensity else {}
         table = [sample.row() | measure for sample in found]

@@ -32,7 +32,7 @@ IGNORED_NAMES = ("readme", "index", "license", "licence")
 #: Kinds of motions of a scene of which a suite changes the file alone.
 KINDS_WITH_FILE = ("record", "table")
 
-#: What a scene says of its synthetic motions that is said of those of a suite, too.
+#: Keys of the synthetic motions of a scene that hold for those of a suite, too.
 KEPT_OF_SYNTHETIC = ("scale", "start", "dt")
 
 #: What stands in a list where there is no file.
@@ -205,7 +205,7 @@ def _files(word: str) -> Sequence[Item]:
     if word.startswith("@"):
         return list(_listed(Path(word[1:])))
     path = Path(word)
-    if not os.path.exists(path):  # unlike pathlib, says False to names that no file can have
+    if not os.path.exists(path):  # unlike pathlib, False for names that no file can have
         raise SceneError("--motions", word, "a file, a folder, @LIST, or synthetic")
     if not path.is_dir():
         return [(path,)]
