@@ -45,7 +45,7 @@ def verdict(program: str, results: Sequence[tuple[bool, str]]) -> int:
 
     Args:
         program: Whose line it is.
-        results: Whether each check holds, and what it says.
+        results: Of the checks.
     """
     failed = [line for good, line in results if not good]
     if MPI.COMM_WORLD.rank:

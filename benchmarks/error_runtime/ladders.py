@@ -91,7 +91,7 @@ class LadderFamily:
         name: What it is called.
         size: What `Rung.size` is, such as "step".
         rungs: From the coarsest to the finest.
-        own: Whether it solves the scene as it is, not another model of it.
+        own: True if it solves the scene as it is, not another model of it.
     """
 
     name: str

@@ -41,7 +41,7 @@ class StabilityCase(Place):
 
     Attributes:
         tables: The scene, as plain tables.
-        compared: Whether its peak slip is held against the reference.
+        compared: True if its peak slip is held against the reference.
     """
 
     tables: Tables
@@ -57,7 +57,7 @@ class StabilityFamily:
         base: The scene that rows and columns change, as plain tables.
         rows: Changes by the word for them; a path such as "block.young", its last part the key.
         columns: The same; the rows' changes come after them.
-        compared: Whether the peak slip of its scenes is held against the reference.
+        compared: True if the peak slip of its scenes is held against the reference.
     """
 
     name: str

@@ -40,7 +40,7 @@ class Verdict(Place):
     """Verdict on a scene.
 
     Attributes:
-        verdict: Whether it completed and kept its energy, or was refused by name, or neither.
+        verdict: It completed and kept its energy, or was refused by name, or neither.
         reason: Why it was refused, or what failed.
         energy_gain: Largest gain over the scale of energy.
         ledger_error: Largest error of the ledger over the same.

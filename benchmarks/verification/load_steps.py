@@ -44,7 +44,7 @@ class Tractions:
         position: Places of the points in the deformed state, (points, d), m.
         weight: Undeformed length (per metre of thickness) or area of each point, (points,).
         force: Point forces on the body of the points, normal then tangential, (points, d), N.
-        slipping: Whether friction of each point is at its bound, (points,).
+        slipping: True for points whose friction is at its bound, (points,).
     """
 
     place: Array

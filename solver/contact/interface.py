@@ -94,7 +94,7 @@ class Interface:
                 them.
             bed: Springs and dashpots between points and carrier.
             corner_area: What points without an area count for in it, m2.
-            of_edge: Whether the points are the edge of what carries a block, which presses on the
+            of_edge: True if the points are the edge of what carries a block, which presses on the
                 bottom of that.
         """
         self.points, self.carrier, self.law = points, carrier, law

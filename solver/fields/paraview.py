@@ -39,7 +39,7 @@ from paraview.simple import (
     WarpByVector,
 )
 
-# ParaView does not always give a script its own path: then look into the current folder
+# ParaView does not always tell a script where it lies: then look into the current folder
 here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
 HALF_FLOOR, LEVEL = $half_floor, $level  # m
 DARK = [0.15, 0.15, 0.15]
@@ -112,7 +112,7 @@ floor = Plane(
 
 
 def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
-    """Write `open_in_paraview.py` for the run of a scene; `stress`: whether a body is elastic."""
+    """Write `open_in_paraview.py` for the run of a scene; with `stress` of elastic bodies."""
     text = paraview_script(
         half_floor(scene),
         file=NAME if scene.output.fields == "vtkhdf" else "fields.pvd",

@@ -109,7 +109,7 @@ class ManyPoints:
         return False
 
     def _newton(self, local: Local, r: Array, f: Array, halvings: int) -> bool:
-        """Newton's method from f; whether it settled. If not, f stays as it is."""
+        """Newton's method from f; True if it settled. If not, f stays as it is."""
         force, nearest, states = f.copy(), np.empty_like(f), np.empty(len(r), np.int64)
         error, least, since, careful = np.inf, np.inf, 0, False
         before = np.full_like(states, -9)

@@ -187,7 +187,7 @@ def correct_impulses(
         bounds: Of the impulses: mu and dt c.
         taken: Energy that friction took in the step, J.
         counts: Of outcomes of local problems.
-        lands: Whether a rigid body landed in the step.
+        lands: True if a rigid body landed in the step.
     """
     regular, taken = regularised(W), max(taken, 0.0)
     free, states = velocity - product(regular, impulse), np.empty(len(bounds.mu), np.int64)

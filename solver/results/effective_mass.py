@@ -2,7 +2,7 @@
 
 Where a block lands or topples, the accelerations of rows beside the impact are as large as steps
 are short, and in meshed structures they swing to and fro from row to row. Motion and force are
-therefore compared as means over a while, both with the same weights: from displacements, and from
+therefore compared as means over a window, both with the same weights: from displacements, and from
 what forces have added up to.
 """
 
@@ -19,12 +19,12 @@ from solver.scene.motion import G_UNIT
 from solver.types import Array
 
 WINDOW = 0.05
-"""The while, over the time scale of rocking 1/p."""
+"""Length of the window, over the time scale of rocking 1/p."""
 
-PARTS = 4
-"""Means that begin within the while of one."""
+MEANS_A_WINDOW = 4
+"""Number of means that begin within one window."""
 
-STILL = 1e-9
+AT_REST = 1e-9
 """Acceleration that is round-off, g."""
 
 
@@ -45,13 +45,13 @@ def friction_mass_ratio(block: BlockSpec, scene: Scene, history: History) -> flo
     impulse = np.cumsum(np.diff(time, prepend=time[:1]) * inertial)  # forces are means of steps
     moved = _means(time, history["platform.drift_m"] + ground, window)
     pushed = _means(time, running_integral(time, impulse), window)
-    if np.abs(moved).max() <= STILL * G_UNIT:
+    if np.abs(moved).max() <= AT_REST * G_UNIT:
         return math.nan
     return float(pushed @ moved) / (mass * float(moved @ moved))
 
 
 def _means(time: Array, twice: Array, window: float) -> Array:
     """Means of what adds up, twice, to these values: over two windows, most in their middle."""
-    begin = np.arange(time[0], time[-1] - 2 * window, window / PARTS)
+    begin = np.arange(time[0], time[-1] - 2 * window, window / MEANS_A_WINDOW)
     first, middle, last = (np.interp(begin + k * window, time, twice) for k in range(3))
     return np.asarray((last - 2 * middle + first) / window**2)

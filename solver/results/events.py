@@ -24,7 +24,7 @@ these steps, or from them:
 
     omega_0^2 = omega^2 - 2 integral of omega' over theta from 0.                          (3)
 
-It is their mean over a while that ends with the first touch; after the impact that is the last
+It is their mean over a window that ends with the first touch; after the impact that is the last
 quarter of the time up to the peak, since an elastic block hops on the edge first.
 
 Velocities are means of steps, (u_{n+1} - u_n)/dt, which generalized-alpha makes the mean of those
@@ -66,34 +66,34 @@ CHUNK = 2048
 MOST_ROWS = 1 << 15
 """Steps that are kept for a swing that does not end."""
 
-PATIENCE = 5.0
+LONGEST_SWING = 5.0
 """Time after an impact at which the swing after it needs no end, over the time scale 1/p."""
 
-BESIDE = 4
+FIT_STEPS = 4
 """Steps on either side of an impact of rigid bodies, through which a parabola goes."""
 
-PUSH = 3.0
+IMPACT_FORCE = 3.0
 """Normal force over the weight with which a step belongs to an impact of rigid bodies."""
 
-WHILE = 0.4
+MOMENTUM_WINDOW = 0.4
 """Time before an impact over which angular momentum is read where something deforms, over 1/p."""
 
-REBOUNDS = 1.0
+REBOUND_TIME = 1.0
 """Time after it in which an elastic block may hop on the edge that it landed on, over 1/p."""
 
-SETTLED = 0.75
+SETTLED_FRACTION = 0.75
 """Part of that time, or of the time up to the peak, after which it stands on that edge."""
 
-SLIPS = 1e-2
-"""Slip in that while, over the width, with which what is read is no rotation."""
+LARGEST_SLIP = 1e-2
+"""Slip in that window, over the width, with which what is read is no rotation."""
 
-MOST = 1.005
+LARGEST_RESTITUTION = 1.005
 """Largest ratio of angular velocities that may be a restitution, read with an error."""
 
-ASIDE = 0.01
+LARGEST_SIDE_LEAN = 0.01
 """Lean out of the plane of rocking, over the largest angle, with which a block rolls."""
 
-HOP = 0.15
+LARGEST_HOP = 0.15
 """Height to which a block hops, over that to which its centre rises in the swings beside: with more
 of their energy in it no ratio of rotations is a restitution. Elastic blocks of H/B 3 hop by 0.08
 on firm ground and by 0.11 on a plate like themselves, of H/B 2 by 0.2, cubes by 0.5."""
@@ -225,7 +225,7 @@ class _Search:
         """Rows that begin at rest, with a swing or right after an impact; `noted` is changed."""
         self._scene, self._block, self._rows, self._noted = scene, block, rows, noted
         self._carrier = scene.carrier_of(block)
-        self.needed = max(0, len(rows["time_s"]) - 2 * BESIDE)
+        self.needed = max(0, len(rows["time_s"]) - 2 * FIT_STEPS)
         """First row that the next search needs."""
 
     def run(self, *, firm: bool, ends: bool) -> Iterator[Event]:
@@ -306,14 +306,17 @@ class _Search:
         free = 0
         for swing, after in zip_longest(found, found[1:]):
             start = begins(swing, m.angle, m.shape.slenderness, free)
-            rests = m.time[start] - self._noted.get("impact", -np.inf) > WHILE * self._time_scale
+            rests = (
+                m.time[start] - self._noted.get("impact", -np.inf)
+                > MOMENTUM_WINDOW * self._time_scale
+            )
             if start > free and rests and self._once("lift-off", m.time[start]):
                 lifted = self._lifted(swing.first)
                 height = m.gaps[:, lifted].mean(axis=1)
                 yield self._beside(m.time[start], "lift-off", lifted, height, after=swing.first - 1)
             row, at = end_of(swing, m.time, m.angle)
             over = after is not None and after.last < last
-            late = m.time[-1] - at > PATIENCE * self._time_scale
+            late = m.time[-1] - at > LONGEST_SWING * self._time_scale
             if swing.last == last or not (ends or over or late):
                 self.needed = min(self.needed, max(start - 2, free))
                 return
@@ -356,7 +359,7 @@ class _Search:
         (before, kept), n, r = read.velocities, span.row, read.end
         ratio = abs(kept / before) if before else math.nan
         reason = self._reason(swing, after) or read.reason
-        if not reason and not ratio <= MOST:
+        if not reason and not ratio <= LARGEST_RESTITUTION:
             reason = ENDS if math.isnan(ratio) else FASTER
         height, weight = m.gaps[:, lands].mean(axis=1), self._weight[n + 1 : r + 1]
         return self._event(
@@ -377,23 +380,26 @@ class _Search:
         """Reason why no ratio of rotations is a restitution by the swings beside it; or ""."""
         m = self._motion
         rows = slice(before.first, (after or before).last + 1)
-        if m.aside[rows].max() > ASIDE * np.abs(m.angle[rows]).max():
+        if m.aside[rows].max() > LARGEST_SIDE_LEAN * np.abs(m.angle[rows]).max():
             return ROLLS
         last = after.peak_s if after else np.inf
         alpha = m.shape.slenderness
         rises = [np.cos(alpha - abs(s.peak_rad)) - np.cos(alpha) for s in (before, after or before)]
         beside = (m.time >= before.peak_s) & (m.time <= last)
         hop = np.max(m.gaps.min(axis=1)[beside], initial=0.0)
-        return HOPS if hop > HOP * m.shape.half_diagonal * max(rises) else ""
+        return HOPS if hop > LARGEST_HOP * m.shape.half_diagonal * max(rises) else ""
 
     def _rates(self, span: _Span, last: int) -> _Read:
         """The slopes of the angle beside an impact that takes no time."""
         m, n, end = self._motion, span.row, min(span.row + 2, len(self._motion.time) - 1)
-        pushes = m.normal > PUSH * self._weight
+        pushes = m.normal > IMPACT_FORCE * self._weight
         while end < last and self._weight[end] > 0 and pushes[end]:
             end += 1
         found: list[float] = []
-        for first, final in ((max(span.first, n - BESIDE), n), (end, min(end + BESIDE, last))):
+        for first, final in (
+            (max(span.first, n - FIT_STEPS), n),
+            (end, min(end + FIT_STEPS, last)),
+        ):
             if final - first < 2:
                 known = found[0] if found else math.nan
                 over = bool(found) and last == len(m.time) - 1
@@ -415,21 +421,21 @@ class _Search:
         lands: Indices,
     ) -> _Read:
         """The angular velocities beside an impact that takes some time, by (1) to (3)."""
-        m, tiny, width = self._motion, CLEAR * self._block.width, WHILE * self._time_scale
+        m, tiny, width = self._motion, CLEAR * self._block.width, MOMENTUM_WINDOW * self._time_scale
         first, end, last = span.row, self._exchange_ends(span, sides, lands), len(m.time) - 1
         height = m.gaps[:, lands].max(axis=1)
         while first > swing.first and height[first] <= tiny:
             first -= 1
         begin = int(np.searchsorted(m.time, max(swing.peak_s, m.time[first] - width)))
         until = min(
-            span.time + REBOUNDS * self._time_scale, np.inf if after is None else after.peak_s
+            span.time + REBOUND_TIME * self._time_scale, np.inf if after is None else after.peak_s
         )
         over = min(int(np.searchsorted(m.time, until)), last)
-        settled = m.time[end] + SETTLED * (m.time[over] - m.time[end])
+        settled = m.time[end] + SETTLED_FRACTION * (m.time[over] - m.time[end])
         before = self._at_zero(sides[0], max(begin, span.first), first, last=False)
         kept = self._at_zero(sides[1], end, over, start=int(np.searchsorted(m.time, settled)))
         near = m.slip[begin : int(np.searchsorted(m.time, span.time + width)) + 1]
-        slides = np.ptp(near, axis=0).max() > SLIPS * self._block.width
+        slides = np.ptp(near, axis=0).max() > LARGEST_SLIP * self._block.width
         return _Read((before, kept), end, SLIDES if slides else "")
 
     def _exchange_ends(self, span: _Span, sides: tuple[float, float], lands: Indices) -> int:
@@ -439,7 +445,7 @@ class _Search:
         leaves = others if len(others) and sides[0] != sides[1] else lands
         over = m.gaps[after][:, leaves].max(axis=1) > CLEAR * self._block.width
         over &= (m.normal[after] <= self._weight[after]) & (
-            m.time[after] < span.time + WHILE * self._time_scale
+            m.time[after] < span.time + MOMENTUM_WINDOW * self._time_scale
         )
         row = span.row + 1 + int(np.argmax(over)) if over.any() else span.row + 2
         return min(row, len(m.time) - 1)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 STEPS_AT_ONCE = {True: 500, False: 20}
 
 #: Wall time of steps at once above which there are fewer the next time, s; else there are more.
-LONG = 0.5
+LONGEST_BATCH = 0.5
 
 
 class RigidRun:
@@ -118,7 +118,7 @@ class RigidRun:
                 break
             began = time.perf_counter()
             status, reason = self._piece(context, self._next_stop(context, total))
-            slow = context.interruption.anywhere(time.perf_counter() - began > LONG)
+            slow = context.interruption.anywhere(time.perf_counter() - began > LONGEST_BATCH)
             more = max(1, self._at_once // 4) if slow else 2 * self._at_once
             self._at_once = min(more, self._most)
             if not reason:
@@ -133,7 +133,7 @@ class RigidRun:
         return status, reason
 
     def _next_stop(self, context: RunContext, total: int) -> int:
-        """Number of steps at which the next snapshot is due, or someone may interrupt."""
+        """Number of the step at which a snapshot is due next, or the run can be interrupted."""
         step, first = self._scene.time.step, self._steps
         due = context.files.next_snapshot(first * step) / step * (1 - 1e-12)
         kept = context.files.schedule.next_step(first)

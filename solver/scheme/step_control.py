@@ -139,7 +139,7 @@ class Tolerance:
             rigid: Error of the motion as a whole, over half the diagonal.
             vibration: Root of the mean square error of the points of a body, over the same length.
             reversal: Error of a slip that turned round within the step, over that length.
-            changed: Whether contact changed in the step.
+            changed: True if contact changed in the step.
         """
         bound = self.CHANGE * (1.0 if changed else self.CALM)
         shares = rigid / bound, vibration / self._vibration, reversal / self.CHANGE

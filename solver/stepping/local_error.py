@@ -177,6 +177,6 @@ class Judge:
         return self._tolerance.halvings(self._used)
 
     def climbs(self) -> bool:
-        """The step that was judged last is taken: whether one twice as long may follow."""
+        """Take the step that was judged last; True if one twice as long may follow."""
         self._past = self._tried
         return self._tolerance.climbs(self._used)

@@ -71,7 +71,7 @@ class Stepper:
             scheme: Time stepping.
             gravity: Acceleration of gravity, (d,), m/s2.
             ground: Motion of the ground; None for ground at rest.
-            velocity_solve: Whether contact is also solved at velocity level after each step.
+            velocity_solve: True if contact is also solved at velocity level after each step.
             petsc_options: Options for SNES.
         """
         self.system, self.scheme = system, scheme
@@ -194,7 +194,7 @@ class Stepper:
             u: Where the search begins.
             load: Forces on the owned unknowns besides gravity, N; they belong to this start alone.
             start: A state whose contact memory is gone on from (loads that come one after another).
-            glued: Whether friction holds whatever it takes: where a block is about to slide, this
+            glued: True if friction holds whatever it takes: where a block is about to slide, this
                 is what holds it until it is let go.
             steady: Stiffness of the tangent against rigid motions of a body, over that against
                 strain. Small ones cost the contact forces as many digits, of large ones each

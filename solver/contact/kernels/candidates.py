@@ -156,7 +156,7 @@ def settle(
         number: As in `candidates`.
         mu: Coefficients of friction of all points, (points,).
         cohesion: What they hold besides, (points,), N.
-        alone: Whether to solve the problem here, or to leave that to the caller.
+        alone: True to solve the problem here, or to leave that to the caller.
         counts: Of outcomes of local problems.
         q: Free values, filled in, (m, d), m.
         change: How much the forces of near points changed, filled in, (m, d), N.

@@ -120,7 +120,7 @@ def changed_forces(
         after: At its end.
         past_before: What points remembered of their friction at its start, (points, PAST).
         past_after: At its end.
-        rigid: Whether neither body is meshed. Which of their points slip is then chance, unless all
+        rigid: True if neither body is meshed. Which of their points slip is then chance, unless all
             of them do.
     """
     shaken, carried = 0.0, 0.0
