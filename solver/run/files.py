@@ -192,6 +192,7 @@ class RunFiles:
             assert self._fields is not None
             opened = self._fields
             if resumed is None:
+                self._together(self._write_rows)
                 self._together(lambda: opened.write(0.0))
             self._taken = 0.0 if resumed is None else resumed.time
             self.output_seconds += time.perf_counter() - began

@@ -14,7 +14,7 @@ from solver.excitation.motion import read_ground
 from solver.excitation.spectrum import PERIODS, response_spectrum
 from solver.history.columns import Structure, columns
 from solver.history.history import History
-from solver.pictures.floors import draw_floors, write_floors
+from solver.pictures.ground import draw_floors, write_floors
 from solver.results.floor_spectra import floor_spectra
 
 OMEGA = 2 * math.pi / 0.5
@@ -74,7 +74,7 @@ def test_the_ground_is_that_of_the_scene_where_rows_are_far_apart(second: bool) 
         "time": {"end": 4.0, "step": 1e-2},
     }
     scene = parse_scene(tables)
-    history = simulate(scene, many=True).history
+    history = simulate(scene).history
     time = np.arange(0.0, 4.0, 2e-4)
     exact = response_spectrum(0.3 * 9.81 * np.sin(10 * math.pi * time), 2e-4, PERIODS)
     name = "ground along y" if second else "ground"

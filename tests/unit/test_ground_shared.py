@@ -23,7 +23,9 @@ if launched_rank() != 0:  # a node on which no file of the scene is there
     from pathlib import Path
     def absent(self, *_, **__):
         raise FileNotFoundError(2, "No such file or directory", str(self))
-    Path.read_text = Path.read_bytes = absent
+    own = Path.read_bytes  # of the program, which is there
+    Path.read_text = absent
+    Path.read_bytes = lambda self: own(self) if self.suffix == ".py" else absent(self)
     os.path.isfile = lambda name: False
 from solver.cli import main
 sys.exit(main(["run", "scene.toml", "-q", *sys.argv[1:]]))

@@ -93,10 +93,9 @@ def test_what_is_left_counts_neither_set_up_nor_pauses(monkeypatch: pytest.Monke
     ]
 
 
-def test_that_functions_are_compiled_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_that_functions_are_compiled_is_said_once() -> None:
     """In the log and on the display, which shows every pause."""
-    now, said, told = [0.0], [], []
-    monkeypatch.setattr(simulate.time, "perf_counter", lambda: now[0])
+    said, told = [], []
 
     class Display(progress.Progress):
         def pause(self, why: str) -> None:
@@ -106,12 +105,10 @@ def test_that_functions_are_compiled_is_said_once(monkeypatch: pytest.MonkeyPatc
             told.append("on")
 
     compilations = simulate._Compilations(said.append, Display(1.0, quiet=True))
-    for begin, end, kept in ((1.0, 3.0, False), (5.0, 9.0, False), (9.5, 10.0, True)):
-        now[0] = begin
-        compilations.pause()
+    for seconds, kept in ((2.0, False), (4.0, False), (0.5, True)):
+        compilations.pause("")
         if not kept:
-            compilations.say("compiling")
-        now[0] = end
-        compilations.go_on()
+            compilations.pause("compiling")
+        compilations.go_on(seconds)
     assert compilations.seconds == 6.5
     assert said == ["compiling"] and told == ["", "compiling", "on", "", "on", "", "on"]

@@ -24,7 +24,7 @@ SLENDER: dict[str, Any] = {
 def run(*blocks: dict[str, Any], end: float = 2.0, **tables: Any) -> Result:
     """Rigid blocks with steps of 1 ms."""
     given = {"block": [SLENDER | block for block in blocks], "time": {"end": end, "step": 1e-3}}
-    return simulate(parse_scene(given | tables), many=True)
+    return simulate(parse_scene(given | tables))
 
 
 def events(result: Result, kind: str, block: str = "block") -> list[Event]:

@@ -146,14 +146,19 @@ def test_theta_of_minus_one_closes_its_ledger() -> None:
     assert energy["largest_gain_fraction"] < 1e-3
 
 
+@pytest.mark.slow
 def test_restitution_beside_damping_by_mass_on_an_incline() -> None:
-    """Impacts lose what they lose without it: from peaks it was 0.90."""
-    swings = "gravity_tilt_deg=0.2", "time.end=0.75", "damping.stiffness=1e-4"
+    """Impacts lose what they lose without it: from peaks it was 0.90.
+
+    Vibration that the next rows still hold scatters the momentum by 0.003; in steps of 1 ms, which
+    do not resolve the impact, by 0.005.
+    """
+    swings = "gravity_tilt_deg=0.2", "time.end=0.4", "damping.stiffness=1e-4", "time.step=2.5e-4"
     plain, damped = (
         simulate(scene(*swings, f"damping.mass={mass}")).summary["blocks"]["block"]["impacts"][0]
         for mass in (0.0, 0.5)
     )
-    assert damped["restitution"] == pytest.approx(plain["restitution"], abs=2e-3)
+    assert damped["restitution"] == pytest.approx(plain["restitution"], abs=3e-3)
 
 
 @pytest.mark.slow

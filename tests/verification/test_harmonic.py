@@ -28,7 +28,7 @@ pytestmark = pytest.mark.serial
 def test_steady_rocking_of_a_rigid_block(restitution: float | None, most: float) -> None:
     """Within 1 % of Housner's equation; a slender, linear block has 0.18951."""
     keys = {"model": "rigid"} | ({"restitution": restitution} if restitution else {})
-    history = simulate(under_a_sine(60, **keys), many=True).history
+    history = simulate(under_a_sine(60, **keys)).history
     found = steady(history["time_s"], history["block.angle_rad"], 60)
     assert found == pytest.approx(most, rel=0.01)
     assert found == pytest.approx(0.18951, rel=0.01)
@@ -37,7 +37,7 @@ def test_steady_rocking_of_a_rigid_block(restitution: float | None, most: float)
 def test_steady_rocking_has_no_horizon() -> None:
     """A millionth more motion is a millionth more answer."""
     scene = under_a_sine(30, model="rigid")
-    runs = [simulate(each, many=True).history for each in (scene, twin_of(scene))]
+    runs = [simulate(each).history for each in (scene, twin_of(scene))]
     _, apart = difference(scene, *runs)
     assert 0 < apart.max() < 1e-4
     assert horizon(scene, *runs) is None

@@ -89,7 +89,7 @@ def test_peaks_of_a_reduced_frame_under_a_record() -> None:
     """Peak drift and base shear within 0.2 % of those of the mesh, while the block slides."""
     made = {modes: scene(FRAME, modes, 3.0, motion=RECORD) for modes in (None, "auto")}
     found = histories(made)
-    assert np.abs(found[None]["block.slip_m"]).max() > 0.01
+    assert np.abs(found[None]["block.slip_m"]).max() > 5e-3
     for column in ("platform.drift_m", "foundation.base_shear_N"):
         full, small = (np.abs(found[modes][column]).max() for modes in made)
         assert small == pytest.approx(full, rel=2e-3), column
