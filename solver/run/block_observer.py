@@ -247,13 +247,12 @@ class BlockObserver:
         carrier, points = interface.carrier, interface.points
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T
-        self._reference = np.full((interface.count, interface.dimension - 1), np.nan)
-        self._write_own(state, memory, np.empty(0))  # finds the points that touch
-        touching = self._touching
-        reference = along + (memory.kinematics.place[touching, 1:] - along[touching]).mean(axis=0)
+        place = memory.kinematics.place
+        lowest = touching(memory.force, place, memory.may_touch, self._level)
+        reference = along + (place[lowest, 1:] - along[lowest]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
-        same = np.flatnonzero(tag == tag[touching[0]])
+        same = np.flatnonzero(tag == tag[lowest[0]])
         return {keys[q]: reference[q] for q in same}
 
     def _set_reference(self, memory: Memory) -> None:
