@@ -1,0 +1,179 @@
+// Contacts: their rows, and what they remember from step to step.
+//
+// Rows G with G du = change of (gap, place along the face) in a step, exactly, and balanced forces.
+// With Cayley vectors psi and means over both ends (index m), products change by
+// d(n.p) = n_m.dp + dn.p_m. For a point p of body a and a face of body b, and each axis e = n, t of
+// that face,
+//
+//     d(e.(p - x_b)) = e_m.(dx_a - dx_b) + psi_a.(arm_m x e_m) - psi_b.((p_m - x_b,m) x e_m):
+//
+// forces along such rows have no resultant and no moment, and do exactly f.d(...) of work. Two edges
+// with directions u and v have m = u_m x v_m / (n_{n+1}.(u_m x v_m)) in place of e_m ((M30) to (M33)
+// of docs/method.md).
+#pragma once
+
+#include "body.hpp"
+#include "friction.hpp"
+#include "narrow_phase.hpp"
+
+namespace rockslip {
+
+/// What a contact leaves for the next step.
+template <int d> struct Remembered {
+    std::uint64_t id;
+    Vec<d> impulse;           // of the step
+    Vec<d> velocity_impulse;  // at velocity level
+    Vec<d> offset;            // tangential: from the place where it stuck
+    double gap;
+    bool closed;
+    FrictionHistory friction;
+    long step;  // number of the step that wrote it
+};
+
+template <int d> struct Contact {
+    static constexpr int unknowns = Dim<d>::unknowns;
+
+    Feature<d> feature;
+    std::uint64_t id;
+    int a, b;              // numbers of the bodies among those of the island; -1: fixed
+    const ContactLaw* law;
+    double gap;            // at the start of the step, m
+    Vec<d> start;          // gap and place along the face at the start, as remembered, m
+    bool was_closed;       // in the step before
+    FrictionHistory past;
+    FrictionBound bound;
+    FrictionMode mode;
+    Vec<d> given;          // friction that is given, or its direction
+
+    Mat<d, unknowns> rows_a, rows_b;
+    Vec<d> constant;       // y = constant + rows_a w_a + rows_b w_b
+    Vec<d> impulse;        // P
+    Vec<d> anchor;         // impulse that the proximal term holds
+    Vec<d> y;
+    Vec<d> velocity_impulse;
+    Vec<d> total;          // all impulses of the step, velocity level and impacts included
+    State state;
+    bool slips;
+    bool closed;           // at the end of the step
+    double rubbed;         // energy that friction took in the step, J
+    double end_gap;        // m
+    double dt;             // length of the step, s
+};
+
+/// Distance of a feature for bodies at two places.
+template <int d>
+double gap_of(const Feature<d>& feature, const Shape<d>& A, const Shape<d>& B, const Placement<d>& a, const Placement<d>& b) {
+    if constexpr (d == 3)
+        if (feature.kind == Kind::EDGE_EDGE) {
+            const Edge &x = A.edges[feature.point], &y = B.edges[feature.face];
+            return crossing(a.centre + mul(a.R, A.vertices[x.from]), mul(a.R, A.vertices[x.to] - A.vertices[x.from]),
+                            b.centre + mul(b.R, B.vertices[y.from]), mul(b.R, B.vertices[y.to] - B.vertices[y.from]),
+                            feature.sign)
+                .gap;
+        }
+    const Face<d>& face = B.faces[feature.face];
+    return dot(mul(b.R, face.normal), (a.centre - b.centre) + mul(a.R, feature.arm)) - face.offset;
+}
+
+template <int d> void put_row(Contact<d>& k, int row, const Vec<d>& e, const Vec<d>& arm, const Vec<d>& back) {
+    const auto turn_a = moment(arm, e), turn_b = moment(back, e);
+    for (int i = 0; i < d; i++) {
+        k.rows_a[row][i] = e[i];
+        k.rows_b[row][i] = -e[i];
+    }
+    for (int i = 0; i < Dim<d>::rotations; i++) {
+        k.rows_a[row][d + i] = turn_a[i];
+        k.rows_b[row][d + i] = -turn_b[i];
+    }
+}
+
+/// Takes the unknowns that a platform does not have out of rows on it.
+template <int d> void restrict_to_platform(Mat<d, Dim<d>::unknowns>& rows) {
+    for (auto& row : rows)
+        for (int i = d - 1; i < Dim<d>::unknowns; i++) row[i] = 0;
+}
+
+/// Writes the rows for motions from places a0, b0 to a1, b1, and y at the start.
+template <int d>
+void write_rows(Contact<d>& k, const Shape<d>& A, const Shape<d>& B, const Placement<d>& a0, const Placement<d>& a1,
+                const Placement<d>& b0, const Placement<d>& b1) {
+    const Mat<d, d> Ra = mean(a0.R, a1.R), Rb = mean(b0.R, b1.R);
+    const Vec<d> apart = 0.5 * ((a0.centre - b0.centre) + (a1.centre - b1.centre));
+    k.constant = k.start;
+    if constexpr (d == 3)
+        if (k.feature.kind == Kind::EDGE_EDGE) {
+            const Edge &x = A.edges[k.feature.point], &y = B.edges[k.feature.face];
+            const Vec<3> p = A.vertices[x.from], u = A.vertices[x.to] - p;
+            const Vec<3> q = B.vertices[y.from], v = B.vertices[y.to] - q;
+            const auto at = [&](const Placement<3>& a, const Placement<3>& b) {
+                return crossing((a.centre - b.centre) + mul(a.R, p), mul(a.R, u), mul(b.R, q), mul(b.R, v), k.feature.sign);
+            };
+            const Crossing first = at(a0, b0), last = at(a1, b1);
+            const Vec<3> um = mul(Ra, u), across = cross(um, mul(Rb, v)), m = (1 / dot(last.normal, across)) * across;
+            Vec<3> t0 = um - (dot(um, m) / dot(m, m)) * m;
+            t0 = (1 / norm(t0)) * t0;
+            const Vec<3> t1 = cross((1 / norm(m)) * m, t0);
+            const Vec<3> arm = mul(Ra, p + (0.5 * (first.s + last.s)) * u), back = mul(Rb, q + (0.5 * (first.r + last.r)) * v);
+            put_row(k, 0, m, arm, back);
+            // Friction acts at one point of both, so that it has no moment.
+            put_row(k, 1, t0, arm, apart + arm);
+            put_row(k, 2, t1, arm, apart + arm);
+            k.constant[0] *= dot(first.normal, m);
+            return;
+        }
+    const Face<d>& face = B.faces[k.feature.face];
+    const Vec<d> arm = mul(Ra, k.feature.arm), back = apart + arm;
+    put_row(k, 0, mul(Rb, face.normal), arm, back);
+    for (int i = 0; i + 1 < d; i++) put_row(k, 1 + i, mul(Rb, face.tangent[i]), arm, back);
+}
+
+/// Contacts of pairs of bodies as the last step left them.
+template <int d> class ContactMemory {
+  public:
+    struct PairMemory {
+        int a, b;
+        std::vector<Remembered<d>> contacts;
+    };
+
+    const Remembered<d>* find(int a, int b, std::uint64_t id) const {
+        const auto pair = lower(a, b);
+        if (pair == pairs_.end() || pair->a != a || pair->b != b) return nullptr;
+        for (const Remembered<d>& each : pair->contacts)
+            if (each.id == id) return &each;
+        return nullptr;
+    }
+
+    /// The record of a contact, made where there is none.
+    Remembered<d>& record(int a, int b, std::uint64_t id) {
+        auto pair = pairs_.begin() + (lower(a, b) - pairs_.cbegin());
+        if (pair == pairs_.end() || pair->a != a || pair->b != b) pair = pairs_.insert(pair, {a, b, {}});
+        for (Remembered<d>& each : pair->contacts)
+            if (each.id == id) return each;
+        pair->contacts.push_back({});
+        pair->contacts.back().id = id;
+        return pair->contacts.back();
+    }
+
+    /// Forgets what no step since a number has written.
+    void forget_before(long step) {
+        for (PairMemory& pair : pairs_) {
+            auto old = [&](const Remembered<d>& each) { return each.step < step; };
+            pair.contacts.erase(std::remove_if(pair.contacts.begin(), pair.contacts.end(), old), pair.contacts.end());
+        }
+        auto empty = [](const PairMemory& pair) { return pair.contacts.empty(); };
+        pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(), empty), pairs_.end());
+    }
+
+    std::vector<PairMemory>& pairs() { return pairs_; }
+
+  private:
+    typename std::vector<PairMemory>::const_iterator lower(int a, int b) const {
+        return std::lower_bound(pairs_.begin(), pairs_.end(), std::make_pair(a, b), [](const PairMemory& each, const std::pair<int, int>& key) {
+            return std::make_pair(each.a, each.b) < key;
+        });
+    }
+
+    std::vector<PairMemory> pairs_;
+};
+
+}  // namespace rockslip

@@ -1,0 +1,497 @@
+// The law of contact for all contacts of an island at once:
+//
+//     y = c + G w,   M (w - w_free) = G^T P,
+//     0 <= P_n  complementary to  y_n >= 0,   |P_t| <= mu P_n + c, y_t opposite to P_t at the bound, 0 inside,
+//
+// as roots of P - project(P - r y) (Alart and Curnier 1991). Newton's method solves for the motions w
+// of the bodies, by sparse factors of M + G^T H G. Rows of rigid bodies are redundant as a rule: the
+// proximal term q W_own (P - anchor), added to y, makes the impulses unique; what it leaves of the law
+// is taken out at the end as far as round-off lets it (`finish`).
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "block_lu.hpp"
+#include "contact.hpp"
+
+namespace rockslip {
+
+/// Bodies joined by contacts, and their equations of motion for a step or an instant.
+template <int d> struct Island {
+    static constexpr int unknowns = Dim<d>::unknowns;
+    using Pair = std::array<double, 2>;  // normal, tangential
+
+    std::vector<int> bodies;                 // numbers in the world
+    std::vector<Contact<d>*> contacts;
+    std::vector<Mat<unknowns, unknowns>> mass, inverse_mass;
+    std::vector<Vec<unknowns>> free, w;      // motion without contacts, and with them
+    std::vector<Pair> length, own;           // r, and the diagonal of W = G M^-1 G^T
+    std::vector<int> factored;               // states of the factors at hand
+    double factored_softness = -1;
+    long factored_stamp = 0;
+
+    void clear() {
+        bodies.clear();
+        contacts.clear();
+    }
+};
+
+/// How often what was needed.
+struct Outcomes {
+    long solves = 0, warm = 0, newton = 0, factorizations = 0, searched = 0;
+    long scaled = 0, softened = 0, swept = 0, failed = 0, loose = 0;
+    double loosest = 0;
+};
+
+template <int d> class LocalProblem {
+    static constexpr int unknowns = Dim<d>::unknowns;
+    using Motion = Vec<unknowns>;
+    using C = Contact<d>;
+    using I = Island<d>;
+
+  public:
+    Outcomes outcomes;
+    double tolerated_breach = 0;  // of y, m/s, in what counts as solved though round-off is left
+
+    /// Motions by the impulses: w = w_free + M^-1 G^T P.
+    static void move(I& island) {
+        for (Motion& w : island.w) w.fill(0);
+        for (const C* k : island.contacts) push(*k, k->impulse, island.w);
+        for (std::size_t b = 0; b < island.w.size(); b++) island.w[b] = island.free[b] + mul(island.inverse_mass[b], island.w[b]);
+    }
+
+    /// Adds G^T P of a contact.
+    static void push(const C& k, const Vec<d>& P, std::vector<Motion>& x) {
+        if (k.a >= 0) x[k.a] += transposed_mul(k.rows_a, P);
+        if (k.b >= 0) x[k.b] += transposed_mul(k.rows_b, P);
+    }
+
+    /// y of a contact.
+    static Vec<d> reading(const I& island, const C& k) {
+        Vec<d> y = k.constant;
+        if (k.a >= 0) y += mul(k.rows_a, island.w[k.a]);
+        if (k.b >= 0) y += mul(k.rows_b, island.w[k.b]);
+        return y;
+    }
+
+    /// Finds impulses and motions from the impulses as guessed; false where nothing settles them.
+    bool solve(I& island) {
+        outcomes.solves++;
+        set_lengths(island);
+        move(island);
+        island.factored_stamp = -1;
+        if (error(island, 0) <= ENOUGH) {
+            outcomes.warm++;
+            return true;
+        }
+        const std::size_t count = island.contacts.size();
+        first_.resize(count);
+        for (std::size_t i = 0; i < count; i++) first_[i] = island.contacts[i]->impulse;
+        if (by_proximal_point(island)) return true;
+        restore(island, first_);
+        outcomes.swept++;
+        sweep(island, SWEEPS);
+        for (C* k : island.contacts) k->anchor = k->impulse;
+        if (by_proximal_point(island)) return true;
+        outcomes.failed++;
+        restore(island, first_);
+        return false;
+    }
+
+    /// Takes out what the proximal term has left of the law; with final rows. False where more than
+    /// round-off is left of it.
+    bool finish(I& island) {
+        double e = error(island, 0);
+        const std::size_t count = island.contacts.size();
+        for (int round = 0; round < 3 && e > ENOUGH; round++) {
+            kept_.resize(count);
+            anchor_.resize(count);
+            for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;
+            const double next = newton(island, SOFTNESS, FULL_STEPS + 8) ? error(island, 0) : INFINITY;
+            if (next < e) {
+                const bool enough = next > 0.5 * e;
+                e = next;
+                if (enough) break;
+                continue;
+            }
+            restore(island, kept_);
+            e = error(island, 0);
+            break;
+        }
+        if (e > ENOUGH) {
+            outcomes.loose++;
+            outcomes.loosest = std::max(outcomes.loosest, e);
+        }
+        return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach);
+    }
+
+    /// Impulses that the law admits and that obey it nearly, where nothing settles them; the motions are
+    /// theirs.
+    bool approximate(I& island) {
+        sweep(island, 5 * SWEEPS);
+        for (C* k : island.contacts) {
+            State state;
+            k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
+        }
+        move(island);
+        const double e = error(island, 0);
+        largest_defect = std::max(largest_defect, breach_);
+        return std::isfinite(e);
+    }
+
+    double largest_defect = 0;  // of y in what was taken unsettled, m/s
+
+    /// By how much the law is broken at most, m/s, after the last look.
+    double breach() const { return breach_; }
+
+  private:
+    static constexpr double TOLERANCE = 1e-12;         // of an impulse, relative to the largest of its contact
+    static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
+    static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
+    static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
+    static constexpr double SOFTEST = 1e4;
+    static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, SWEEPS = 300;
+
+    static void restore(I& island, const std::vector<Vec<d>>& impulses) {
+        for (std::size_t i = 0; i < impulses.size(); i++) island.contacts[i]->impulse = impulses[i];
+        move(island);
+    }
+
+    static double own_compliance(const Mat<d, unknowns>& rows, const Mat<unknowns, unknowns>& inverse_mass, int first, int last) {
+        double most = 0;
+        for (int row = first; row < last; row++) most = std::max(most, dot(rows[row], mul(inverse_mass, rows[row])));
+        return most;
+    }
+
+    /// r: one over a bound of the row sums of |W|, by Schwarz' inequality; own: the diagonal of W.
+    void set_lengths(I& island) {
+        const std::size_t count = island.contacts.size();
+        sum_.assign(island.w.size(), {0, 0});
+        part_.resize(count);
+        island.length.resize(count);
+        island.own.resize(count);
+        for (std::size_t i = 0; i < count; i++) {
+            const C& k = *island.contacts[i];
+            for (int side = 0; side < 2; side++) {
+                const int body = side ? k.b : k.a;
+                part_[i][side] = {0, 0};
+                if (body < 0) continue;
+                const Mat<d, unknowns>& rows = side ? k.rows_b : k.rows_a;
+                part_[i][side] = {own_compliance(rows, island.inverse_mass[body], 0, 1),
+                                  own_compliance(rows, island.inverse_mass[body], 1, d)};
+                for (int t = 0; t < 2; t++) sum_[body][t] += std::sqrt(part_[i][side][t]);
+            }
+        }
+        for (std::size_t i = 0; i < count; i++) {
+            const C& k = *island.contacts[i];
+            for (int t = 0; t < 2; t++) {
+                double all = 0;
+                island.own[i][t] = 0;
+                for (int side = 0; side < 2; side++) {
+                    const int body = side ? k.b : k.a;
+                    if (body < 0) continue;
+                    all += std::sqrt(part_[i][side][t]) * sum_[body][t];
+                    island.own[i][t] += part_[i][side][t];
+                }
+                island.length[i][t] = all > 0 ? 1 / all : 1;
+            }
+        }
+    }
+
+    /// Difference between P and its projection, 1 being what is tolerated; infinite beyond numbers.
+    /// Writes y, trials, states, the merit (sum of own F^2) and the breach.
+    double error(I& island, double softness) {
+        const std::size_t count = island.contacts.size();
+        trial_.resize(count);
+        largest_.resize(count);
+        defect_.resize(count);
+        double noise = 0;
+        merit_ = 0;
+        for (std::size_t i = 0; i < count; i++) {
+            C& k = *island.contacts[i];
+            const auto &r = island.length[i], &own = island.own[i];
+            k.y = reading(island, k);
+            if (softness > 0)
+                for (int j = 0; j < d; j++) k.y[j] += softness * own[j > 0] * (k.impulse[j] - anchor_[i][j]);
+            double moved = 0;
+            for (int side = 0; side < 2; side++) {
+                const int body = side ? k.b : k.a;
+                if (body < 0) continue;
+                for (int j = 0; j < unknowns; j++) moved += std::fabs((side ? k.rows_b : k.rows_a)[0][j] * island.w[body][j]);
+            }
+            largest_[i] = defect_[i] = 0;
+            for (int j = 0; j < d; j++) {
+                const double length = scale_ * r[j > 0], step = length * k.y[j];
+                trial_[i][j] = k.impulse[j] - step;
+                noise = std::max({noise, std::fabs(k.impulse[j]), std::fabs(step), length * moved});
+            }
+            const Vec<d> nearest = project<d>(k.bound, k.mode, k.given, trial_[i], k.state, nullptr);
+            for (int j = 0; j < d; j++) {
+                const double F = k.impulse[j] - nearest[j];
+                largest_[i] = std::max(largest_[i], std::fabs(k.impulse[j]));
+                defect_[i] = std::max(defect_[i], std::fabs(F));
+                merit_ += own[j > 0] * F * F;
+            }
+        }
+        if (!std::isfinite(noise)) return INFINITY;
+        double worst = 0;
+        breach_ = 0;
+        for (std::size_t i = 0; i < count; i++) {
+            if (!(defect_[i] > 0)) continue;
+            worst = std::max(worst, defect_[i] / (TOLERANCE * largest_[i] + ROUND_OFF * noise));
+            breach_ = std::max(breach_, defect_[i] / std::min(island.length[i][0], island.length[i][1]));
+        }
+        return worst;
+    }
+
+    BlockLU<unknowns>& factors_for(const I& island) {
+        if (island.w.size() == 1) {
+            if (single_.size() != 1) single_.analyse(1, {});
+            return single_;
+        }
+        std::uint64_t hash = island.w.size();
+        for (const C* k : island.contacts)
+            hash = (hash ^ ((static_cast<std::uint64_t>(k->a + 1) << 32) + static_cast<std::uint64_t>(k->b + 1))) * 1099511628211u;
+        if (patterns_.size() > 200) patterns_.clear();
+        BlockLU<unknowns>& found = patterns_[hash];
+        if (found.size() != static_cast<int>(island.w.size())) {
+            std::vector<std::pair<int, int>> links;
+            for (const C* k : island.contacts)
+                if (k->a >= 0 && k->b >= 0) links.push_back({k->a, k->b});
+            found.analyse(static_cast<int>(island.w.size()), links);
+        }
+        return found;
+    }
+
+    /// M + G^T H G.
+    void assemble(const I& island, BlockLU<unknowns>& factors) {
+        factors.clear();
+        for (std::size_t b = 0; b < island.w.size(); b++) factors.diagonal(static_cast<int>(b)) = island.mass[b];
+        for (std::size_t i = 0; i < island.contacts.size(); i++) {
+            const C& k = *island.contacts[i];
+            Mat<d, unknowns> of_a{}, of_b{};
+            add_product(of_a, stiffness_[i], k.rows_a, 1);
+            add_product(of_b, stiffness_[i], k.rows_b, 1);
+            if (k.a >= 0) add_transposed_product(factors.diagonal(k.a), k.rows_a, of_a);
+            if (k.b >= 0) add_transposed_product(factors.diagonal(k.b), k.rows_b, of_b);
+            if (k.a >= 0 && k.b >= 0) {
+                add_transposed_product(factors.off_diagonal(k.a, k.b), k.rows_a, of_b);
+                add_transposed_product(factors.off_diagonal(k.b, k.a), k.rows_b, of_a);
+            }
+        }
+    }
+
+    /// Newton's method on the law with the proximal term. Full steps come first, which are quick where
+    /// they converge; where friction couples contacts that open, stick and slide in turn they cycle,
+    /// and later steps must reduce the merit, from where it was least.
+    bool newton(I& island, double softness, int rounds) {
+        const std::size_t count = island.contacts.size();
+        stiffness_.resize(count);
+        change_.resize(count);
+        before_.resize(count);
+        if (island.factored.size() != count) {
+            island.factored.assign(count, -1);
+            island.factored_stamp = -1;
+        }
+        BlockLU<unknowns>* factors = nullptr;
+        double least = INFINITY, past = INFINITY, e = error(island, softness);
+        for (int round = 0;; round++) {
+            if (e <= 1) return true;
+            if (round == rounds || !(e < INFINITY)) return false;
+            const bool full = round < FULL_STEPS;
+            if (round <= FULL_STEPS && merit_ < least) {
+                least = merit_;
+                best_.resize(count);
+                for (std::size_t i = 0; i < count; i++) best_[i] = island.contacts[i]->impulse;
+            }
+            if (round == FULL_STEPS && merit_ > least) {
+                restore(island, best_);
+                e = error(island, softness);
+            }
+            if (!full && (round - FULL_STEPS) % 8 == 0) {
+                if (merit_ > 0.5 * past) return false;
+                past = merit_;
+            }
+            const double merit_before = merit_;
+            outcomes.newton++;
+            if (!factors) factors = &factors_for(island);
+            if (!linearise(island, softness, *factors)) return false;
+            take_step(island, *factors);
+            move(island);
+            e = error(island, softness);
+            if (full || e <= 1 || merit_ <= 0.999 * merit_before) continue;
+            outcomes.searched++;
+            e = search(island, softness, merit_before);
+        }
+    }
+
+    /// Writes H and h of each contact, P = P_now + h - H G x, and factorizes where states have changed.
+    bool linearise(I& island, double softness, BlockLU<unknowns>& factors) {
+        bool same = factors.stamp == island.factored_stamp && island.factored_softness == softness;
+        for (std::size_t i = 0; i < island.contacts.size(); i++) {
+            const C& k = *island.contacts[i];
+            before_[i] = k.impulse;
+            Mat<d, d> J;
+            LU<d> K;
+            State state;
+            const Vec<d> nearest = project<d>(k.bound, k.mode, k.given, trial_[i], state, &J);
+            const int mark = static_cast<int>(state) + (scale_ != 1 ? 16 : 0);
+            // Slip in space turns its direction from iteration to iteration.
+            same = same && island.factored[i] == mark && (d == 2 || state != SLIP);
+            island.factored[i] = mark;
+            for (int a = 0; a < d; a++)
+                for (int b = 0; b < d; b++) {
+                    const double r = scale_ * island.length[i][b > 0];
+                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * island.own[i][b > 0];
+                    J[a][b] *= r;
+                }
+            if (!K.factorize()) return false;
+            K.solve(J);
+            stiffness_[i] = J;
+            change_[i] = nearest - k.impulse;
+            K.solve(change_[i]);
+        }
+        if (same) return true;
+        assemble(island, factors);
+        outcomes.factorizations++;
+        island.factored_softness = softness;
+        factors.stamp = island.factored_stamp = ++stamps_;
+        if (factors.factorize()) return true;
+        island.factored_stamp = -1;
+        return false;
+    }
+
+    void take_step(I& island, BlockLU<unknowns>& factors) {
+        x_.assign(island.w.size(), {});
+        const std::size_t count = island.contacts.size();
+        for (std::size_t i = 0; i < count; i++) push(*island.contacts[i], change_[i], x_);
+        factors.solve(x_);
+        for (std::size_t i = 0; i < count; i++) {
+            C& k = *island.contacts[i];
+            Vec<d> moved{};
+            if (k.a >= 0) moved += mul(k.rows_a, x_[k.a]);
+            if (k.b >= 0) moved += mul(k.rows_b, x_[k.b]);
+            k.impulse += change_[i] - mul(stiffness_[i], moved);
+        }
+    }
+
+    /// The part of the last step that lowers the merit enough, else most; returns the error there.
+    double search(I& island, double softness, double merit_before) {
+        const std::size_t count = island.contacts.size();
+        for (std::size_t i = 0; i < count; i++) change_[i] = island.contacts[i]->impulse - before_[i];
+        const auto go = [&](double part) {
+            for (std::size_t i = 0; i < count; i++) island.contacts[i]->impulse = before_[i] + part * change_[i];
+            move(island);
+            return error(island, softness);
+        };
+        double part = 1, best = 1, lowest = merit_, e = 0;
+        for (int halving = 0; halving < 12; halving++) {
+            part *= 0.5;
+            e = go(part);
+            if (merit_ < lowest) {
+                lowest = merit_;
+                best = part;
+            }
+            if (merit_ <= (1 - 1e-3 * part) * merit_before) break;
+        }
+        return best == part ? e : go(best);
+    }
+
+    /// Newton's method with the term held at the anchors of the contacts, which has one solution
+    /// however many rows say the same. Where it fails, it is tried with longer r, which has other
+    /// cycles and other minima of the merit; then by the proximal point algorithm with a softer term.
+    bool by_proximal_point(I& island) {
+        const std::size_t count = island.contacts.size();
+        double q = SOFTNESS;
+        bool first = true;
+        anchor_.resize(count);
+        last_.resize(count);
+        for (std::size_t i = 0; i < count; i++) anchor_[i] = island.contacts[i]->anchor;
+        for (int round = 0; round < PROXIMAL_ROUNDS; round++) {
+            for (std::size_t i = 0; i < count; i++) {
+                last_[i] = island.contacts[i]->impulse;
+                if (!first) anchor_[i] = last_[i];
+            }
+            bool settled = newton(island, q, ROUNDS);
+            if (!settled) {
+                restore(island, last_);
+                scale_ = 10;
+                settled = newton(island, q, ROUNDS);
+                scale_ = 1;
+                if (settled) {
+                    outcomes.scaled++;
+                    settled = newton(island, q, ROUNDS);
+                }
+            }
+            if (settled) {
+                if (q <= SOFTNESS) return true;
+                q = std::max(SOFTNESS, 0.1 * q);
+                continue;
+            }
+            restore(island, last_);
+            if (first) outcomes.softened++;
+            first = false;
+            q *= 100;
+            if (q > SOFTEST) return false;
+        }
+        return false;
+    }
+
+    /// Gauss and Seidel's method: one contact after another, each by Newton's method with r of its own.
+    void sweep(I& island, int sweeps) {
+        for (int round = 0; round < sweeps; round++) {
+            if (round % 10 == 0 && error(island, 0) <= 1) return;
+            for (std::size_t i = 0; i < island.contacts.size(); i++) {
+                C& k = *island.contacts[i];
+                Vec<d> y = reading(island, k);
+                const Vec<d> before = k.impulse;
+                Mat<d, d> W{};
+                for (int side = 0; side < 2; side++) {
+                    const int body = side ? k.b : k.a;
+                    if (body < 0) continue;
+                    const Mat<d, unknowns>& rows = side ? k.rows_b : k.rows_a;
+                    for (int c = 0; c < d; c++) {
+                        const Motion moved = mul(island.inverse_mass[body], rows[c]);
+                        for (int a = 0; a < d; a++) W[a][c] += dot(rows[a], moved);
+                    }
+                }
+                for (int inner = 0; inner < 30; inner++) {
+                    Vec<d> trial;
+                    for (int j = 0; j < d; j++) trial[j] = k.impulse[j] - y[j] / island.own[i][j > 0];
+                    Mat<d, d> J;
+                    State state;
+                    Vec<d> step = project<d>(k.bound, k.mode, k.given, trial, state, &J) - k.impulse;
+                    if (norm(step) <= 1e-15 * norm(k.impulse)) break;
+                    LU<d> K;
+                    for (int a = 0; a < d; a++)
+                        for (int b = 0; b < d; b++) {
+                            K.a[a][b] = (a == b) - J[a][b];
+                            for (int c = 0; c < d; c++) K.a[a][b] += J[a][c] / island.own[i][c > 0] * W[c][b];
+                        }
+                    if (!K.factorize()) break;
+                    K.solve(step);
+                    k.impulse += step;
+                    y += mul(W, step);
+                }
+                const Vec<d> change = k.impulse - before;
+                if (k.a >= 0) island.w[k.a] += mul(island.inverse_mass[k.a], transposed_mul(k.rows_a, change));
+                if (k.b >= 0) island.w[k.b] += mul(island.inverse_mass[k.b], transposed_mul(k.rows_b, change));
+            }
+        }
+        move(island);
+    }
+
+    double breach_ = 0, merit_ = 0, scale_ = 1;
+    long stamps_ = 0;
+    BlockLU<unknowns> single_;
+    std::unordered_map<std::uint64_t, BlockLU<unknowns>> patterns_;
+    std::vector<std::array<double, 2>> sum_;
+    std::vector<std::array<std::array<double, 2>, 2>> part_;
+    std::vector<double> largest_, defect_;
+    std::vector<Vec<d>> trial_, change_, before_, best_, anchor_, last_, first_, kept_;
+    std::vector<Mat<d, d>> stiffness_;
+    std::vector<Motion> x_;
+};
+
+}  // namespace rockslip

@@ -1,0 +1,168 @@
+// The C interface of the compiled world, called by solver/kernels/world.py.
+#include <exception>
+#include <limits>
+
+#include "world.hpp"
+
+using namespace rockslip;
+
+namespace {
+
+struct Handle {
+    int d;
+    World<2> plane;
+    World<3> space;
+};
+
+template <class F> auto with(void* handle, F f) {
+    Handle* h = static_cast<Handle*>(handle);
+    return h->d == 2 ? f(h->plane) : f(h->space);
+}
+
+template <std::size_t n> Numbers<n> read(const double*& from) {
+    Numbers<n> x;
+    for (double& each : x) each = *from++;
+    return x;
+}
+
+template <std::size_t n> void write(double*& to, const Numbers<n>& x) {
+    for (double each : x) *to++ = each;
+}
+
+template <int d> int add_body(World<d>& world, int shape, int mobility, const double* numbers) {
+    Body<d> body;
+    body.shape = shape;
+    body.mobility = static_cast<Mobility>(mobility);
+    body.mass = *numbers++;
+    body.thickness = *numbers++;
+    body.stiffness = *numbers++;
+    body.damping = *numbers++;
+    body.inertia = read<Dim<d>::rotations>(numbers);
+    body.spring_force = read<d>(numbers);
+    body.x = read<d>(numbers);
+    body.rotation.value = read<Rotation<d>::size>(numbers);
+    body.v = read<d>(numbers);
+    body.spin = read<Dim<d>::rotations>(numbers);
+    world.bodies.push_back(body);
+    return static_cast<int>(world.bodies.size()) - 1;
+}
+
+template <int d> void write_state(World<d>& world, double* of_bodies, double* of_step) {
+    for (std::size_t b = 0; b < world.bodies.size(); b++) {
+        const Body<d>& body = world.bodies[b];
+        write(of_bodies, body.x);
+        write(of_bodies, body.rotation.value);
+        write(of_bodies, body.v);
+        write(of_bodies, body.spin);
+        write(of_bodies, world.slip[b]);
+        write(of_bodies, world.received[b]);
+        *of_bodies++ = world.penetration[b];
+    }
+    const std::array<double, 3> e = world.energies();
+    write(of_step, e);
+    const Ledger& l = world.ledger;
+    write(of_step, Numbers<5>{l.input, l.friction, l.damping, l.contact, l.numerical});
+    write(of_step, world.spring_impulse);
+    *of_step++ = world.closed_contacts;
+    *of_step++ = static_cast<double>(world.local.outcomes.newton);
+    *of_step++ = world.deepest;
+}
+
+template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
+                         double* of_bodies, double* of_steps) {
+    const std::size_t width = world.bodies.size() * (5 * d - d + Rotation<d>::size + Dim<d>::rotations + 1);
+    for (int i = 0; i < steps; i++) {
+        GroundMotion<d> motion;
+        if (ground)
+            for (int k = 0; k < d; k++) {
+                motion.start[k] = ground[d * i + k] + shift[d * i + k];
+                motion.rise[k] = (ground[d * (i + 1) + k] - ground[d * i + k]) / dt;
+            }
+        if (!world.step(dt, smallest, motion)) return i;
+        if (of_bodies) write_state(world, of_bodies + width * static_cast<std::size_t>(i), of_steps + static_cast<std::size_t>(i) * (11 + d));
+    }
+    return steps;
+}
+
+}  // namespace
+
+extern "C" {
+
+void* world_new(int d, const double* gravity, const double* scheme, int velocity_level) {
+    Handle* h = new Handle;
+    h->d = d;
+    with(h, [&](auto& world) {
+        for (double& each : world.gravity) each = *gravity++;
+        world.scheme = {scheme[0], scheme[1], scheme[2]};
+        world.velocity_level = velocity_level != 0;
+    });
+    return h;
+}
+
+void world_free(void* handle) { delete static_cast<Handle*>(handle); }
+
+int world_half_space(void* handle) {
+    Handle* h = static_cast<Handle*>(handle);
+    if (h->d == 2) h->plane.shapes.push_back(half_space<2>());
+    else h->space.shapes.push_back(half_space<3>());
+    return with(handle, [](auto& world) { return static_cast<int>(world.shapes.size()) - 1; });
+}
+
+int world_polygon(void* handle, const double* corners, int count) {
+    World<2>& world = static_cast<Handle*>(handle)->plane;
+    std::vector<Vec<2>> v(count);
+    for (Vec<2>& each : v) each = read<2>(corners);
+    world.shapes.push_back(polygon(v));
+    return static_cast<int>(world.shapes.size()) - 1;
+}
+
+int world_polyhedron(void* handle, const double* vertices, int count, const int* loops, const int* sizes, int faces) {
+    World<3>& world = static_cast<Handle*>(handle)->space;
+    std::vector<Vec<3>> v(count);
+    for (Vec<3>& each : v) each = read<3>(vertices);
+    std::vector<std::vector<int>> all;
+    for (int f = 0; f < faces; loops += sizes[f++]) all.emplace_back(loops, loops + sizes[f]);
+    world.shapes.push_back(polyhedron(v, all));
+    return static_cast<int>(world.shapes.size()) - 1;
+}
+
+int world_body(void* handle, int shape, int mobility, const double* numbers) {
+    return with(handle, [&](auto& world) { return add_body(world, shape, mobility, numbers); });
+}
+
+void world_law(void* handle, const double* numbers) {
+    with(handle, [&](auto& world) {
+        world.laws.push_back({numbers[0], numbers[1], numbers[2], numbers[3], numbers[4] != 0, numbers[5]});
+    });
+}
+
+void world_begin(void* handle, const int* law_of, const int* carriers, const int* counts) {
+    with(handle, [&](auto& world) {
+        const std::size_t n = world.bodies.size();
+        world.law_of.assign(law_of, law_of + n * n);
+        world.carriers.clear();
+        for (std::size_t b = 0; b < n; carriers += counts[b++]) world.carriers.emplace_back(carriers, carriers + counts[b]);
+        world.begin();
+    });
+}
+
+int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, double* of_bodies, double* of_steps) {
+    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, of_bodies, of_steps); });
+}
+
+void world_state(void* handle, double* of_bodies, double* of_step) {
+    with(handle, [&](auto& world) { write_state(world, of_bodies, of_step); });
+}
+
+void world_counts(void* handle, double* out) {
+    with(handle, [&](auto& world) {
+        const auto& o = world.local.outcomes;
+        const auto& c = world.counts;
+        const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.searched), double(o.scaled),
+                              double(o.softened), double(o.swept), double(o.failed), double(o.loose), o.loosest, double(c.outer), double(c.late),
+                              double(c.widened), double(c.halved), double(c.cut), double(c.contacts), double(c.most_contacts), double(c.rungs[0]),
+                              double(c.rungs[1]), double(c.rungs[2]), double(c.rungs[3]), double(c.rungs[4])};
+        std::copy(std::begin(all), std::end(all), out);
+    });
+}
+}

@@ -1,0 +1,51 @@
+// Rotations: an angle in the plane (anticlockwise), a unit quaternion in space.
+//
+// A step turns a body by a Cayley vector psi, in space. With the mean R_m of the rotations at both
+// ends, R_{n+1} - R_n = skew(psi) R_m exactly; in the plane psi = 2 tan(dtheta/2).
+#pragma once
+
+#include "linear.hpp"
+
+namespace rockslip {
+
+template <int d> struct Rotation;
+
+template <> struct Rotation<2> {
+    static constexpr int size = 1;
+    Vec<1> value{0};
+
+    Mat<2, 2> matrix() const {
+        const double c = std::cos(value[0]), s = std::sin(value[0]);
+        return {{{c, -s}, {s, c}}};
+    }
+    Rotation turned(const Vec<1>& psi) const { return {{value[0] + 2 * std::atan(0.5 * psi[0])}}; }
+};
+
+template <> struct Rotation<3> {
+    static constexpr int size = 4;
+    Vec<4> value{1, 0, 0, 0};
+
+    Mat<3, 3> matrix() const {
+        const double w = value[0], x = value[1], y = value[2], z = value[3];
+        return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                 {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                 {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+    }
+    Rotation turned(const Vec<3>& psi) const {
+        const Vec<3> h = 0.5 * psi, v{value[1], value[2], value[3]}, c = cross(h, v);
+        const double w = value[0];
+        const Vec<4> q{w - dot(h, v), v[0] + w * h[0] + c[0], v[1] + w * h[1] + c[1],
+                       v[2] + w * h[2] + c[2]};
+        return {(1 / norm(q)) * q};
+    }
+};
+
+/// Components about the axes of space of a rotational vector given about a body's own axes.
+inline Vec<1> to_space(const Mat<2, 2>&, const Vec<1>& own) { return own; }
+inline Vec<3> to_space(const Mat<3, 3>& R, const Vec<3>& own) { return mul(R, own); }
+
+/// Components about a body's own axes of a rotational vector in space.
+inline Vec<1> to_body(const Mat<2, 2>&, const Vec<1>& in_space) { return in_space; }
+inline Vec<3> to_body(const Mat<3, 3>& R, const Vec<3>& in_space) { return transposed_mul(R, in_space); }
+
+}  // namespace rockslip

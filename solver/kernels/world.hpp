@@ -1,0 +1,1400 @@
+// Rigid bodies in contact, and a step through them.
+//
+// Every body may meet every other. With w = v_n + v_{n+1} = 2 du/dt a step of generalized-alpha reads
+// M (w - w_free) = G_m^T P and y = (2/dt) (gap, place)_{n+1} = c + G_m w with the rows of the middle of
+// the step: the same problem as that of velocities, M (v - v_free) = G^T P with v_n complementary to
+// P_n, so that one solver serves both. Impulses act at the end of the step, outside any average.
+//
+// Bodies near each other make groups. A group in which something touches hard, or stops to slide, is
+// stepped to that instant and on from there; one whose contact is not solved, in halves.
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "broad_phase.hpp"
+#include "local_problem.hpp"
+
+namespace rockslip {
+
+/// What was taken in and lost since the start, J.
+struct Ledger {
+    double input = 0;      // work of the moving ground
+    double friction = 0;
+    double damping = 0;    // of the platform's dashpot
+    double contact = 0;    // impacts and the velocity level
+    double numerical = 0;  // time stepping of the platform
+};
+
+enum class EventKind { IMPACT, LANDING };
+
+/// Two bodies that met: the instant, velocities before and after, impulses, energy.
+template <int d> struct Event {
+    double time;            // s
+    int a, b;               // the body of the point, and that of the face
+    Vec<d> place;           // m
+    Vec<d> normal;          // from b to a
+    double approach;        // normal velocity before, m/s, > 0 where they come together
+    double departure;       // normal velocity after, m/s
+    Vec<d> impulse;         // on a, N s
+    double energy;          // lost by all bodies of the island in this impact, J
+    Vec<Dim<d>::rotations> spin_before, spin_after;  // of a's or, where a carries b, of b's body, rad/s
+};
+
+struct StepCounts {
+    long outer = 0, late = 0, widened = 0, halved = 0, cut = 0, contacts = 0, most_contacts = 0, unsettled = 0;
+    long rungs[5] = {0, 0, 0, 0, 0};
+};
+
+template <int d> class World {
+    static constexpr int unknowns = Dim<d>::unknowns, rotations = Dim<d>::rotations;
+    using Motion = Vec<unknowns>;
+    using Square = Mat<unknowns, unknowns>;
+    using C = Contact<d>;
+
+  public:
+    std::vector<Shape<d>> shapes;
+    std::vector<Body<d>> bodies;
+    std::vector<ContactLaw> laws;
+    std::vector<int> law_of;              // number of the law of each pair of bodies, (n, n)
+    std::vector<std::vector<int>> carriers;  // of each body: what its slip is measured over
+    Vec<d> gravity{};
+    Scheme scheme;
+    bool velocity_level = true;
+
+    double time = 0;
+    Ledger ledger;
+    std::vector<Event<d>> events;
+    std::vector<Vec<d>> slip;             // of each body over what carries it, m, (n,); the last is unused
+    std::vector<Vec<d>> received;         // impulses of a step on each body but from what it carries, N s
+    std::vector<double> penetration;      // of each body in what carries it, m
+    double deepest = 0;                   // overlap of two bodies in any step so far, m
+    Vec<d> spring_impulse{};              // of the platform's spring and dashpot on the ground in a step, N s
+    int closed_contacts = 0;
+    LocalProblem<d> local;
+    StepCounts counts;
+
+    /// To be called once, when all bodies are there.
+    void begin() {
+        const std::size_t count = bodies.size();
+        double sum = 0;
+        std::size_t free = 0;
+        for (const Body<d>& body : bodies)
+            if (body.mobility == Mobility::FREE) {
+                sum += 2 * shapes[body.shape].radius;
+                free++;
+            }
+        size_ = free ? sum / static_cast<double>(free) : 1;
+        slip.assign(count, {});
+        received.assign(count, {});
+        penetration.assign(count, 0);
+        carriers.resize(count);
+        moving_.clear();
+        fixed_.clear();
+        for (std::size_t b = 0; b < count; b++) (bodies[b].moves() ? moving_ : fixed_).push_back(static_cast<int>(b));
+    }
+
+    /// Kinetic, gravity and spring energy, J.
+    std::array<double, 3> energies() const {
+        std::array<double, 3> e{0, 0, 0};
+        for (const Body<d>& body : bodies) {
+            if (!body.moves()) continue;
+            e[0] += body.kinetic_energy();
+            e[1] -= body.mass * dot(gravity, body.x);
+            e[2] += 0.5 * body.stiffness * dot(body.x, body.x);
+        }
+        return e;
+    }
+
+    /// One step; false where no step, however short, was solved.
+    bool step(double dt, double smallest, const GroundMotion<d>& ground) {
+        for (Vec<d>& each : received) each.fill(0);
+        std::fill(penetration.begin(), penetration.end(), 0.0);
+        spring_impulse.fill(0);
+        closed_contacts = 0;
+        smallest_ = smallest;
+        number_++;
+        const double end = time + dt;
+        const bool solved = advance(0, moving_, {time, dt, ground, CUTS});
+        if (solved) time = end;
+        if (number_ % 64 == 0) memory_.forget_before(number_ - 2);
+        return solved;
+    }
+
+    ContactMemory<d>& memory() { return memory_; }
+    long& number() { return number_; }
+    double size() const { return size_; }
+
+  private:
+    static constexpr double INSET = 1e-6;       // of the size: for deciding which corners count
+    static constexpr double ROUND_OFF = 1e-12;  // of the size: gaps below are none
+    static constexpr double TOUCHING = 1e-9;    // of the size: contacts closer than this touch already
+    static constexpr double SMALLEST_PIECE = 1e-3;
+    static constexpr double STOPPED = 1e-6;
+    static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
+    static constexpr double SLOW = 1e-3;
+    static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3, LARGEST_CUT_GROUP = 12;
+
+    /// All that belongs to one attempt to step some bodies.
+    struct Attempt {
+        std::vector<int> members, listed;          // bodies that move; with all fixed ones
+        std::vector<double> margin, least, way;    // by body
+        std::vector<char> still, failed;
+        std::vector<PlacedShape<d>> start, other;
+        std::vector<Placement<d>> end;
+        std::vector<Motion> w, begun;
+        std::vector<Square> mass, inverse_mass;
+        std::vector<Motion> free;
+        std::vector<C> contacts;
+        std::vector<Feature<d>> found;
+        std::vector<std::pair<int, int>> pairs;
+        std::vector<double> apart;
+        std::vector<Island<d>> islands;
+        int island_count = 0;
+        bool all_still = true;
+    };
+
+    Attempt& attempt(int depth) {
+        while (static_cast<int>(attempts_.size()) <= depth) attempts_.emplace_back();
+        Attempt& A = attempts_[depth];
+        const std::size_t count = bodies.size();
+        if (A.margin.size() != count) {
+            A.margin.resize(count);
+            A.least.resize(count);
+            A.way.resize(count);
+            A.still.resize(count);
+            A.failed.resize(count);
+            A.start.resize(count);
+            A.other.resize(count);
+            A.end.resize(count);
+            A.w.resize(count);
+            A.begun.resize(count);
+            A.mass.resize(count);
+            A.inverse_mass.resize(count);
+            A.free.resize(count);
+        }
+        return A;
+    }
+
+    const ContactLaw& law(int a, int b) const {
+        return laws[law_of[static_cast<std::size_t>(a) * bodies.size() + static_cast<std::size_t>(b)]];
+    }
+
+    /// A step or a piece of one: when it begins (s), its length (s), and the motion of the ground.
+    struct Piece {
+        double begin, dt;
+        GroundMotion<d> ground;
+        int cuts;  // how often it may be cut at an event
+
+        Piece first(double length) const { return {begin, length, ground, cuts}; }
+        Piece rest(double length) const { return {begin + length, dt - length, ground.later(length), cuts}; }
+    };
+
+    // ------------------------------------------------------------ one attempt
+
+    /// Steps some bodies; where that needs it, in groups and in pieces.
+    bool advance(int depth, const std::vector<int>& members, const Piece& piece) {
+        const auto& [begin, dt, ground, cuts] = piece;
+        Attempt& A = attempt(depth);
+        A.members = members;
+        for (int b : members) A.least[b] = 0;
+        for (int wider = 0;; wider++) {
+            set_out(A, dt, ground);
+            find_contacts(A, dt, ground);
+            const bool strayed = solve(A, dt, ground);
+            if (!strayed || wider == MOST_WIDENED) break;
+            counts.widened++;
+        }
+        bool any_failed = false;
+        for (int b : members) any_failed |= A.failed[b];
+        const double pull = norm(gravity - ground.start) + dt * norm(ground.rise);
+        const bool cuttable = cuts > 0 && something_happens(A, dt, pull);
+        if (!any_failed && !cuttable) {
+            finish(A, dt, ground);
+            return true;
+        }
+        const std::vector<std::vector<int>> groups = groups_of(A);
+        if (groups.size() > 1) return by_groups(A, depth, groups, piece, pull);
+        if (any_failed) return by_halves(A, depth, piece);
+        return in_pieces(A, depth, piece, pull);
+    }
+
+    /// Places, velocities and margins at the start.
+    void set_out(Attempt& A, double dt, const GroundMotion<d>& ground) {
+        A.listed = A.members;
+        A.listed.insert(A.listed.end(), fixed_.begin(), fixed_.end());
+        A.all_still = true;
+        const Vec<d> load = gravity - ground.mean(dt);
+        const double pull = norm(load), hair = INSET * size_;
+        for (int b : fixed_) {
+            A.start[b].place(shapes[bodies[b].shape], bodies[b].placement());
+            A.end[b] = A.start[b].at;
+            A.margin[b] = hair;
+            A.still[b] = 1;
+            A.failed[b] = 0;
+            A.w[b].fill(0);
+        }
+        for (int b : A.members) {
+            const Body<d>& body = bodies[b];
+            A.start[b].place(shapes[body.shape], body.placement());
+            A.failed[b] = 0;
+            const double way = dt * (norm(body.v) + norm(body.spin) * shapes[body.shape].radius + dt * pull);
+            A.margin[b] = std::max(A.least[b], 2 * way + hair);
+            A.still[b] = std::max(0.5 * A.least[b], way) < 100 * hair;
+            A.all_still &= A.still[b] != 0;
+            const auto spin = to_space(A.start[b].at.R, body.spin);
+            for (int i = 0; i < d; i++) A.w[b][i] = 2 * body.v[i];
+            for (int i = 0; i < rotations; i++) A.w[b][d + i] = 2 * spin[i];
+            A.begun[b] = A.w[b];
+            set_mass(b, A.start[b].at.R, A.mass[b], A.inverse_mass[b]);
+            if (body.is_platform()) set_platform(A, b, dt, ground);
+        }
+    }
+
+    /// M and its inverse about the axes of space.
+    void set_mass(int b, const Mat<d, d>& R, Square& M, Square& inverse) const {
+        const Body<d>& body = bodies[b];
+        M = {};
+        inverse = {};
+        for (int i = 0; i < unknowns; i++) M[i][i] = inverse[i][i] = 1;  // unknowns that a platform lacks
+        for (int i = 0; i < (body.is_platform() ? d - 1 : d); i++) {
+            M[i][i] = body.mass;
+            inverse[i][i] = 1 / body.mass;
+        }
+        if (body.is_platform()) return;
+        for (int i = 0; i < rotations; i++)
+            for (int j = 0; j < rotations; j++) {
+                double direct = 0, reciprocal = 0;
+                for (int k = 0; k < rotations; k++) {
+                    const double turn = d == 2 ? 1 : R[i][k] * R[j][k];
+                    direct += turn * body.inertia[k];
+                    reciprocal += turn / body.inertia[k];
+                }
+                M[d + i][d + j] = direct;
+                inverse[d + i][d + j] = reciprocal;
+            }
+    }
+
+    /// The effective mass of a platform on its spring, and its motion without contacts.
+    void set_platform(Attempt& A, int b, double dt, const GroundMotion<d>& ground) const {
+        const Body<d>& body = bodies[b];
+        const double weight = 0.5 * (1 - scheme.alpha_m) / scheme.beta;
+        const double inertial = (1 - scheme.alpha_m) / (scheme.beta * dt * dt) * body.mass;
+        const double stiffness = inertial + (1 - scheme.alpha_f) * body.stiffness + weight * body.damping / dt;
+        const double later = (1 - scheme.alpha_m) * (0.5 / scheme.beta - 1) - scheme.alpha_m;
+        const Vec<d> load = body.mass * (gravity - ground.mean(dt));
+        A.free[b].fill(0);
+        for (int i = 0; i + 1 < d; i++) {
+            const double right = weight * load[i] - body.stiffness * body.x[i] + inertial * dt * body.v[i] + later * body.spring_force[i];
+            A.free[b][i] = 2 / dt * right / stiffness;
+            A.inverse_mass[b][i][i] = 2 / (dt * dt) * weight / stiffness;
+            A.mass[b][i][i] = 1 / A.inverse_mass[b][i][i];
+        }
+    }
+
+    /// Motion of a free body without contacts; in space by the energy-momentum rule on the angular
+    /// momentum (Simo and Wong 1991), about the last iterate.
+    Motion free_motion(const Attempt& A, int b, double dt, const Vec<d>& load) const {
+        const Body<d>& body = bodies[b];
+        Motion free;
+        for (int i = 0; i < d; i++) free[i] = 2 * body.v[i] + dt * load[i];
+        if constexpr (d == 2) {
+            free[2] = 2 * body.spin[0];
+        } else {
+            const Mat<3, 3>& R = A.start[b].at.R;
+            const Vec<3> turn{A.w[b][3], A.w[b][4], A.w[b][5]}, psi = to_body(R, 0.5 * dt * turn);
+            Vec<3> L0, rule;
+            for (int i = 0; i < 3; i++) L0[i] = body.inertia[i] * psi[i];
+            const Vec<3> gyroscopic = cross(psi, L0);
+            for (int i = 0; i < 3; i++) rule[i] = 2 * body.inertia[i] * (psi[i] - dt * body.spin[i]) + gyroscopic[i];
+            LU<3> transport{{{{1, psi[2] / 2, -psi[1] / 2}, {-psi[2] / 2, 1, psi[0] / 2}, {psi[1] / 2, -psi[0] / 2, 1}}}, {}};
+            transport.factorize();
+            transport.solve(rule);
+            const Vec<3> missing = to_space(R, (1 / dt) * rule);
+            for (int i = 0; i < 3; i++) {
+                free[3 + i] = turn[i];
+                for (int j = 0; j < 3; j++) free[3 + i] -= A.inverse_mass[b][3 + i][3 + j] * missing[j];
+            }
+        }
+        return free;
+    }
+
+    // ------------------------------------------------------------ contacts
+
+    void find_contacts(Attempt& A, double dt, const GroundMotion<d>& ground) {
+        A.pairs = broad_.find(A.listed, bodies, A.start, A.margin);
+        A.apart.resize(A.pairs.size());
+        A.contacts.clear();
+        A.found.clear();
+        for (std::size_t i = 0; i < A.pairs.size(); i++) A.apart[i] = look(A, A.pairs[i], A.start, true);
+        const std::size_t first = A.found.size();
+        if (!A.all_still) {
+            const Vec<d> load = gravity - ground.mean(dt);
+            for (int b : fixed_) A.other[b] = A.start[b];
+            for (int b : A.members) {
+                Motion increment = 0.5 * dt * A.w[b];
+                if (!bodies[b].is_platform())
+                    for (int i = 0; i < d; i++) increment[i] += 0.5 * dt * dt * load[i];
+                A.other[b].place(shapes[bodies[b].shape], bodies[b].moved(increment));
+            }
+            for (const auto& pair : A.pairs)
+                if (!A.still[pair.first] || !A.still[pair.second]) look(A, pair, A.other, true);
+        }
+        for (std::size_t i = 0; i < A.found.size(); i++) add_contact(A, A.found[i], i >= first);
+    }
+
+    /// Features of a pair at some places, added to those found; returns how far it is apart.
+    double look(Attempt& A, const std::pair<int, int>& pair, const std::vector<PlacedShape<d>>& placed, bool with_margin) {
+        const auto [a, b] = pair;
+        const double margin = with_margin ? A.margin[a] + A.margin[b] : 0;
+        NarrowPhase<d> narrow(a, b, shapes[bodies[a].shape], shapes[bodies[b].shape], placed[a], placed[b], margin, INSET * size_, A.found);
+        return narrow.find();
+    }
+
+    /// Adds a contact unless it is there; false where it is not added. One that was found `late` is
+    /// no contact if it was below its face, beside it, at the start.
+    bool add_contact(Attempt& A, const Feature<d>& feature, bool late) {
+        const int low = std::min(feature.point_body, feature.face_body), high = std::max(feature.point_body, feature.face_body);
+        const std::uint64_t id = feature.id();
+        if (late)
+            for (const C& k : A.contacts)
+                if (k.id == id && std::min(k.feature.point_body, k.feature.face_body) == low && std::max(k.feature.point_body, k.feature.face_body) == high) return false;
+        C k;
+        k.feature = feature;
+        k.id = id;
+        k.law = &law(low, high);
+        double gap = gap_between(feature, A.start[feature.point_body].at, A.start[feature.face_body].at);
+        k.impulse.fill(0);
+        k.velocity_impulse.fill(0);
+        k.total.fill(0);
+        k.start.fill(0);
+        k.given.fill(0);
+        k.was_closed = k.slips = k.closed = false;
+        k.past = {};
+        k.mode = FrictionMode::LAW;
+        k.state = OPEN;
+        if (const Remembered<d>* before = memory_.find(low, high, id)) {
+            k.past = before->friction;
+            if (before->step >= number_ - 1) {
+                k.impulse = before->impulse;
+                k.velocity_impulse = before->velocity_impulse;
+                k.was_closed = before->closed;
+                if (before->closed && std::fabs(gap - before->gap) < ROUND_OFF * size_) gap = before->gap;
+                if (before->closed)
+                    for (int i = 1; i < d; i++) k.start[i] = before->offset[i];
+            }
+        }
+        if (late && gap < -TOUCHING * size_ && !k.was_closed) return false;
+        // Contacts that say the same must not differ by round-off of places.
+        if (std::fabs(gap) < ROUND_OFF * size_) gap = 0;
+        k.gap = gap;
+        k.start[0] = std::max(gap, 0.0);  // what has sunk in is held: pushed out it would gain energy
+        double area = feature.area;
+        if constexpr (d == 2) area *= std::min(thickness(feature.point_body), thickness(feature.face_body));
+        k.bound = bound_at_start(*k.law, k.past, area);
+        A.contacts.push_back(k);
+        return true;
+    }
+
+    double thickness(int b) const { return bodies[b].mobility == Mobility::FREE ? bodies[b].thickness : INFINITY; }
+
+    double gap_between(const Feature<d>& feature, const Placement<d>& a, const Placement<d>& b) const {
+        return gap_of(feature, shapes[bodies[feature.point_body].shape], shapes[bodies[feature.face_body].shape], a, b);
+    }
+
+    void write_contact_rows(C& k, const Placement<d>& a0, const Placement<d>& a1, const Placement<d>& b0, const Placement<d>& b1) const {
+        const Body<d>&a = bodies[k.feature.point_body], &b = bodies[k.feature.face_body];
+        write_rows(k, shapes[a.shape], shapes[b.shape], a0, a1, b0, b1);
+        if (a.is_platform()) restrict_to_platform<d>(k.rows_a);
+        if (b.is_platform()) restrict_to_platform<d>(k.rows_b);
+    }
+
+    /// Gathers bodies joined by contacts; only those contacts that `count`.
+    template <class Counts> void gather_islands(Attempt& A, Counts count) {
+        root_.resize(bodies.size());
+        local_.resize(bodies.size());
+        island_of_.resize(bodies.size());
+        for (int b : A.members) {
+            root_[b] = b;
+            local_[b] = island_of_[b] = -1;
+        }
+        for (const C& k : A.contacts)
+            if (count(k) && bodies[k.feature.point_body].moves() && bodies[k.feature.face_body].moves())
+                root_[top(k.feature.point_body)] = top(k.feature.face_body);
+        A.island_count = 0;
+        for (C& k : A.contacts) {
+            if (!count(k)) continue;
+            const int a = k.feature.point_body, b = k.feature.face_body, root = top(bodies[a].moves() ? a : b);
+            if (island_of_[root] < 0) {
+                island_of_[root] = A.island_count++;
+                if (static_cast<int>(A.islands.size()) < A.island_count) A.islands.emplace_back();
+                A.islands[island_of_[root]].clear();
+            }
+            Island<d>& island = A.islands[island_of_[root]];
+            for (int body : {a, b})
+                if (bodies[body].moves() && local_[body] < 0) {
+                    local_[body] = static_cast<int>(island.bodies.size());
+                    island.bodies.push_back(body);
+                }
+            k.a = bodies[a].moves() ? local_[a] : -1;
+            k.b = bodies[b].moves() ? local_[b] : -1;
+            island.contacts.push_back(&k);
+        }
+        for (int i = 0; i < A.island_count; i++) {
+            Island<d>& island = A.islands[i];
+            const std::size_t count_of = island.bodies.size();
+            island.mass.resize(count_of);
+            island.inverse_mass.resize(count_of);
+            island.free.resize(count_of);
+            island.w.resize(count_of);
+        }
+    }
+
+    int top(int b) {
+        while (root_[b] != b) b = root_[b] = root_[root_[b]];
+        return b;
+    }
+
+    // ------------------------------------------------------------ solution of a step
+
+    /// Solves all islands, with contacts that turn out later; marks bodies of those that have no
+    /// solution. True where bodies went farther than anybody looked: margins are wider then.
+    bool solve(Attempt& A, double dt, const GroundMotion<d>& ground) {
+        for (int round = 0; round < 8; round++) {
+            gather_islands(A, [](const C&) { return true; });
+            settle_all(A, dt, ground);
+            bool strayed = false;
+            for (int b : A.members) {
+                if (A.failed[b]) continue;
+                double turn = norm_from(A.w[b], d), go = 0;
+                for (int i = 0; i < d; i++) go = std::hypot(go, A.w[b][i]);
+                A.way[b] = 0.5 * dt * (go + turn * shapes[bodies[b].shape].radius);
+                if (A.way[b] > A.margin[b] && !A.still[b]) strayed = true;
+                if (A.way[b] > A.margin[b] && A.still[b]) strayed = true;
+                if (A.way[b] > A.margin[b]) A.least[b] = 2 * A.way[b];
+            }
+            const bool more = add_late_contacts(A);
+            if (strayed && !more) return true;
+            if (!more) return false;
+        }
+        return false;
+    }
+
+    /// Contacts that overlap at the end of the step though they were none; true where there are any.
+    bool add_late_contacts(Attempt& A) {
+        if (A.all_still) return false;
+        for (int b : A.members) A.other[b].place(shapes[bodies[b].shape], A.end[b]);
+        for (int b : fixed_) A.other[b] = A.start[b];
+        bool more = false;
+        for (std::size_t i = 0; i < A.pairs.size(); i++) {
+            const auto [a, b] = A.pairs[i];
+            if ((A.still[a] && A.still[b]) || A.failed[a] || A.failed[b]) continue;
+            const std::size_t first = A.found.size();
+            const double apart = look(A, A.pairs[i], A.other, false);
+            bool added = false;
+            if (apart < -1e-10 * size_)
+                for (std::size_t k = first; k < A.found.size(); k++) {
+                    const Feature<d> feature = A.found[k];
+                    if (gap_between(feature, A.end[feature.point_body], A.end[feature.face_body]) < -1e-11 * size_ && add_contact(A, feature, true)) {
+                        counts.late++;
+                        added = more = true;
+                    }
+                }
+            // Nobody can say where they met: a shorter step knows.
+            if (!added && apart < std::min(A.apart[i], 0.0) - TOUCHING * size_) spoil(A, a), spoil(A, b);
+        }
+        return more;
+    }
+
+    void spoil(Attempt& A, int b) {
+        if (bodies[b].moves() && !rough_) A.failed[b] = 1;
+    }
+
+    void settle_all(Attempt& A, double dt, const GroundMotion<d>& ground) {
+        const Vec<d> load = gravity - ground.mean(dt);
+        local.tolerated_breach = 2e-10 * size_ / dt;
+        for (int b : A.members) in_island_mark(b);
+        for (int i = 0; i < A.island_count; i++) {
+            Island<d>& island = A.islands[i];
+            const bool settled = !A.failed[island.bodies[0]] && settle(A, island, dt, load);
+            for (int b : island.bodies) {
+                island_of_[b] = i;
+                if (settled) continue;
+                A.failed[b] = 1;
+                A.end[b] = A.start[b].at;
+            }
+        }
+        for (int b : A.members) {
+            if (island_of_[b] >= 0 || A.failed[b]) continue;
+            fly(A, b, dt, load);
+        }
+    }
+
+    void in_island_mark(int b) { island_of_[b] = -1; }
+
+    /// A body that touches nothing.
+    void fly(Attempt& A, int b, double dt, const Vec<d>& load) {
+        if (bodies[b].is_platform()) A.w[b] = A.free[b];
+        else
+            for (int round = 0; round < 40; round++) {
+                const Motion next = free_motion(A, b, dt, load);
+                const double change = norm(next - A.w[b]);
+                A.w[b] = next;
+                if (d == 2 || change <= 1e-15 * norm(next)) break;
+            }
+        A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
+    }
+
+    /// Rows, friction and impulses of an island until none of them changes; false where they do not
+    /// settle. Rows are right when their error moves no point by more than round-off of the size.
+    bool settle(Attempt& A, Island<d>& island, double dt, const Vec<d>& load) {
+        constexpr int ROUNDS = 40;
+        constexpr double SHARES[] = {1.0, 0.5, 0.0};
+        for (std::size_t j = 0; j < island.bodies.size(); j++) {
+            const int b = island.bodies[j];
+            island.mass[j] = A.mass[b];
+            island.inverse_mass[j] = A.inverse_mass[b];
+        }
+        for (C* k : island.contacts) {
+            k->mode = FrictionMode::LAW;
+            k->slips = false;
+            k->anchor = k->impulse;
+        }
+        for (int round = 0; round < 3 * ROUNDS; round++) {
+            counts.outer++;
+            double changed = 0, turned = 0;
+            for (int b : island.bodies) A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
+            for (C* k : island.contacts) write_step_rows(A, *k, dt);
+            for (std::size_t j = 0; j < island.bodies.size(); j++) {
+                const int b = island.bodies[j];
+                island.free[j] = bodies[b].is_platform() ? A.free[b] : free_motion(A, b, dt, load);
+            }
+            if (!local.solve(island) && !(rough_ && local.approximate(island))) return false;
+            if (round == 0)
+                for (C* k : island.contacts) k->anchor = k->impulse;
+            for (std::size_t j = 0; j < island.bodies.size(); j++) {
+                Motion& w = A.w[island.bodies[j]];
+                const Motion& next = island.w[j];
+                for (int i = 0; i < unknowns; i++) {
+                    const double change = 0.5 * dt * std::fabs(next[i] - w[i]);
+                    changed = std::max(changed, change * (i < d ? 1 : size_));
+                    if (i >= d) turned = std::max(turned, 0.5 * dt * std::fabs(next[i]));
+                }
+                w = next;
+            }
+            if (!(changed < INFINITY)) return false;
+            if (!(changed * turned < 1e-14 * size_)) continue;
+            bool friction_changed = false;
+            for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.own[i][1], dt, SHARES[round / ROUNDS]);
+            if (friction_changed) continue;
+            if (!local.finish(island) && !rough_) return false;
+            for (std::size_t j = 0; j < island.bodies.size(); j++) {
+                const int b = island.bodies[j];
+                A.w[b] = island.w[j];
+                A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
+            }
+            return true;
+        }
+        return false;
+    }
+
+    void write_step_rows(const Attempt& A, C& k, double dt) const {
+        const Vec<d> start = k.start;
+        k.start = (2 / dt) * start;
+        const int a = k.feature.point_body, b = k.feature.face_body;
+        write_contact_rows(k, A.start[a].at, A.end[a], A.start[b].at, A.end[b]);
+        k.start = start;
+    }
+
+    /// Friction by the slip that it led to; true where it changed.
+    bool follow(C& k, double own, double dt, double share) const {
+        if (k.state == OPEN) return false;
+        const double way = norm_from(k.y, 1);
+        double force = 0;
+        for (double each : k.impulse) force = std::max(force, std::fabs(each));
+        k.slips = k.state != STICK && way > SLIP_ROUND_OFF * own * force && way > 1e-9 * dt * norm(gravity);
+        return follow_slip(*k.law, k.bound, k.slips ? 0.5 * way : 0.0, k.slips, share);
+    }
+
+    // ------------------------------------------------------------ the end of a step
+
+    /// Takes the solved step: ledger, places, velocities, memory; then contact at velocity level.
+    void finish(Attempt& A, double dt, const GroundMotion<d>& ground) {
+        counts.contacts += static_cast<long>(A.contacts.size());
+        counts.most_contacts = std::max(counts.most_contacts, static_cast<long>(A.contacts.size()));
+        follow_slips(A, dt);
+        for (C& k : A.contacts) close_step(A, k, dt);
+        const Vec<d> acceleration = ground.mean(dt);
+        for (int b : A.members) move_body(A, b, dt, acceleration);
+        for (int b : A.members) A.start[b].at = bodies[b].placement();
+        if (velocity_level) {
+            gather_islands(A, [](const C& k) { return k.closed; });
+            for (int i = 0; i < A.island_count; i++) correct_velocities(A, A.islands[i], dt);
+        }
+        for (C& k : A.contacts) {
+            remember(A, k);
+            share_impulse(A, k);
+        }
+    }
+
+    /// Books a contact, and notes whether it is closed and slides.
+    void close_step(Attempt& A, C& k, double dt) {
+        Vec<d> moved = mul(k.rows_a, A.w[k.feature.point_body]);
+        if (bodies[k.feature.face_body].moves()) moved += mul(k.rows_b, A.w[k.feature.face_body]);
+        double rubbed = 0;
+        for (int i = 1; i < d; i++) rubbed -= 0.5 * k.impulse[i] * k.y[i];
+        const double lost = -0.5 * dot(k.impulse, moved);
+        ledger.friction += rubbed;
+        ledger.contact += lost - rubbed;
+        k.rubbed = rubbed;
+        k.closed = k.state != OPEN || 0.5 * dt * k.y[0] < 1e-11 * size_;
+        if (k.state != OPEN && k.state != STICK && !k.slips) k.state = STICK;
+        k.total = k.impulse;
+        k.end_gap = k.gap - k.start[0] + (k.state == OPEN ? 0.5 * dt * k.y[0] : 0.0);
+        k.dt = dt;
+    }
+
+    void move_body(Attempt& A, int b, double dt, const Vec<d>& acceleration) {
+        Body<d>& body = bodies[b];
+        const Motion& w = A.w[b];
+        Vec<d> du;
+        for (int i = 0; i < d; i++) du[i] = 0.5 * dt * w[i];
+        if (body.is_platform()) du[d - 1] = 0;
+        ledger.input -= body.mass * dot(acceleration, du);
+        if (body.is_platform()) take_platform(body, du, dt);
+        Vec<rotations> turn;
+        for (int i = 0; i < rotations; i++) turn[i] = w[d + i];
+        const Placement<d> end = A.end[b];
+        body.x += du;
+        for (int i = 0; i < d; i++) body.v[i] = (body.is_platform() && i == d - 1) ? 0 : w[i] - body.v[i];
+        if (body.is_platform()) return;
+        body.rotation = body.rotation.turned(0.5 * dt * turn);
+        body.spin = to_body(A.start[b].at.R, turn) - body.spin;
+        static_cast<void>(end);
+    }
+
+    /// Spring force, losses of dashpot and averaging, and the impulse on the ground of a platform.
+    ///
+    /// (1 - alpha_m) p_{n+1} + alpha_m p_n + k u_alpha = 0; averaging takes (1/2 - alpha_f) du dr with
+    /// r = p + k u.
+    void take_platform(Body<d>& body, const Vec<d>& du, double dt) {
+        const double k = body.stiffness, c = body.damping;
+        for (int i = 0; i + 1 < d; i++) {
+            const double p = body.spring_force[i];
+            const double next = -(k * (body.x[i] + (1 - scheme.alpha_f) * du[i]) + scheme.alpha_m * p) / (1 - scheme.alpha_m);
+            ledger.damping += c * du[i] * du[i] / dt;
+            ledger.numerical += (0.5 - scheme.alpha_f) * du[i] * (next - p + k * du[i]);
+            const double late = 2 * scheme.beta;
+            spring_impulse[i] += c * du[i] - dt * (late * next + (1 - late) * p);
+            body.spring_force[i] = next;
+        }
+    }
+
+    /// Contact at velocity level: impulses such that no contact that is closed goes on closing.
+    ///
+    /// Contacts that slid keep the direction of their friction and stay at its bound; where a body
+    /// landed all obey the law. Where that would return more energy than friction took, those that
+    /// slid keep their friction, then all do, and else velocities stay as they are.
+    void correct_velocities(Attempt& A, Island<d>& island, double dt) {
+        const std::size_t count = island.contacts.size();
+        step_impulse_.resize(count);
+        before_.resize(count);
+        state_.resize(count);
+        double taken = 0, power = 0, quiet = 0;
+        bool lands = false;
+        start_instant(A, island);
+        for (std::size_t i = 0; i < count; i++) {
+            C& k = *island.contacts[i];
+            step_impulse_[i] = k.impulse;
+            state_[i] = k.state;
+            taken += k.rubbed;
+            lands |= k.gap > TOUCHING * size_ && k.state != OPEN;
+            local.push(k, -1.0 * k.impulse, island.free);
+        }
+        velocity_ = island.w;
+        for (std::size_t i = 0; i < count; i++) {
+            before_[i] = local.reading(island, *island.contacts[i]);
+            power += std::fabs(dot(step_impulse_[i], before_[i]));
+        }
+        for (std::size_t j = 0; j < island.bodies.size(); j++) {
+            island.free[j] = island.w[j] + mul(island.inverse_mass[j], island.free[j]);
+            quiet += 1e-20 * bodies[island.bodies[j]].mass * dt * dt * dot(gravity, gravity);
+        }
+        taken = std::max(taken, 0.0);
+        for (int rung = lands ? 0 : 1; rung < 4; rung++) {
+            for (std::size_t i = 0; i < count; i++) set_rung(*island.contacts[i], step_impulse_[i], state_[i], rung);
+            if (!local.solve(island) || !local.finish(island)) continue;
+            double lost = 0, normal = 0;
+            for (std::size_t i = 0; i < count; i++) {
+                const C& k = *island.contacts[i];
+                const Vec<d> y = local.reading(island, k);
+                for (int j = 0; j < d; j++) {
+                    const double work = -0.5 * (k.impulse[j] - step_impulse_[i][j]) * (before_[i][j] + y[j]);
+                    lost += work;
+                    if (j == 0) normal += work;
+                }
+            }
+            if (lost + taken < -1e-13 * power - quiet) continue;
+            counts.rungs[rung]++;
+            // Friction returns no more than it took: the rest is contact's.
+            const double friction = std::min(std::max(lost - normal, -taken), std::max(lost, -taken));
+            ledger.friction += friction;
+            ledger.contact += lost - friction;
+            rest(island, dt);
+            take_velocities(A, island);
+            for (std::size_t i = 0; i < count; i++) {
+                C& k = *island.contacts[i];
+                k.velocity_impulse = k.total = k.impulse;
+            }
+            restore_impulses(island);
+            return;
+        }
+        counts.rungs[4]++;
+        restore_impulses(island);
+    }
+
+    void restore_impulses(Island<d>& island) {
+        for (std::size_t i = 0; i < island.contacts.size(); i++) {
+            island.contacts[i]->impulse = step_impulse_[i];
+            island.contacts[i]->state = state_[i];
+        }
+    }
+
+    /// What friction of a contact is in a try: 0 all obey the law, 1 those that slid stay at their
+    /// bound, 2 they keep their friction, 3 all do.
+    void set_rung(C& k, const Vec<d>& step_impulse, State state, int rung) const {
+        const bool slid = state == SLIP || state == SLIP_BACK;
+        k.mode = FrictionMode::LAW;
+        k.impulse = k.was_closed && rung < 2 ? k.velocity_impulse : step_impulse;
+        k.anchor = k.impulse;
+        if (rung == 3 || (rung == 2 && slid)) {
+            k.mode = FrictionMode::FIXED;
+            k.given = step_impulse;
+        } else if (rung == 1 && slid) {
+            const double size = norm_from(step_impulse, 1);
+            k.mode = FrictionMode::AT_BOUND;
+            k.given.fill(0);
+            if (size > 0)
+                for (int i = 1; i < d; i++) k.given[i] = step_impulse[i] / size;
+        }
+    }
+
+    /// Rows, masses and velocities of an island at an instant.
+    void start_instant(Attempt& A, Island<d>& island) {
+        for (std::size_t j = 0; j < island.bodies.size(); j++) {
+            const int b = island.bodies[j];
+            const Body<d>& body = bodies[b];
+            const Placement<d>& at = A.start[b].at;
+            set_mass(b, at.R, island.mass[j], island.inverse_mass[j]);
+            const auto spin = to_space(at.R, body.spin);
+            for (int i = 0; i < d; i++) island.w[j][i] = body.v[i];
+            for (int i = 0; i < rotations; i++) island.w[j][d + i] = spin[i];
+            island.free[j].fill(0);
+        }
+        for (C* k : island.contacts) {
+            k->start.fill(0);
+            const Placement<d>&a = A.start[k->feature.point_body].at, &b = A.start[k->feature.face_body].at;
+            write_contact_rows(*k, a, a, b, b);
+        }
+    }
+
+    void take_velocities(Attempt& A, const Island<d>& island) {
+        for (std::size_t j = 0; j < island.bodies.size(); j++) {
+            const int b = island.bodies[j];
+            Vec<rotations> spin;
+            for (int i = 0; i < d; i++) bodies[b].v[i] = island.w[j][i];
+            for (int i = 0; i < rotations; i++) spin[i] = island.w[j][d + i];
+            if (!bodies[b].is_platform()) bodies[b].spin = to_body(A.start[b].at.R, spin);
+        }
+    }
+
+    /// What stands on fixed ground does not drift by what the tolerance leaves: slower than 1e-8 of
+    /// what weight does in a step is rest.
+    void rest(Island<d>& island, double dt) {
+        bool stands = false;
+        double fastest = 0;
+        for (const C* k : island.contacts) stands |= k->a < 0 || k->b < 0;
+        for (const Motion& w : island.w)
+            for (int i = 0; i < unknowns; i++) fastest = std::max(fastest, std::fabs(w[i]) * (i < d ? 1 : size_));
+        if (!stands || !(fastest < 1e-8 * dt * norm(gravity))) return;
+        for (std::size_t j = 0; j < island.bodies.size(); j++) {
+            ledger.contact += 0.5 * dot(island.w[j], mul(island.mass[j], island.w[j]));
+            island.w[j].fill(0);
+        }
+    }
+
+    void remember(const Attempt&, const C& k) {
+        const int low = std::min(k.feature.point_body, k.feature.face_body), high = std::max(k.feature.point_body, k.feature.face_body);
+        Remembered<d>& record = memory_.record(low, high, k.id);
+        record.impulse = k.impulse;
+        record.velocity_impulse = k.velocity_impulse;
+        record.closed = k.closed;
+        record.gap = k.end_gap;
+        record.offset.fill(0);
+        record.step = number_;
+        if (k.state == STICK && k.feature.kind != Kind::EDGE_EDGE)
+            for (int i = 1; i < d; i++) record.offset[i] = 0.5 * k.dt * k.y[i];
+        record.friction = k.past;
+        record.friction.rate = record.friction.slipped = false;
+        if (k.closed && k.state != OPEN && k.slips) {
+            record.friction.rate = 0.5 * norm_from(k.y, 1);
+            record.friction.slipped = record.friction.broken = true;
+        }
+    }
+
+    /// Adds the impulses of a contact to what its bodies got in this step.
+    void share_impulse(const Attempt& A, const C& k) {
+        if (!k.closed) return;
+        const int a = k.feature.point_body, b = k.feature.face_body;
+        closed_contacts += k.state != OPEN;
+        Vec<d> force{};
+        for (int i = 0; i < d; i++)
+            for (int j = 0; j < d; j++) force[j] += k.total[i] * k.rows_a[i][j];
+        if (bodies[a].is_platform())  // rows on it are cut down to its unknowns
+            for (int j = 0; j < d; j++) {
+                force[j] = 0;
+                for (int i = 0; i < d; i++) force[j] -= k.total[i] * k.rows_b[i][j];
+            }
+        if (!carries(a, b)) received[a] += force;
+        if (!carries(b, a)) received[b] += -1.0 * force;
+        const double depth = -k.end_gap;
+        deepest = std::max(deepest, depth);
+        if (carries(b, a)) penetration[a] = std::max(penetration[a], depth);
+        if (carries(a, b)) penetration[b] = std::max(penetration[b], depth);
+        static_cast<void>(A);
+    }
+
+    bool carries(int lower, int upper) const {
+        const std::vector<int>& below = carriers[upper];
+        return std::find(below.begin(), below.end(), lower) != below.end();
+    }
+
+    /// Adds to the slip of each body the mean way of the contacts with what carries it, or that of its
+    /// lowest corner.
+    void follow_slips(Attempt& A, double dt) {
+        for (int b : A.members) {
+            if (carriers[b].empty() || shapes[bodies[b].shape].is_half_space()) continue;
+            const int carrier = carriers[b][0];
+            const Mat<d, d> frame = mean(A.start[carrier].at.R, A.end[carrier].R);
+            Vec<d> way{};
+            int closed = 0;
+            for (const C& k : A.contacts) {
+                const bool upper_has_point = k.feature.point_body == b && carries(k.feature.face_body, b);
+                const bool upper_has_face = k.feature.face_body == b && carries(k.feature.point_body, b);
+                if ((!upper_has_point && !upper_has_face) || k.state == OPEN) continue;
+                Vec<d> moved = mul(k.rows_a, A.w[k.feature.point_body]);
+                if (bodies[k.feature.face_body].moves()) moved += mul(k.rows_b, A.w[k.feature.face_body]);
+                Vec<d> slipped{};
+                const Mat<d, unknowns>& rows = bodies[k.feature.point_body].mobility == Mobility::FREE ? k.rows_a : k.rows_b;
+                const double sign = (upper_has_point ? 1 : -1) * (&rows == &k.rows_a ? 1 : -1);
+                for (int i = 1; i < d; i++)
+                    for (int j = 0; j < d; j++) slipped[j] += sign * 0.5 * dt * moved[i] * rows[i][j];
+                way += transposed_mul(frame, slipped);
+                closed++;
+            }
+            if (closed) slip[b] += (1.0 / closed) * way;
+            else slip[b] += way_in_flight(A, b, carrier);
+        }
+    }
+
+    /// Way of the lowest corner of a body over its carrier, in the carrier's frame.
+    Vec<d> way_in_flight(const Attempt& A, int b, int carrier) const {
+        const auto local_place = [&](const Placement<d>& own, const Placement<d>& base, const Vec<d>& corner) {
+            return transposed_mul(base.R, (own.centre - base.centre) + mul(own.R, corner));
+        };
+        double lowest = INFINITY;
+        Vec<d> way{};
+        for (const Vec<d>& corner : shapes[bodies[b].shape].vertices) {
+            const Vec<d> after = local_place(A.end[b], A.end[carrier], corner);
+            if (after[d - 1] >= lowest) continue;
+            lowest = after[d - 1];
+            way = after - local_place(A.start[b].at, A.start[carrier].at, corner);
+        }
+        return way;
+    }
+
+    // ------------------------------------------------------------ events inside a step
+
+    /// Speed at which a contact comes together at the start of the step, m/s.
+    double approach(const Attempt& A, const C& k) const {
+        double speed = dot(k.rows_a[0], A.begun[k.feature.point_body]);
+        if (bodies[k.feature.face_body].moves()) speed += dot(k.rows_b[0], A.begun[k.feature.face_body]);
+        return -0.5 * speed;
+    }
+
+    bool is_new(const C& k) const { return k.gap > TOUCHING * size_; }
+
+    /// A contact that was clear and carries an impulse, having come faster than weight moves in the step.
+    bool strikes(const Attempt& A, const C& k, double dt, double pull) const {
+        return is_new(k) && k.state != OPEN && k.impulse[0] > 0 && approach(A, k) > 0.5 * dt * pull;
+    }
+
+    /// Slip velocities of a contact at the start and the end of the step: by the rows of the start, as
+    /// those of the middle turn with a pivot, and by the mean over the step.
+    std::array<Vec<d>, 2> slip_velocities(const Attempt& A, const C& k) const {
+        const int a = k.feature.point_body, b = k.feature.face_body;
+        C at_start = k;
+        write_contact_rows(at_start, A.start[a].at, A.start[a].at, A.start[b].at, A.start[b].at);
+        Vec<d> first = 0.5 * mul(at_start.rows_a, A.begun[a]), sum = mul(k.rows_a, A.w[a]);
+        if (bodies[b].moves()) {
+            first += 0.5 * mul(at_start.rows_b, A.begun[b]);
+            sum += mul(k.rows_b, A.w[b]);
+        }
+        first[0] = sum[0] = 0;
+        return {first, sum - first};
+    }
+
+    /// A contact whose slip turns round in the step.
+    bool reverses(const Attempt& A, const C& k, double dt, double pull) const {
+        if (k.state == OPEN || is_new(k)) return false;
+        Vec<d> begun = mul(k.rows_a, A.begun[k.feature.point_body]);
+        if (bodies[k.feature.face_body].moves()) begun += mul(k.rows_b, A.begun[k.feature.face_body]);
+        if (!(0.5 * norm_from(begun, 1) > SLOW * dt * pull)) return false;
+        const auto [first, last] = slip_velocities(A, k);
+        return norm(first) > SLOW * dt * pull && dot(first, last) < 0;
+    }
+
+    bool something_happens(const Attempt& A, double dt, double pull) const {
+        for (const C& k : A.contacts) {
+            if (A.failed[k.feature.point_body] || A.failed[k.feature.face_body]) continue;
+            if (strikes(A, k, dt, pull) || reverses(A, k, dt, pull)) return true;
+        }
+        return false;
+    }
+
+    /// Bodies near each other, however fast they left.
+    std::vector<std::vector<int>> groups_of(Attempt& A) {
+        for (int b : A.members) root_[b] = b;
+        wide_ = A.margin;
+        for (int b : A.members) wide_[b] = 2 * std::max(A.margin[b], A.way[b]);
+        for (const C& k : A.contacts)
+            if (bodies[k.feature.point_body].moves() && bodies[k.feature.face_body].moves()) root_[top(k.feature.point_body)] = top(k.feature.face_body);
+        for (const auto& [a, b] : broad_.find(A.listed, bodies, A.start, wide_))
+            if (bodies[a].moves() && bodies[b].moves()) root_[top(a)] = top(b);
+        std::vector<std::vector<int>> groups;
+        std::vector<int> number(bodies.size(), -1);
+        for (int b : A.members) {
+            int& at = number[top(b)];
+            if (at < 0) {
+                at = static_cast<int>(groups.size());
+                groups.emplace_back();
+            }
+            groups[at].push_back(b);
+        }
+        return groups;
+    }
+
+    /// Finishes the groups in which nothing happens, and steps the others one by one.
+    bool by_groups(Attempt& A, int depth, const std::vector<std::vector<int>>& groups, const Piece& piece, double pull) {
+        std::vector<int> group_of(bodies.size(), -1);
+        std::vector<char> again(groups.size(), 0);
+        for (std::size_t g = 0; g < groups.size(); g++)
+            for (int b : groups[g]) {
+                group_of[b] = static_cast<int>(g);
+                again[g] |= A.failed[b];
+            }
+        const auto group = [&](const C& k) { return group_of[bodies[k.feature.point_body].moves() ? k.feature.point_body : k.feature.face_body]; };
+        if (piece.cuts > 0)
+            for (const C& k : A.contacts)
+                if (strikes(A, k, piece.dt, pull) || reverses(A, k, piece.dt, pull)) again[group(k)] = 1;
+        std::vector<int> quiet;
+        for (std::size_t g = 0; g < groups.size(); g++)
+            if (!again[g]) quiet.insert(quiet.end(), groups[g].begin(), groups[g].end());
+        std::vector<C> kept;
+        for (const C& k : A.contacts)
+            if (!again[group(k)]) kept.push_back(k);
+        A.contacts.swap(kept);
+        A.members = quiet;
+        finish(A, piece.dt, piece.ground);
+        for (std::size_t g = 0; g < groups.size(); g++)
+            if (again[g] && !advance(depth + 1, groups[g], piece)) return false;
+        return true;
+    }
+
+    /// Two steps of half the length; the shortest one is taken at the accuracy that there is.
+    bool by_halves(Attempt& A, int depth, const Piece& piece) {
+        const std::vector<int> members = A.members;
+        if (0.5 * piece.dt >= smallest_) {
+            counts.halved++;
+            return advance(depth + 1, members, piece.first(0.5 * piece.dt)) && advance(depth + 1, members, piece.rest(0.5 * piece.dt));
+        }
+        if (rough_) return false;
+        counts.unsettled++;
+        rough_ = true;
+        const bool taken = advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
+        rough_ = false;
+        return taken;
+    }
+
+    /// Steps one group to the first touch or end of slip in it, and on from there.
+    bool in_pieces(Attempt& A, int depth, const Piece& piece, double pull) {
+        const std::vector<int> members = A.members;
+        bool touches = false;
+        for (const C& k : A.contacts) touches |= strikes(A, k, piece.dt, pull);
+        const double length = touches ? locate_touch(A, piece.dt, piece.ground) : locate_end_of_slip(A, piece.dt, piece.ground, pull);
+        // Where no instant was found inside the step: all of it at once.
+        if (!(length > 0)) return advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
+        counts.cut++;
+        const double hair = SMALLEST_PIECE * piece.dt;
+        const bool at_once = length < hair;
+        if (!at_once) finish(A, length, piece.ground);
+        Piece rest = at_once ? piece : piece.rest(length);
+        rest.cuts--;
+        now_ = rest.begin;
+        if (touches) collide(depth + 1, members, hair);
+        return advance(depth + 1, members, rest);
+    }
+
+    /// Regula falsi (Illinois) for a value that falls from positive to negative.
+    struct Bracket {
+        double low = 0, at_low, high = INFINITY, at_high = 0;
+        int side = 0;
+        void narrow(double length, double value) {
+            const int now = value > 0 ? 1 : -1;
+            if (now > 0) {
+                low = length;
+                at_low = value;
+                if (side == now) at_high *= 0.5;
+            } else {
+                high = length;
+                at_high = value;
+                if (side == now) at_low *= 0.5;
+            }
+            side = now;
+        }
+        /// The next length to try; infinite where the value has not been negative.
+        double root() const { return high < INFINITY ? low + (high - low) * at_low / (at_low - at_high) : INFINITY; }
+    };
+
+    /// Solves the step of another length with some contacts; false where that failed.
+    bool solve_length(Attempt& A, double length, const GroundMotion<d>& ground) {
+        for (int b : A.members) {
+            A.failed[b] = 0;
+            A.w[b] = A.begun[b];
+            if (bodies[b].is_platform()) set_platform(A, b, length, ground);
+        }
+        gather_islands(A, [](const C&) { return true; });
+        settle_all(A, length, ground);
+        for (int b : A.members)
+            if (A.failed[b]) return false;
+        return true;
+    }
+
+    /// Length of the step at whose end the first contact touches; it is then solved without those that
+    /// were clear. 0 where there is none.
+    double locate_touch(Attempt& A, double dt, const GroundMotion<d>& ground) {
+        std::vector<C> clear, touching;
+        std::vector<Bracket> brackets;
+        for (const C& k : A.contacts) (is_new(k) ? clear : touching).push_back(k);
+        A.contacts.swap(touching);
+        for (const C& k : clear) {
+            brackets.emplace_back();
+            brackets.back().at_low = k.gap;
+        }
+        double length = dt;
+        bool found = false;
+        for (int round = 0; round < LOCATING && !found; round++) {
+            if (!solve_length(A, length, ground)) return 0;
+            double least = INFINITY, next = INFINITY;
+            for (std::size_t i = 0; i < clear.size(); i++) {
+                const Feature<d>& feature = clear[i].feature;
+                const double gap = gap_between(feature, A.end[feature.point_body], A.end[feature.face_body]);
+                brackets[i].narrow(length, gap);
+                least = std::min(least, gap);
+                next = std::min(next, brackets[i].root());
+            }
+            found = std::fabs(least) <= 0.1 * TOUCHING * size_;
+            if (found) break;
+            if (!(next < INFINITY)) return 0;
+            length = next;
+        }
+        if (!found) return 0;
+        // What touches within a hair of the ends of the step strikes a hair early.
+        if (length < SMALLEST_PIECE * dt) return 0.5 * SMALLEST_PIECE * dt;
+        if (length < (1 - SMALLEST_PIECE) * dt) return length;
+        length = (1 - SMALLEST_PIECE) * dt;
+        return solve_length(A, length, ground) ? length : 0;
+    }
+
+    /// Length of the step at whose end the first slip stops; it is then solved. 0 where there is none.
+    double locate_end_of_slip(Attempt& A, double dt, const GroundMotion<d>& ground, double pull) {
+        const C* first = nullptr;
+        double soonest = INFINITY;
+        for (const C& k : A.contacts) {
+            if (!reverses(A, k, dt, pull)) continue;
+            const auto [begin, end] = slip_velocities(A, k);
+            const double when = dot(begin, begin) / (dot(begin, begin) - dot(begin, end));
+            if (when < soonest) {
+                soonest = when;
+                first = &k;
+            }
+        }
+        if (!first) return 0;
+        Bracket bracket;
+        double length = dt;
+        for (int round = 0; round < LOCATING; round++) {
+            const auto [begin, end] = slip_velocities(A, *first);
+            const double speed = norm(begin), left = dot(begin, end) / speed;
+            if (round == 0) bracket.at_low = speed;
+            if (std::fabs(left) <= STOPPED * speed) return length > SMALLEST_PIECE * dt && length < (1 - SMALLEST_PIECE) * dt ? length : 0;
+            bracket.narrow(length, left);
+            length = bracket.root();
+            if (length < SMALLEST_PIECE * dt || !solve_length(A, length, ground)) return 0;
+        }
+        return 0;
+    }
+
+    // ------------------------------------------------------------ impacts
+
+    /// Gives the velocities a jump where contacts that touch come together, and books it.
+    /// What comes together within `soon`, s, strikes now.
+    void collide(int depth, const std::vector<int>& members, double soon) {
+        Attempt& A = attempt(depth);
+        A.members = members;
+        for (int b : members) A.least[b] = 0;
+        const GroundMotion<d> none{};
+        set_out(A, soon, none);
+        find_contacts(A, soon, none);
+        for (C& k : A.contacts) {
+            const int a = k.feature.point_body, b = k.feature.face_body;
+            write_contact_rows(k, A.start[a].at, A.start[a].at, A.start[b].at, A.start[b].at);
+            k.closed = k.gap <= std::max(TOUCHING * size_, soon * approach(A, k));
+            k.end_gap = k.gap;
+        }
+        gather_islands(A, [](const C& k) { return k.closed; });
+        for (int i = 0; i < A.island_count; i++) strike(A, A.islands[i]);
+        for (C& k : A.contacts)
+            if (k.closed) share_impulse(A, k);
+    }
+
+    /// The law of impact on the touching contacts of an island, at an instant:
+    ///
+    ///     0 <= P_n  complementary to  v_n+ - r >= 0,     r = e [-v_n-(2 c - x)]_+,
+    ///
+    /// x being the place of the contact and c the middle of the two contacts of its pair that are
+    /// farthest apart: a contact takes the rebound of the place opposite. A block that stands on one
+    /// edge and lands on the opposite one leaves the first with e times the speed of the landing, as in
+    /// Housner's equation; one that lands flat rebounds with e times its speed, as in Newton's law. What
+    /// lands alone has no rebound, nor has in space an edge. Below Housner's e the old pivots have to
+    /// be held back: there alone an impulse may pull.
+    void strike(Attempt& A, Island<d>& island) {
+        start_instant(A, island);
+        velocity_ = island.w;
+        island.free = island.w;
+        const std::size_t count = island.contacts.size();
+        before_.resize(count);
+        bool approaching = false, rebounding = false;
+        for (std::size_t i = 0; i < count; i++) {
+            C& k = *island.contacts[i];
+            before_[i] = local.reading(island, k);
+            approaching |= before_[i][0] < 0;
+            rebounding |= k.law->restitution > 0;
+            k.mode = FrictionMode::LAW;
+            k.bound.cohesion = 0;
+        }
+        if (!approaching || !settle_impact(island)) return;
+        if (rebounding) rebound(A, island);
+        local.move(island);
+        double lost = 0, normal = 0;
+        for (std::size_t i = 0; i < count; i++) {
+            C& k = *island.contacts[i];
+            k.constant.fill(0);
+            const Vec<d> sum = before_[i] + local.reading(island, k);
+            lost -= 0.5 * dot(k.impulse, sum);
+            normal -= 0.5 * k.impulse[0] * sum[0];
+            k.total = k.impulse;
+        }
+        const double friction = std::min(std::max(lost - normal, 0.0), std::max(lost, 0.0));
+        ledger.friction += friction;
+        ledger.contact += lost - friction;
+        take_velocities(A, island);
+        record_impacts(A, island, lost);
+    }
+
+    /// Impulses of an impact from none.
+    bool settle_impact(Island<d>& island) {
+        for (C* k : island.contacts) {
+            k->impulse.fill(0);
+            k->anchor.fill(0);
+        }
+        return local.solve(island) && local.finish(island);
+    }
+
+    /// Replaces the impulses of a plastic impact by those with rebounds, as far as these gain no energy.
+    void rebound(Attempt& A, Island<d>& island) {
+        const std::size_t count = island.contacts.size();
+        std::vector<Vec<d>> plastic(count);
+        std::vector<double> speed(count, 0), pull(count, 0);
+        std::vector<char> pivot(count, 0);
+        for (std::size_t i = 0; i < count; i++) plastic[i] = island.contacts[i]->impulse;
+        if (!find_rebounds(A, island, speed, pivot)) return;
+        for (std::size_t i = 0; i < count; i++) island.contacts[i]->constant[0] = -speed[i];
+        if (!settle_impact(island)) {
+            for (std::size_t i = 0; i < count; i++) island.contacts[i]->impulse = plastic[i];
+            return;
+        }
+        double pressed = 0;
+        bool pulls = false;
+        for (const Vec<d>& P : plastic) pressed += P[0];
+        for (std::size_t i = 0; i < count; i++) {
+            C& k = *island.contacts[i];
+            if (!pivot[i] || !(k.y[0] > PIVOT * std::max(speed[i], 1e-300))) continue;
+            pull[i] = pressed;
+            k.bound.mu = 0;
+            pulls = true;
+        }
+        std::vector<Vec<d>> found(count);
+        for (std::size_t i = 0; i < count; i++) found[i] = island.contacts[i]->impulse;
+        for (int round = 0; pulls && round < 8; round++) {
+            island.free = velocity_;
+            for (std::size_t i = 0; i < count; i++) {
+                Vec<d> held{};
+                held[0] = -pull[i];
+                pushed_.assign(island.w.size(), {});
+                local.push(*island.contacts[i], held, pushed_);
+                for (std::size_t j = 0; j < island.w.size(); j++) island.free[j] += mul(island.inverse_mass[j], pushed_[j]);
+            }
+            bool enough = settle_impact(island);
+            for (std::size_t i = 0; i < count && enough; i++) enough = pull[i] == 0 || island.contacts[i]->impulse[0] > 0.5 * pull[i];
+            if (enough) {
+                for (std::size_t i = 0; i < count; i++) {
+                    found[i] = island.contacts[i]->impulse;
+                    found[i][0] -= pull[i];
+                }
+                break;
+            }
+            for (double& each : pull) each *= 10;
+        }
+        island.free = velocity_;
+        take_without_gain(island, plastic, found);
+    }
+
+    /// Impulses on the way from those of the plastic impact as far as no energy is gained: what is lost
+    /// on the way is a parabola.
+    void take_without_gain(Island<d>& island, const std::vector<Vec<d>>& plastic, const std::vector<Vec<d>>& found) {
+        const std::size_t count = island.contacts.size();
+        const auto motion_of = [&](auto impulse) {
+            std::vector<Motion> moved(island.w.size(), Motion{});
+            for (std::size_t i = 0; i < count; i++) local.push(*island.contacts[i], impulse(i), moved);
+            for (std::size_t j = 0; j < moved.size(); j++) moved[j] = mul(island.inverse_mass[j], moved[j]);
+            return moved;
+        };
+        const auto first = motion_of([&](std::size_t i) { return plastic[i]; });
+        const auto way = motion_of([&](std::size_t i) { return found[i] - plastic[i]; });
+        double lost = 0, slope = 0, curve = 0, power = 0;
+        for (std::size_t j = 0; j < way.size(); j++) {
+            const Motion pushed = mul(island.mass[j], first[j]), along = mul(island.mass[j], way[j]);
+            lost -= dot(pushed, velocity_[j]) + 0.5 * dot(pushed, first[j]);
+            slope -= dot(along, velocity_[j]) + dot(along, first[j]);
+            curve += 0.5 * dot(along, way[j]);
+        }
+        for (std::size_t i = 0; i < count; i++) power += std::fabs(dot(found[i], before_[i]));
+        double part = 1;
+        if (lost + slope - curve < -1e-14 * power) part = std::clamp((slope + std::sqrt(slope * slope + 4 * curve * std::max(lost, 0.0))) / (2 * curve), 0.0, 1.0);
+        for (std::size_t i = 0; i < count; i++) island.contacts[i]->impulse = plastic[i] + part * (found[i] - plastic[i]);
+    }
+
+    Vec<d> place_of(const Attempt& A, const C& k) const {
+        const Placement<d>& a = A.start[k.feature.point_body].at;
+        if constexpr (d == 3)
+            if (k.feature.kind == Kind::EDGE_EDGE) {
+                const Shape<3>&own = shapes[bodies[k.feature.point_body].shape], &other = shapes[bodies[k.feature.face_body].shape];
+                const Placement<3>& b = A.start[k.feature.face_body].at;
+                const Edge &x = own.edges[k.feature.point], &y = other.edges[k.feature.face];
+                const Vec<3> P = a.centre + mul(a.R, own.vertices[x.from]), u = mul(a.R, own.vertices[x.to] - own.vertices[x.from]);
+                const Vec<3> Q = b.centre + mul(b.R, other.vertices[y.from]), v = mul(b.R, other.vertices[y.to] - other.vertices[y.from]);
+                return P + crossing(P, u, Q, v, k.feature.sign).s * u;
+            }
+        return a.centre + mul(a.R, k.feature.arm);
+    }
+
+    /// The rebound of each contact, and which of them are pivots of a block that lands; false where
+    /// there is no rebound.
+    bool find_rebounds(const Attempt& A, const Island<d>& island, std::vector<double>& speed, std::vector<char>& pivot) const {
+        const std::size_t count = island.contacts.size();
+        std::vector<Vec<d>> place(count);
+        for (std::size_t i = 0; i < count; i++) place[i] = place_of(A, *island.contacts[i]);
+        const auto same_pair = [&](std::size_t i, std::size_t j) {
+            const Feature<d>&x = island.contacts[i]->feature, &y = island.contacts[j]->feature;
+            return std::minmax(x.point_body, x.face_body) == std::minmax(y.point_body, y.face_body);
+        };
+        bool any = false;
+        for (std::size_t i = 0; i < count; i++) {
+            const C& k = *island.contacts[i];
+            std::size_t a = count, b = count;
+            double farthest = 0;
+            for (std::size_t j = 0; j < count; j++)
+                for (std::size_t l = 0; l < j; l++)
+                    if (same_pair(i, j) && same_pair(i, l) && norm(place[j] - place[l]) > farthest) {
+                        a = j;
+                        b = l;
+                        farthest = norm(place[j] - place[l]);
+                    }
+            if (a == count) continue;
+            const double opposite = before_[i][0] + dot(gradient(A, island, k), place[a] + place[b] - 2.0 * place[i]);
+            double together = 0;
+            if (d == 3) {
+                bool on_a_line = true;
+                const Vec<d> line = place[b] - place[a];
+                for (std::size_t j = 0; j < count; j++) {
+                    if (!same_pair(i, j)) continue;
+                    const Vec<d> aside = place[j] - place[a];
+                    on_a_line &= norm(aside - (dot(aside, line) / dot(line, line)) * line) <= PIVOT * norm(line);
+                }
+                if (on_a_line) together = std::max(std::min(-before_[a][0], -before_[b][0]), 0.0);
+            }
+            speed[i] = k.law->restitution * std::max(-opposite - together, 0.0);
+            pivot[i] = opposite < 0 && std::fabs(before_[i][0]) < PIVOT * std::fabs(opposite);
+            any |= speed[i] > 0;
+        }
+        return any;
+    }
+
+    /// Gradient of the normal velocity of a contact over its place, 1/s: n x omega of the relative spin.
+    Vec<d> gradient(const Attempt&, const Island<d>& island, const C& k) const {
+        Vec<rotations> spin{};
+        for (int i = 0; i < rotations; i++) {
+            if (k.a >= 0) spin[i] += velocity_[k.a][d + i];
+            if (k.b >= 0) spin[i] -= velocity_[k.b][d + i];
+        }
+        Vec<d> n;
+        for (int i = 0; i < d; i++) n[i] = k.a >= 0 && bodies[island.bodies[k.a]].mobility == Mobility::FREE ? k.rows_a[0][i] : -k.rows_b[0][i];
+        if constexpr (d == 2) return {spin[0] * n[1], -spin[0] * n[0]};
+        else return cross(n, spin);
+    }
+
+    void record_impacts(const Attempt& A, const Island<d>& island, double lost) {
+        for (std::size_t i = 0; i < island.contacts.size(); i++) {
+            const C& k = *island.contacts[i];
+            if (!(k.impulse[0] > 0) || k.was_closed) continue;
+            Event<d> event{};
+            event.time = now_;
+            event.a = k.feature.point_body;
+            event.b = k.feature.face_body;
+            event.place = place_of(A, k);
+            event.approach = -before_[i][0];
+            event.departure = local.reading(island, k)[0];
+            for (int j = 0; j < d; j++) {
+                event.normal[j] = k.rows_a[0][j];
+                for (int l = 0; l < d; l++) event.impulse[j] += k.impulse[l] * k.rows_a[l][j];
+            }
+            event.energy = lost;
+            events.push_back(event);
+        }
+    }
+
+    double size_ = 1, smallest_ = 0;
+    long number_ = 0;
+    ContactMemory<d> memory_;
+    BroadPhase<d> broad_;
+    std::deque<Attempt> attempts_;
+    std::vector<int> moving_, fixed_, root_, local_, island_of_;
+    std::vector<double> wide_;
+    std::vector<Vec<d>> step_impulse_, before_;
+    std::vector<State> state_;
+    std::vector<Motion> velocity_, pushed_;
+    double now_ = 0;      // when the piece of a step begins, s
+    bool rough_ = false;  // what is not solved is taken as it is
+};
+
+}  // namespace rockslip
