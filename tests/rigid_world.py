@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 def built(folder: Path) -> ctypes.CDLL:
     """The library, compiled into a folder."""
     library = folder / "librockslip.so"
-    options = ["-O2", "-std=c++17", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wshadow"]
+    options = ["-O2", "-std=c++17", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wshadow", "-Werror"]
     subprocess.run(["g++", *options, KERNELS / "module.cpp", "-o", library], check=True)
     kernels = ctypes.CDLL(str(library))
     kernels.world_new.restype = ctypes.c_void_p

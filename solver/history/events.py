@@ -54,7 +54,7 @@ COLUMNS = tuple(field.name for field in fields(Event))
 """Names of the columns of the file, in their order."""
 
 TEXTS = ("kind", "block", "meets", "where", "reason")
-"""Those that are words."""
+"""Names of the columns that hold words."""
 
 
 def events_text(events: Iterable[Event]) -> str:

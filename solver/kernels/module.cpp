@@ -70,7 +70,7 @@ template <int d> void write_state(World<d>& world, double* of_bodies, double* of
 
 template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
                          double* of_bodies, double* of_steps) {
-    const std::size_t width = world.bodies.size() * (5 * d - d + Rotation<d>::size + Dim<d>::rotations + 1);
+    const std::size_t width = world.bodies.size() * (4 * d + Rotation<d>::size + Dim<d>::rotations + 1);
     for (int i = 0; i < steps; i++) {
         GroundMotion<d> motion;
         if (ground)

@@ -79,7 +79,7 @@ template <int d> class NarrowPhase {
         const double apart = std::max(apart_a, apart_b);
         const std::size_t before = found_.size();
         if constexpr (d == 3) {
-            const double across = by_edges(face_a, face_b, by_a, apart);
+            const double across = by_edges(apart);
             if (across != -INFINITY) return across;
         }
         if (by_a) clip(face_a, facing(at_b_, at_a_.normals[face_a]), true);
@@ -159,7 +159,7 @@ template <int d> class NarrowPhase {
     }
 
     /// The ends of the overlap of two edges of polygons.
-    void clip([[maybe_unused]] int face_a, [[maybe_unused]] int face_b, [[maybe_unused]] bool by_a) {
+    void clip(int face_a, int face_b, bool by_a) {
         if constexpr (d == 3) {
             clip_polygons(face_a, face_b, by_a);
         } else {
@@ -193,7 +193,7 @@ template <int d> class NarrowPhase {
     ///
     /// Edges whose arcs on the sphere of normals cross make a face of the difference of both bodies
     /// (Gregorius 2013); only these can separate.
-    double by_edges(int face_a, int face_b, bool by_a, double apart) {
+    double by_edges(double apart) {
         double most = -INFINITY;
         int edge_a = -1, edge_b = -1;
         Vec<3> axis{};

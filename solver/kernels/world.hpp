@@ -26,8 +26,6 @@ struct Ledger {
     double numerical = 0;  // time stepping of the platform
 };
 
-enum class EventKind { IMPACT, LANDING };
-
 /// Two bodies that met: the instant, velocities before and after, impulses, energy.
 template <int d> struct Event {
     double time;            // s
@@ -38,7 +36,6 @@ template <int d> struct Event {
     double departure;       // normal velocity after, m/s
     Vec<d> impulse;         // on a, N s
     double energy;          // lost by all bodies of the island in this impact, J
-    Vec<Dim<d>::rotations> spin_before, spin_after;  // of a's or, where a carries b, of b's body, rad/s
 };
 
 struct StepCounts {
@@ -133,7 +130,7 @@ template <int d> class World {
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
-    static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3, LARGEST_CUT_GROUP = 12;
+    static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3;
 
     /// All that belongs to one attempt to step some bodies.
     struct Attempt {
@@ -158,21 +155,8 @@ template <int d> class World {
         while (static_cast<int>(attempts_.size()) <= depth) attempts_.emplace_back();
         Attempt& A = attempts_[depth];
         const std::size_t count = bodies.size();
-        if (A.margin.size() != count) {
-            A.margin.resize(count);
-            A.least.resize(count);
-            A.way.resize(count);
-            A.still.resize(count);
-            A.failed.resize(count);
-            A.start.resize(count);
-            A.other.resize(count);
-            A.end.resize(count);
-            A.w.resize(count);
-            A.begun.resize(count);
-            A.mass.resize(count);
-            A.inverse_mass.resize(count);
-            A.free.resize(count);
-        }
+        const auto resize = [count](auto&... of_bodies) { (of_bodies.resize(count), ...); };
+        resize(A.margin, A.least, A.way, A.still, A.failed, A.start, A.other, A.end, A.w, A.begun, A.mass, A.inverse_mass, A.free);
         return A;
     }
 
@@ -469,13 +453,12 @@ template <int d> class World {
                 double turn = norm_from(A.w[b], d), go = 0;
                 for (int i = 0; i < d; i++) go = std::hypot(go, A.w[b][i]);
                 A.way[b] = 0.5 * dt * (go + turn * shapes[bodies[b].shape].radius);
-                if (A.way[b] > A.margin[b] && !A.still[b]) strayed = true;
-                if (A.way[b] > A.margin[b] && A.still[b]) strayed = true;
-                if (A.way[b] > A.margin[b]) A.least[b] = 2 * A.way[b];
+                if (!(A.way[b] > A.margin[b])) continue;
+                strayed = true;
+                A.least[b] = 2 * A.way[b];
             }
             const bool more = add_late_contacts(A);
-            if (strayed && !more) return true;
-            if (!more) return false;
+            if (!more) return strayed;
         }
         return false;
     }
@@ -513,7 +496,7 @@ template <int d> class World {
     void settle_all(Attempt& A, double dt, const GroundMotion<d>& ground) {
         const Vec<d> load = gravity - ground.mean(dt);
         local.tolerated_breach = 2e-10 * size_ / dt;
-        for (int b : A.members) in_island_mark(b);
+        for (int b : A.members) island_of_[b] = -1;
         for (int i = 0; i < A.island_count; i++) {
             Island<d>& island = A.islands[i];
             const bool settled = !A.failed[island.bodies[0]] && settle(A, island, dt, load);
@@ -529,8 +512,6 @@ template <int d> class World {
             fly(A, b, dt, load);
         }
     }
-
-    void in_island_mark(int b) { island_of_[b] = -1; }
 
     /// A body that touches nothing.
     void fly(Attempt& A, int b, double dt, const Vec<d>& load) {
@@ -632,8 +613,8 @@ template <int d> class World {
             for (int i = 0; i < A.island_count; i++) correct_velocities(A, A.islands[i], dt);
         }
         for (C& k : A.contacts) {
-            remember(A, k);
-            share_impulse(A, k);
+            remember(k);
+            share_impulse(k);
         }
     }
 
@@ -664,13 +645,11 @@ template <int d> class World {
         if (body.is_platform()) take_platform(body, du, dt);
         Vec<rotations> turn;
         for (int i = 0; i < rotations; i++) turn[i] = w[d + i];
-        const Placement<d> end = A.end[b];
         body.x += du;
         for (int i = 0; i < d; i++) body.v[i] = (body.is_platform() && i == d - 1) ? 0 : w[i] - body.v[i];
         if (body.is_platform()) return;
         body.rotation = body.rotation.turned(0.5 * dt * turn);
         body.spin = to_body(A.start[b].at.R, turn) - body.spin;
-        static_cast<void>(end);
     }
 
     /// Spring force, losses of dashpot and averaging, and the impulse on the ground of a platform.
@@ -823,7 +802,7 @@ template <int d> class World {
         }
     }
 
-    void remember(const Attempt&, const C& k) {
+    void remember(const C& k) {
         const int low = std::min(k.feature.point_body, k.feature.face_body), high = std::max(k.feature.point_body, k.feature.face_body);
         Remembered<d>& record = memory_.record(low, high, k.id);
         record.impulse = k.impulse;
@@ -843,7 +822,7 @@ template <int d> class World {
     }
 
     /// Adds the impulses of a contact to what its bodies got in this step.
-    void share_impulse(const Attempt& A, const C& k) {
+    void share_impulse(const C& k) {
         if (!k.closed) return;
         const int a = k.feature.point_body, b = k.feature.face_body;
         closed_contacts += k.state != OPEN;
@@ -861,7 +840,6 @@ template <int d> class World {
         deepest = std::max(deepest, depth);
         if (carries(b, a)) penetration[a] = std::max(penetration[a], depth);
         if (carries(a, b)) penetration[b] = std::max(penetration[b], depth);
-        static_cast<void>(A);
     }
 
     bool carries(int lower, int upper) const {
@@ -1164,7 +1142,7 @@ template <int d> class World {
         gather_islands(A, [](const C& k) { return k.closed; });
         for (int i = 0; i < A.island_count; i++) strike(A, A.islands[i]);
         for (C& k : A.contacts)
-            if (k.closed) share_impulse(A, k);
+            if (k.closed) share_impulse(k);
     }
 
     /// The law of impact on the touching contacts of an island, at an instant:
@@ -1331,7 +1309,7 @@ template <int d> class World {
                         farthest = norm(place[j] - place[l]);
                     }
             if (a == count) continue;
-            const double opposite = before_[i][0] + dot(gradient(A, island, k), place[a] + place[b] - 2.0 * place[i]);
+            const double opposite = before_[i][0] + dot(gradient(island, k), place[a] + place[b] - 2.0 * place[i]);
             double together = 0;
             if (d == 3) {
                 bool on_a_line = true;
@@ -1351,7 +1329,7 @@ template <int d> class World {
     }
 
     /// Gradient of the normal velocity of a contact over its place, 1/s: n x omega of the relative spin.
-    Vec<d> gradient(const Attempt&, const Island<d>& island, const C& k) const {
+    Vec<d> gradient(const Island<d>& island, const C& k) const {
         Vec<rotations> spin{};
         for (int i = 0; i < rotations; i++) {
             if (k.a >= 0) spin[i] += velocity_[k.a][d + i];

@@ -122,9 +122,9 @@ class _Motion(NamedTuple):
     aside: Array
     """Lean out of the plane, rad."""
     gaps: Array
-    """Of the bottom corners, (rows, corners), m."""
+    """Gaps of the bottom corners, (rows, corners), m."""
     slip: Array
-    """(rows, 1 or 2), m."""
+    """Slip along the carrier, (rows, 1 or 2), m."""
     normal: Array
     """Normal force, N."""
     pull: Array

@@ -162,9 +162,8 @@ class BlockObserver:
         place, at = memory.kinematics.place, self._at
         self._touching = touching(memory.force, place, memory.may_touch, self._level)
         chosen = self._touching
-        slip = np.add.reduce(place.take(chosen, 0)[:, 1:] - self._reference.take(chosen, 0)) / len(
-            chosen
-        )
+        moved = place.take(chosen, 0)[:, 1:] - self._reference.take(chosen, 0)
+        slip = np.add.reduce(moved) / len(chosen)
         if math.isnan(slip[0]):
             return False
         self._slip = slip

@@ -194,7 +194,7 @@ class Study(ABC, Generic[Case]):
 
     @property
     def completed(self) -> list[Row]:
-        """Those of cases that completed."""
+        """The rows of cases that completed."""
         return [row for row in self.ordered if row["status"] == "completed"]
 
     # ------------------------------------------------------------ the folder

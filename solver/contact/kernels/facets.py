@@ -194,7 +194,7 @@ class ClosestPoints(NamedTuple):
     stretch: Array
     """Current over undeformed tangential lengths, likewise, (m, t, t)."""
     beyond_edge: Mask
-    """Those beyond the edge of the face by more than its margin, (m,)."""
+    """Points beyond the edge of the face by more than its margin, (m,)."""
 
 
 @compiled

@@ -69,7 +69,7 @@ class _Impacts(Study[DampingCase]):
         self.settings = {"scene": scene.to_dict(), "block": block.name}
 
     def key(self, case: DampingCase) -> str:
-        """That of the scene: equal scenes are run once, whatever study they are of."""
+        """The key of the scene: equal scenes are run once, whatever study they are of."""
         return case.key
 
     def keep(self, case: DampingCase, row: Row) -> Row:

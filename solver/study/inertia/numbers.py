@@ -230,7 +230,7 @@ class Line:
     peaks: Array
     """Peak drift (m), base shear over the platform's mass for each friction, (n, frictions, 2)."""
     bare: Array
-    """The same of the empty structure, (n, 2)."""
+    """Peak drift (m) and base shear over the platform's mass of the empty structure, (n, 2)."""
     weights: Array
     """Weights of the motions in the resampled suites."""
     found: Sequence[Sequence[Portion]] = ()

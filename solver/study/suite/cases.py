@@ -64,7 +64,7 @@ KEPT = (
 )
 
 OF_ROCKING = tuple(key for key in KEPT if "angle" in key or key in ("mode", "overturned_at_s"))
-"""The same for Housner's equation, which has no slip."""
+"""Keys that are kept of Housner's equation, which has no slip."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

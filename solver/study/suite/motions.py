@@ -80,7 +80,7 @@ class SuiteMotion:
     table: Mapping[str, Any]
     """The table `[motion]`, with names of files that hold in every folder."""
     held: Any = field(init=False, repr=False)
-    """The same with digests of what its files hold instead of their names; read once."""
+    """The table with digests of its files in place of their names; read once."""
 
     @property
     def beside(self) -> list[str]:
