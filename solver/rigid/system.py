@@ -85,13 +85,13 @@ def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
     return [
         RigidBlock(
             name=spec.name,
-            on=spec.on,
+            on=spec.carrier,
             shape=spec.shape,
             friction=scene.friction_of(spec),
             pose=placed[spec.name],
             velocity=spec.velocity,
             angular_velocity=spec.angular_velocity,
-            restitution=spec.restitution or 0.0,
+            restitution=scene.restitution_of(spec),
         )
         for spec in scene.blocks
     ]
