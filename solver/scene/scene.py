@@ -15,6 +15,7 @@ from solver.scene.checking import OPEN, Checked, is_open, nearest, shown, to_tab
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
+from solver.scene.laws import Law, Laws
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
@@ -431,34 +432,14 @@ class Scene(Checked):
                 left = max(left, damping.left(self.bending_frequency(block), time))
         return left
 
-    def law_between(self, first: str, second: str) -> tuple[FrictionSpec, float]:
-        """Friction and restitution (0: plastic) of two bodies, which need not touch at the start.
+    @property
+    def laws(self) -> Laws:
+        """Laws of contact of any two bodies."""
+        return Laws(self.blocks, self.pairs, self.contact.friction)
 
-        What their `[[pair]]` gives. Else what the block has of which the other one is a carrier, or
-        which meets the foundation. Else, of neighbours, the friction with the smaller static
-        coefficient, where both are the same that of the earlier one, and the smaller restitution.
-
-        Args:
-            first: Name of a block, or "foundation" for the ground, a platform or a plate.
-            second: That of another body.
-
-        Raises:
-            ValueError: They are not two bodies of the scene.
-        """
-        names = {first, second}
-        blocks = [block for block in self.blocks if block.name in names]
-        if len(names) != 2 or len(blocks) + ("foundation" in names) != 2:
-            raise ValueError(f"{first} and {second} are not two bodies of the scene")
-        upper = [block for block in blocks if not names.isdisjoint(block.carriers)]
-        deciding = blocks if len(blocks) == 1 else upper or blocks
-        laws = [self.contact.friction if b.friction is None else b.friction for b in deciding]
-        friction = min(map(FrictionSpec.of, laws), key=lambda law: law.static)
-        restitution = min(block.restitution or 0.0 for block in deciding)
-        for pair in self.pairs:
-            if pair.joins(first, second):
-                friction = friction if pair.friction is None else FrictionSpec.of(pair.friction)
-                restitution = restitution if pair.restitution is None else pair.restitution
-        return friction, restitution
+    def law_between(self, first: str, second: str) -> Law:
+        """Friction and restitution of two bodies; for many pairs `laws.between`, which is this."""
+        return self.laws.between(first, second)
 
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
         """Friction between a block and its carrier, of several the first."""
