@@ -70,7 +70,7 @@ template <int d> class World {
     Ledger ledger;
     std::vector<Event<d>> events;
     std::vector<Vec<d>> slip;             // of each body over what carries it, m, (n,); the last is unused
-    std::vector<Vec<d>> received;         // impulses of a step on each body but from what it carries, N s
+    std::vector<Vec<d>> received;         // impulses of a step on each body from what it stands on, N s
     std::vector<double> penetration;      // of each body in any but what it carries, m
     Overlap deepest;                      // of two bodies at the start of any step so far
     Vec<d> spring_impulse{};              // of the platform's spring and dashpot on the ground in a step, N s
@@ -160,6 +160,7 @@ template <int d> class World {
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
+    static constexpr double STEEPEST = 0.5;  // upward component of the normal of what bears a body
     static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3;
     static constexpr int LARGEST_CUT = 12;  // bodies of a group that is cut where nothing rebounds
 
@@ -884,18 +885,26 @@ template <int d> class World {
         if (!k.closed) return;
         const int a = k.feature.point_body, b = k.feature.face_body;
         Vec<d> force{};
-        for (int i = 0; i < d; i++)
-            for (int j = 0; j < d; j++) force[j] += k.total[i] * k.rows_a[i][j];
-        if (bodies[a].is_platform())  // rows on it are cut down to its unknowns
-            for (int j = 0; j < d; j++) {
-                force[j] = 0;
-                for (int i = 0; i < d; i++) force[j] -= k.total[i] * k.rows_b[i][j];
-            }
-        if (!carries(a, b)) received[a] += force;
-        if (!carries(b, a)) received[b] += -1.0 * force;
+        for (int i = 0; i < d; i++) force += k.total[i] * axis(k, i);
+        const double up = axis(k, 0)[d - 1];
+        if (bears(b, a, up)) received[a] += force;
+        if (bears(a, b, -up)) received[b] += -1.0 * force;
         const double depth = -k.end_gap;
         if (!carries(a, b)) penetration[a] = std::max(penetration[a], depth);
         if (!carries(b, a)) penetration[b] = std::max(penetration[b], depth);
+    }
+
+    /// The normal of a contact, from the body of the face to that of the point, or a tangent.
+    Vec<d> axis(const C& k, int number) const {
+        const bool by_a = bodies[k.feature.point_body].mobility == Mobility::FREE;  // rows on a platform are cut down
+        Vec<d> e;
+        for (int j = 0; j < d; j++) e[j] = by_a ? k.rows_a[number][j] : -k.rows_b[number][j];
+        return e;
+    }
+
+    /// True if a body stands on another one: on what carries it, or by a normal that points upwards.
+    bool bears(int lower, int upper, double up) const {
+        return carries(lower, upper) || (!carries(upper, lower) && up > STEEPEST);
     }
 
     bool carries(int lower, int upper) const {
@@ -919,10 +928,8 @@ template <int d> class World {
                 Vec<d> moved = mul(k.rows_a, A.w[k.feature.point_body]);
                 if (bodies[k.feature.face_body].moves()) moved += mul(k.rows_b, A.w[k.feature.face_body]);
                 Vec<d> slipped{};
-                const Mat<d, unknowns>& rows = bodies[k.feature.point_body].mobility == Mobility::FREE ? k.rows_a : k.rows_b;
-                const double sign = (upper_has_point ? 1 : -1) * (&rows == &k.rows_a ? 1 : -1);
-                for (int i = 1; i < d; i++)
-                    for (int j = 0; j < d; j++) slipped[j] += sign * 0.5 * dt * moved[i] * rows[i][j];
+                const double sign = upper_has_point ? 1 : -1;
+                for (int i = 1; i < d; i++) slipped += (sign * 0.5 * dt * moved[i]) * axis(k, i);
                 way += transposed_mul(frame, slipped);
                 closed++;
             }
@@ -1369,7 +1376,7 @@ template <int d> class World {
                         farthest = norm(place[j] - place[l]);
                     }
             if (a == count) continue;
-            const double opposite = before_[i][0] + dot(gradient(island, k), place[a] + place[b] - 2.0 * place[i]);
+            const double opposite = before_[i][0] + dot(gradient(k), place[a] + place[b] - 2.0 * place[i]);
             double together = 0;
             if (d == 3) {
                 bool on_a_line = true;
@@ -1389,14 +1396,13 @@ template <int d> class World {
     }
 
     /// Gradient of the normal velocity of a contact over its place, 1/s: n x omega of the relative spin.
-    Vec<d> gradient(const Island<d>& island, const C& k) const {
+    Vec<d> gradient(const C& k) const {
         Vec<rotations> spin{};
         for (int i = 0; i < rotations; i++) {
             if (k.a >= 0) spin[i] += velocity_[k.a][d + i];
             if (k.b >= 0) spin[i] -= velocity_[k.b][d + i];
         }
-        Vec<d> n;
-        for (int i = 0; i < d; i++) n[i] = k.a >= 0 && bodies[island.bodies[k.a]].mobility == Mobility::FREE ? k.rows_a[0][i] : -k.rows_b[0][i];
+        const Vec<d> n = axis(k, 0);
         if constexpr (d == 2) return {spin[0] * n[1], -spin[0] * n[0]};
         else return cross(n, spin);
     }
@@ -1412,10 +1418,8 @@ template <int d> class World {
             event.place = place_of(A, k);
             event.approach = -before_[i][0];
             event.departure = local.reading(island, k)[0];
-            for (int j = 0; j < d; j++) {
-                event.normal[j] = k.rows_a[0][j];
-                for (int l = 0; l < d; l++) event.impulse[j] += k.impulse[l] * k.rows_a[l][j];
-            }
+            event.normal = axis(k, 0);
+            for (int l = 0; l < d; l++) event.impulse += k.impulse[l] * axis(k, l);
             event.energy = lost;
             events.push_back(event);
         }

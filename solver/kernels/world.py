@@ -20,7 +20,7 @@ from solver.types import Array
 
 
 COUNTS = (
-    *("solves", "warm", "newton", "factorizations", "searched", "scaled", "softened", "swept"),
+    *("solves", "warm", "newton", "factorizations", "searched", "softened", "swept"),
     *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
     *("most_contacts", "rung_0", "rung_1", "rung_2", "rung_3", "rung_4"),
     *("unsettled", "largest_defect", "deepest", "deepest_at", "deepest_a", "deepest_b"),
@@ -28,7 +28,6 @@ COUNTS = (
 """Names of the counts that the library keeps."""
 
 FALLBACKS = {
-    "scaled": "scaled",
     "proximal": "softened",
     "sweeps": "swept",
     "velocity solve left out": "rung_4",
