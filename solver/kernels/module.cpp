@@ -185,6 +185,25 @@ void world_state(void* handle, double* of_bodies, double* of_step) {
     with(handle, [&](auto& world) { write_state(world, of_bodies, of_step); });
 }
 
+/// Writes the collisions since the last call, each as time, a, b, points, place, normal, approach,
+/// departure, impulse, energy, and forgets them; returns their number, and only that without room.
+long world_collisions(void* handle, double* out) {
+    return with(handle, [&](auto& world) {
+        const long count = static_cast<long>(world.collisions.size());
+        if (!out) return count;
+        for (const auto& met : world.collisions) {
+            write(out, Numbers<4>{met.time, double(met.a), double(met.b), double(met.points)});
+            write(out, met.place);
+            write(out, met.normal);
+            write(out, Numbers<2>{met.approach, met.departure});
+            write(out, met.impulse);
+            *out++ = met.energy;
+        }
+        world.collisions.clear();
+        return count;
+    });
+}
+
 /// Writes all that steps change, where there is room for it; returns how many numbers that takes.
 long world_save(void* handle, double* out, long room) {
     return with(handle, [&](auto& world) {
