@@ -20,6 +20,7 @@ ORDER = (
     "excitation",
     "law",
     "scheme",
+    "kernels",
     "history",
     "bodies",
     "contact",
