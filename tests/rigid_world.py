@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import ctypes
-import subprocess
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-KERNELS = Path(__file__).parents[1] / "solver" / "kernels"
+from solver.kernels.library import library
+
 Array = NDArray[np.float64]
 
 
-def built(folder: Path) -> ctypes.CDLL:
-    """The library, compiled into a folder."""
-    library = folder / "librockslip.so"
-    options = ["-O2", "-std=c++17", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wshadow", "-Werror"]
-    subprocess.run(["g++", *options, KERNELS / "module.cpp", "-o", library], check=True)
-    kernels = ctypes.CDLL(str(library))
-    kernels.world_new.restype = ctypes.c_void_p
-    return kernels
+def kernels() -> ctypes.CDLL:
+    """The library of the kernels."""
+    loaded = library()
+    loaded.world_new.restype = ctypes.c_void_p
+    return loaded
 
 
 def pointer(values: Sequence[float] | Array, kind: type = np.float64) -> ctypes.c_void_p:

@@ -3,22 +3,19 @@
 No command uses it yet: it is to take the place of `solver.rigid`.
 """
 
-import shutil
-from collections.abc import Iterator
 from ctypes import CDLL
 
 import numpy as np
 import pytest
-from rigid_world import PlaneWorld, built
+import rigid_world
+from rigid_world import PlaneWorld
 
 pytestmark = pytest.mark.serial
 
 
 @pytest.fixture(scope="module")
-def kernels(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CDLL]:
-    if shutil.which("g++") is None:
-        pytest.skip("no g++")
-    yield built(tmp_path_factory.mktemp("kernels"))
+def kernels() -> CDLL:
+    return rigid_world.kernels()
 
 
 def tilted(kernels: CDLL, restitution: float) -> PlaneWorld:
