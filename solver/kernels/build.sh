@@ -52,11 +52,11 @@ provide() { # CACHE SHOWN: sets ROCKSLIP_KERNELS
     exec 9>>"$folder/lock"
     if command -v flock >/dev/null && ! flock -n 9; then
         say "waiting for another ./in-env that builds the kernels"
-        flock 9
+        flock 9 || true # where the system has no locks, both build
     fi
     if [ ! -e "$ROCKSLIP_KERNELS" ]; then
         say "building the kernels: some 10 s, once"
-        new=$folder/new.$$
+        new=$folder/new.$HOSTNAME.$$
         trap 'rm -f "$new"' EXIT
         trap 'exit 130' HUP INT TERM
         compile "$new" || fail "the kernels could not be compiled: the reason stands above"
