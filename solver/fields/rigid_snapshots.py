@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +11,9 @@ from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
 from solver.fields.part import one_cell, rigid_fields
 from solver.fields.vtu import FieldsBefore
+from solver.rigid.system import RigidSystem
 from solver.scene import Scene
 from solver.types import Array
-
-if TYPE_CHECKING:
-    from solver.rigid.plane.system import PlaneSystem
-    from solver.rigid.space.system import SpaceSystem
 
 
 class RigidSnapshots:
@@ -25,7 +21,7 @@ class RigidSnapshots:
 
     def __init__(
         self,
-        bodies: PlaneSystem | SpaceSystem,
+        bodies: RigidSystem,
         folder: Path,
         scene: Scene,
         *,
@@ -69,7 +65,7 @@ class RigidSnapshots:
         arms = (self._corners[block] - middle) @ self._bodies.rotation(block).T
         spin = self._bodies.angular_velocity(block)
         if self._dimension == 2:
-            turning: Array = spin * np.stack([arms[:, 1], -arms[:, 0]], axis=1)
+            turning: Array = spin[0] * np.stack([arms[:, 1], -arms[:, 0]], axis=1)
         else:
             turning = np.asarray(np.cross(spin, arms), dtype=np.float64)
         return arms, turning + self._bodies.velocity(block)

@@ -1,4 +1,4 @@
-"""The columns of a block that follow from its motion as a rigid body, for all engines. Compiled.
+"""The columns of a block that follow from its motion as a rigid body, for all engines.
 
 A new one of them is an entry of `solver.history.columns.TABLE` and a line here.
 """
@@ -6,11 +6,11 @@ A new one of them is an entry of `solver.history.columns.TABLE` and a line here.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from solver.history.columns import positions
-from solver.law.compiled import compiled
 from solver.types import Array
 
 PLANE, SPACE = positions("block", 2), positions("block", 3)
@@ -20,8 +20,7 @@ STEEPEST_TOP = 0.5
 """Cosine of the lean of a block's top beyond which it carries nothing, 60 degrees."""
 
 
-@compiled
-def has_lost_carrier(level: float, height: float, half: float) -> bool:
+def has_lost_carrier(level: Any, height: Any, half: float) -> Any:
     """True if a block has lost its carrier: gaps and contact forces are then over level ground.
 
     Args:
@@ -29,17 +28,15 @@ def has_lost_carrier(level: float, height: float, half: float) -> bool:
         height: Of the block's centre over that of its carrier, along the carrier's axis, m.
         half: Half the height of the carrier, m.
     """
-    return level <= STEEPEST_TOP or height <= half
+    return (level <= STEEPEST_TOP) | (height <= half)
 
 
-@compiled
 def lean_in_space(rotation: Array, before: float) -> float:
     """Angle about +y by which the upright axis of a block leans, rad, carried on from `before`."""
     lean = math.atan2(rotation[0, 2], rotation[2, 2])
     return float(lean + 2 * math.pi * np.round((before - lean) / (2 * math.pi)))
 
 
-@compiled
 def write_plane_motion(row: Array, angle: float, spin: float, centre: Array) -> None:
     """Fill in the columns of a block in the plane that follow from its motion.
 
@@ -49,7 +46,6 @@ def write_plane_motion(row: Array, angle: float, spin: float, centre: Array) -> 
     row[PLANE.centre_x_m], row[PLANE.centre_y_m] = centre[0], centre[1]
 
 
-@compiled
 def write_space_motion(row: Array, angles: Array, spin: Array, centre: Array) -> None:
     """Fill in the columns of a block in space that follow from its motion.
 

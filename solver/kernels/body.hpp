@@ -37,6 +37,7 @@ template <int d> struct Body {
     Vec<d> x{}, v{};              // centre (m) and its velocity (m/s), relative to the ground
     Rotation<d> rotation;
     Vec<Dim<d>::rotations> spin{};  // angular velocity about the body's own axes, rad/s
+    Vec<Dim<d>::rotations> turned{};  // rotation vector, carried on over whole turns, rad
 
     bool moves() const { return mobility != Mobility::FIXED; }
     bool is_platform() const { return mobility == Mobility::PLATFORM; }

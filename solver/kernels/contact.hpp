@@ -40,6 +40,7 @@ template <int d> struct Contact {
     double gap;            // at the start of the step, m
     Vec<d> start;          // gap and place along the face at the start, as remembered, m
     bool was_closed;       // in the step before
+    double area;           // that cohesion acts on, m2
     FrictionHistory past;
     FrictionBound bound;
     FrictionMode mode;

@@ -56,10 +56,10 @@ constexpr double COHESION_SLOPE = 1e4;
 /// it by; less only settles which of several points of a rigid body holds how much.
 constexpr double SLIP_ROUND_OFF = 1e-5;
 
-/// A step starts with the friction that the past of a contact leaves it.
-inline FrictionBound bound_at_start(const ContactLaw& law, const FrictionHistory& past, double area) {
+/// A step starts with the friction that the past of a contact leaves it; `area_time` in m2 s.
+inline FrictionBound bound_at_start(const ContactLaw& law, const FrictionHistory& past, double area_time) {
     const bool lost = law.loses_cohesion && past.broken;
-    return {law.coefficient(past.rate, past.slipped), lost ? 0.0 : law.cohesion * area, INFINITY};
+    return {law.coefficient(past.rate, past.slipped), lost ? 0.0 : law.cohesion * area_time, INFINITY};
 }
 
 /// Brings the bound up to the slip that it led to; returns whether that changed it.

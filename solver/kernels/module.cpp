@@ -47,30 +47,36 @@ template <int d> int add_body(World<d>& world, int shape, int mobility, const do
     return static_cast<int>(world.bodies.size()) - 1;
 }
 
+/// Numbers of the state of a body: centre, rotation, velocity, angular velocity in space, rotation
+/// vector, slip, impulse received in the step, penetration.
+template <int d> constexpr std::size_t STATE = 4 * d + Rotation<d>::size + 2 * Dim<d>::rotations + 1;
+
+/// Numbers of a step: energies, exchanges, impulse on the ground, closed contacts, iterations, halvings.
+template <int d> constexpr std::size_t TOTALS = 11 + d;
+
 template <int d> void write_state(World<d>& world, double* of_bodies, double* of_step) {
     for (std::size_t b = 0; b < world.bodies.size(); b++) {
         const Body<d>& body = world.bodies[b];
         write(of_bodies, body.x);
         write(of_bodies, body.rotation.value);
         write(of_bodies, body.v);
-        write(of_bodies, body.spin);
+        write(of_bodies, to_space(body.rotation.matrix(), body.spin));
+        write(of_bodies, body.turned);
         write(of_bodies, world.slip[b]);
         write(of_bodies, world.received[b]);
         *of_bodies++ = world.penetration[b];
     }
-    const std::array<double, 3> e = world.energies();
-    write(of_step, e);
+    write(of_step, world.energies());
     const Ledger& l = world.ledger;
     write(of_step, Numbers<5>{l.input, l.friction, l.damping, l.contact, l.numerical});
     write(of_step, world.spring_impulse);
-    *of_step++ = world.closed_contacts;
+    *of_step++ = world.closed_contacts();
     *of_step++ = static_cast<double>(world.local.outcomes.newton);
-    *of_step++ = world.deepest;
+    *of_step++ = static_cast<double>(world.counts.halved);
 }
 
 template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
                          double* of_bodies, double* of_steps) {
-    const std::size_t width = world.bodies.size() * (4 * d + Rotation<d>::size + Dim<d>::rotations + 1);
     for (int i = 0; i < steps; i++) {
         GroundMotion<d> motion;
         if (ground)
@@ -79,10 +85,35 @@ template <int d> int run(World<d>& world, int steps, double dt, double smallest,
                 motion.rise[k] = (ground[d * (i + 1) + k] - ground[d * i + k]) / dt;
             }
         if (!world.step(dt, smallest, motion)) return i;
-        if (of_bodies) write_state(world, of_bodies + width * static_cast<std::size_t>(i), of_steps + static_cast<std::size_t>(i) * (11 + d));
+        const auto row = static_cast<std::size_t>(i);
+        if (of_bodies) write_state(world, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
     }
     return steps;
 }
+
+/// Numbers one after another, as they are written.
+struct Writer {
+    std::vector<double> values;
+
+    template <class... T> void operator()(const T&... each) { (put(each), ...); }
+    template <class T> void size(const std::vector<T>& of) { put(of.size()); }
+
+  private:
+    template <class T> void put(const T& value) { values.push_back(static_cast<double>(value)); }
+    template <std::size_t n> void put(const Numbers<n>& x) { values.insert(values.end(), x.begin(), x.end()); }
+};
+
+/// The same numbers, as they are read back.
+struct Reader {
+    const double* next;
+
+    template <class... T> void operator()(T&... each) { (get(each), ...); }
+    template <class T> void size(std::vector<T>& of) { of.resize(static_cast<std::size_t>(*next++)); }
+
+  private:
+    template <class T> void get(T& value) { value = static_cast<T>(*next++); }
+    template <std::size_t n> void get(Numbers<n>& x) { x = read<n>(next); }
+};
 
 }  // namespace
 
@@ -161,6 +192,24 @@ void world_state(void* handle, double* of_bodies, double* of_step) {
     with(handle, [&](auto& world) { write_state(world, of_bodies, of_step); });
 }
 
+/// Writes all that steps change, where there is room for it; returns how many numbers that takes.
+long world_save(void* handle, double* out, long room) {
+    return with(handle, [&](auto& world) {
+        Writer writer;
+        world.exchange(writer);
+        const long count = static_cast<long>(writer.values.size());
+        if (count <= room) std::copy(writer.values.begin(), writer.values.end(), out);
+        return count;
+    });
+}
+
+void world_restore(void* handle, const double* saved) {
+    with(handle, [&](auto& world) {
+        Reader reader{saved};
+        world.exchange(reader);
+    });
+}
+
 void world_counts(void* handle, double* out) {
     with(handle, [&](auto& world) {
         const auto& o = world.local.outcomes;
@@ -168,7 +217,8 @@ void world_counts(void* handle, double* out) {
         const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.searched), double(o.scaled),
                               double(o.softened), double(o.swept), double(o.failed), double(o.loose), o.loosest, double(c.outer), double(c.late),
                               double(c.widened), double(c.halved), double(c.cut), double(c.contacts), double(c.most_contacts), double(c.rungs[0]),
-                              double(c.rungs[1]), double(c.rungs[2]), double(c.rungs[3]), double(c.rungs[4])};
+                              double(c.rungs[1]), double(c.rungs[2]), double(c.rungs[3]), double(c.rungs[4]), double(c.unsettled),
+                              world.local.largest_defect, world.deepest.depth, world.deepest.time, double(world.deepest.a), double(world.deepest.b)};
         std::copy(std::begin(all), std::end(all), out);
     });
 }

@@ -40,6 +40,23 @@ template <> struct Rotation<3> {
     }
 };
 
+/// The rotation vector of a quaternion; of all that mean the same rotation the one nearest `before`.
+inline Vec<3> rotation_vector(const Rotation<3>& rotation, const Vec<3>& before) {
+    constexpr double TURN = 2 * 3.14159265358979323846;
+    const Vec<4>& q = rotation.value;
+    const Vec<3> imaginary{q[1], q[2], q[3]};
+    const double sine = norm(imaginary), length = norm(before);
+    if (sine < 1e-12) {  // no axis of its own: whole turns keep the old one
+        const double turns = std::round(length / TURN);
+        if (turns == 0) return (2 * std::copysign(1.0, q[0])) * imaginary;
+        return (turns * TURN / length) * before;
+    }
+    const Vec<3> axis = (1 / sine) * imaginary;
+    const double angle = 2 * std::atan2(sine, q[0]);
+    return (angle + TURN * std::round((dot(axis, before) - angle) / TURN)) * axis;
+}
+inline Vec<1> rotation_vector(const Rotation<2>& rotation, const Vec<1>&) { return rotation.value; }
+
 /// Components about the axes of space of a rotational vector given about a body's own axes.
 inline Vec<1> to_space(const Mat<2, 2>&, const Vec<1>& own) { return own; }
 inline Vec<3> to_space(const Mat<3, 3>& R, const Vec<3>& own) { return mul(R, own); }

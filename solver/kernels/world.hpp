@@ -38,6 +38,13 @@ template <int d> struct Event {
     double energy;          // lost by all bodies of the island in this impact, J
 };
 
+/// How deep two bodies overlap, and when.
+struct Overlap {
+    double depth = 0;  // m
+    double time = 0;   // of the start of the step, s
+    int a = -1, b = -1;
+};
+
 struct StepCounts {
     long outer = 0, late = 0, widened = 0, halved = 0, cut = 0, contacts = 0, most_contacts = 0, unsettled = 0;
     long rungs[5] = {0, 0, 0, 0, 0};
@@ -64,10 +71,9 @@ template <int d> class World {
     std::vector<Event<d>> events;
     std::vector<Vec<d>> slip;             // of each body over what carries it, m, (n,); the last is unused
     std::vector<Vec<d>> received;         // impulses of a step on each body but from what it carries, N s
-    std::vector<double> penetration;      // of each body in what carries it, m
-    double deepest = 0;                   // overlap of two bodies in any step so far, m
+    std::vector<double> penetration;      // of each body in any but what it carries, m
+    Overlap deepest;                      // of two bodies at the start of any step so far
     Vec<d> spring_impulse{};              // of the platform's spring and dashpot on the ground in a step, N s
-    int closed_contacts = 0;
     LocalProblem<d> local;
     StepCounts counts;
 
@@ -88,7 +94,10 @@ template <int d> class World {
         carriers.resize(count);
         moving_.clear();
         fixed_.clear();
-        for (std::size_t b = 0; b < count; b++) (bodies[b].moves() ? moving_ : fixed_).push_back(static_cast<int>(b));
+        for (std::size_t b = 0; b < count; b++) {
+            (bodies[b].moves() ? moving_ : fixed_).push_back(static_cast<int>(b));
+            bodies[b].turned = rotation_vector(bodies[b].rotation, {});
+        }
     }
 
     /// Kinetic, gravity and spring energy, J.
@@ -108,7 +117,6 @@ template <int d> class World {
         for (Vec<d>& each : received) each.fill(0);
         std::fill(penetration.begin(), penetration.end(), 0.0);
         spring_impulse.fill(0);
-        closed_contacts = 0;
         smallest_ = smallest;
         number_++;
         const double end = time + dt;
@@ -118,15 +126,37 @@ template <int d> class World {
         return solved;
     }
 
-    ContactMemory<d>& memory() { return memory_; }
-    long& number() { return number_; }
-    double size() const { return size_; }
+    /// Number of contacts that were closed at the end of the last step.
+    int closed_contacts() {
+        int closed = 0;
+        for (const auto& pair : memory_.pairs())
+            for (const Remembered<d>& each : pair.contacts) closed += each.closed && each.step == number_;
+        return closed;
+    }
+
+    /// Passes all that steps change to an archive, which reads or writes numbers.
+    template <class Archive> void exchange(Archive& archive) {
+        archive(time, number_, deepest.depth, deepest.time, deepest.a, deepest.b, ledger.input, ledger.friction, ledger.damping, ledger.contact, ledger.numerical);
+        for (Body<d>& body : bodies) archive(body.x, body.v, body.rotation.value, body.spin, body.turned, body.spring_force);
+        for (Vec<d>& each : slip) archive(each);
+        auto& pairs = memory_.pairs();
+        archive.size(pairs);
+        for (auto& pair : pairs) {
+            archive(pair.a, pair.b);
+            archive.size(pair.contacts);
+            for (Remembered<d>& each : pair.contacts) {
+                archive(each.id, each.impulse, each.velocity_impulse, each.offset, each.gap, each.closed, each.step);
+                archive(each.friction.rate, each.friction.slipped, each.friction.broken);
+            }
+        }
+    }
 
   private:
     static constexpr double INSET = 1e-6;       // of the size: for deciding which corners count
     static constexpr double ROUND_OFF = 1e-12;  // of the size: gaps below are none
     static constexpr double TOUCHING = 1e-9;    // of the size: contacts closer than this touch already
-    static constexpr double SMALLEST_PIECE = 1e-3;
+    static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
+    static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
@@ -310,7 +340,10 @@ template <int d> class World {
         A.apart.resize(A.pairs.size());
         A.contacts.clear();
         A.found.clear();
-        for (std::size_t i = 0; i < A.pairs.size(); i++) A.apart[i] = look(A, A.pairs[i], A.start, true);
+        for (std::size_t i = 0; i < A.pairs.size(); i++) {
+            A.apart[i] = look(A, A.pairs[i], A.start, true);
+            if (-A.apart[i] > deepest.depth) deepest = {-A.apart[i], time, A.pairs[i].first, A.pairs[i].second};
+        }
         const std::size_t first = A.found.size();
         if (!A.all_still) {
             const Vec<d> load = gravity - ground.mean(dt);
@@ -373,9 +406,8 @@ template <int d> class World {
         if (std::fabs(gap) < ROUND_OFF * size_) gap = 0;
         k.gap = gap;
         k.start[0] = std::max(gap, 0.0);  // what has sunk in is held: pushed out it would gain energy
-        double area = feature.area;
-        if constexpr (d == 2) area *= std::min(thickness(feature.point_body), thickness(feature.face_body));
-        k.bound = bound_at_start(*k.law, k.past, area);
+        k.area = feature.area;
+        if constexpr (d == 2) k.area *= std::min(thickness(feature.point_body), thickness(feature.face_body));
         A.contacts.push_back(k);
         return true;
     }
@@ -540,6 +572,7 @@ template <int d> class World {
             k->mode = FrictionMode::LAW;
             k->slips = false;
             k->anchor = k->impulse;
+            k->bound = bound_at_start(*k->law, k->past, k->area * dt);
         }
         for (int round = 0; round < 3 * ROUNDS; round++) {
             counts.outer++;
@@ -649,6 +682,7 @@ template <int d> class World {
         for (int i = 0; i < d; i++) body.v[i] = (body.is_platform() && i == d - 1) ? 0 : w[i] - body.v[i];
         if (body.is_platform()) return;
         body.rotation = body.rotation.turned(0.5 * dt * turn);
+        body.turned = rotation_vector(body.rotation, body.turned);
         body.spin = to_body(A.start[b].at.R, turn) - body.spin;
     }
 
@@ -825,7 +859,6 @@ template <int d> class World {
     void share_impulse(const C& k) {
         if (!k.closed) return;
         const int a = k.feature.point_body, b = k.feature.face_body;
-        closed_contacts += k.state != OPEN;
         Vec<d> force{};
         for (int i = 0; i < d; i++)
             for (int j = 0; j < d; j++) force[j] += k.total[i] * k.rows_a[i][j];
@@ -837,9 +870,8 @@ template <int d> class World {
         if (!carries(a, b)) received[a] += force;
         if (!carries(b, a)) received[b] += -1.0 * force;
         const double depth = -k.end_gap;
-        deepest = std::max(deepest, depth);
-        if (carries(b, a)) penetration[a] = std::max(penetration[a], depth);
-        if (carries(a, b)) penetration[b] = std::max(penetration[b], depth);
+        if (!carries(a, b)) penetration[a] = std::max(penetration[a], depth);
+        if (!carries(b, a)) penetration[b] = std::max(penetration[b], depth);
     }
 
     bool carries(int lower, int upper) const {
@@ -1013,14 +1045,13 @@ template <int d> class World {
         // Where no instant was found inside the step: all of it at once.
         if (!(length > 0)) return advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
         counts.cut++;
-        const double hair = SMALLEST_PIECE * piece.dt;
-        const bool at_once = length < hair;
+        const bool at_once = length < AT_END * piece.dt;
         if (!at_once) finish(A, length, piece.ground);
         Piece rest = at_once ? piece : piece.rest(length);
         rest.cuts--;
         now_ = rest.begin;
-        if (touches) collide(depth + 1, members, hair);
-        return advance(depth + 1, members, rest);
+        if (touches) collide(depth + 1, members);
+        return length == piece.dt || advance(depth + 1, members, rest);
     }
 
     /// Regula falsi (Illinois) for a value that falls from positive to negative.
@@ -1081,17 +1112,14 @@ template <int d> class World {
                 least = std::min(least, gap);
                 next = std::min(next, brackets[i].root());
             }
-            found = std::fabs(least) <= 0.1 * TOUCHING * size_;
+            found = std::fabs(least) <= ROUND_OFF * size_;
             if (found) break;
             if (!(next < INFINITY)) return 0;
             length = next;
         }
         if (!found) return 0;
-        // What touches within a hair of the ends of the step strikes a hair early.
-        if (length < SMALLEST_PIECE * dt) return 0.5 * SMALLEST_PIECE * dt;
-        if (length < (1 - SMALLEST_PIECE) * dt) return length;
-        length = (1 - SMALLEST_PIECE) * dt;
-        return solve_length(A, length, ground) ? length : 0;
+        if (length < (1 - AT_END) * dt) return length;
+        return solve_length(A, dt, ground) ? dt : 0;
     }
 
     /// Length of the step at whose end the first slip stops; it is then solved. 0 where there is none.
@@ -1125,18 +1153,17 @@ template <int d> class World {
     // ------------------------------------------------------------ impacts
 
     /// Gives the velocities a jump where contacts that touch come together, and books it.
-    /// What comes together within `soon`, s, strikes now.
-    void collide(int depth, const std::vector<int>& members, double soon) {
+    void collide(int depth, const std::vector<int>& members) {
         Attempt& A = attempt(depth);
         A.members = members;
         for (int b : members) A.least[b] = 0;
         const GroundMotion<d> none{};
-        set_out(A, soon, none);
-        find_contacts(A, soon, none);
+        set_out(A, 0, none);
+        find_contacts(A, 0, none);
         for (C& k : A.contacts) {
             const int a = k.feature.point_body, b = k.feature.face_body;
             write_contact_rows(k, A.start[a].at, A.start[a].at, A.start[b].at, A.start[b].at);
-            k.closed = k.gap <= std::max(TOUCHING * size_, soon * approach(A, k));
+            k.closed = k.gap <= TOUCHING * size_;
             k.end_gap = k.gap;
         }
         gather_islands(A, [](const C& k) { return k.closed; });
@@ -1168,7 +1195,7 @@ template <int d> class World {
             approaching |= before_[i][0] < 0;
             rebounding |= k.law->restitution > 0;
             k.mode = FrictionMode::LAW;
-            k.bound.cohesion = 0;
+            k.bound = bound_at_start(*k.law, k.past, 0);
         }
         if (!approaching || !settle_impact(island)) return;
         if (rebounding) rebound(A, island);

@@ -1,27 +1,144 @@
-"""The energies in the rows of rigid blocks, in the plane and in space alike. Compiled."""
+"""Rows of the history of rigid bodies, from the states that the compiled steps leave."""
 
 from __future__ import annotations
 
-from solver.history.columns import positions
-from solver.law.compiled import compiled
+from collections.abc import Sequence
+
+import numpy as np
+
+from solver.history.block_columns import has_lost_carrier
+from solver.history.columns import RowLayout, positions
+from solver.kernels.world import Steps
 from solver.types import Array
 
-ENERGY = positions("energy", 3)
-"""Places of the energies within their part of a row: the same in the plane."""
+#: Bottom corners in the order of the gaps, in units of half the edges.
+BOTTOM = {2: np.array([(-1, -1), (1, -1)]), 3: np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)])}
 
 
-@compiled
-def write_energies(stored: tuple[float, float, float], exchanged: Array, row: Array) -> None:
-    """The columns of the energies; the total at the start is still in the error of the ledger.
+def rotation_matrices(rotation: Array) -> Array:
+    """Rotation matrices (..., d, d) of angles (..., 1), anticlockwise, or quaternions (..., 4)."""
+    if rotation.shape[-1] == 1:
+        c, s = np.cos(rotation[..., 0]), np.sin(rotation[..., 0])
+        return np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
+    w, x, y, z = np.moveaxis(rotation, -1, 0)
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1),
+            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1),
+            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1),
+        ],
+        -2,
+    )
 
-    Of kinetic, gravity and spring energy, and what was taken in, lost in friction, damping, contact
-    and time stepping, J, (5,).
+
+def quaternion_of(rotation: Array) -> Array:
+    """The unit quaternion (w, x, y, z) of a rotation matrix, w >= 0."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
+
+
+class BlockRows:
+    """Writer of the columns of blocks."""
+
+    def __init__(self, half: Array, carriers: Sequence[int]):
+        """Keep half the edges of the blocks, (n, d), and the numbers of their carriers."""
+        self._half, self._carriers = half, carriers
+        self._d = half.shape[1]
+        self._at = positions("block", self._d)
+
+    def lean(self, steps: Steps, before: Array) -> Array:
+        """Lean towards +x of all blocks after steps, carried on, rad, (steps, n)."""
+        if self._d == 2:
+            return -steps.turned[:, :-1, 0]
+        frames = rotation_matrices(steps.rotation[:, :-1])
+        lean = np.arctan2(frames[..., 0, 2], frames[..., 2, 2])
+        return np.unwrap(np.concatenate([before[None], lean]), axis=0)[1:]
+
+    def write(self, rows: Array, layout: RowLayout, steps: Steps, dt: float, lean: Array) -> Array:
+        """Fill in the columns of the blocks for all steps but the first; returns the last lean."""
+        frames = rotation_matrices(steps.rotation)
+        leans = self.lean(steps, lean)[1:]
+        for b, carrier in enumerate(self._carriers):
+            first = layout.block + layout.stride * b
+            own = rows[:, first : first + layout.stride]
+            self._write_motion(own, steps, b, leans[:, b])
+            self._write_contact(own, steps, frames, b, carrier, dt)
+        return leans[-1]
+
+    def _write_motion(self, own: Array, steps: Steps, b: int, lean: Array) -> None:
+        at, centre = self._at, steps.centre[1:, b]
+        own[:, at.angle_rad] = lean
+        own[:, at.centre_x_m], own[:, at.centre_y_m] = centre[:, 0], centre[:, 1]
+        spin, turned = steps.spin[1:, b], steps.turned[1:, b]
+        if self._d == 2:
+            own[:, at.angular_velocity_rad_s] = -spin[:, 0]
+            return
+        own[:, at.centre_z_m] = centre[:, 2]
+        for k, axis in enumerate("xyz"):
+            own[:, getattr(at, f"angle_{axis}_rad")] = turned[:, k]
+            own[:, getattr(at, f"angular_velocity_{axis}_rad_s")] = spin[:, k]
+
+    def _write_contact(
+        self, own: Array, steps: Steps, frames: Array, b: int, carrier: int, dt: float
+    ) -> None:
+        """Slip, gaps, penetration and forces: over the carrier, or level ground once it is lost."""
+        at, d, base = self._at, self._d, len(self._carriers)
+        top = np.zeros(d)
+        shift = steps.centre[1:, b] - steps.centre[1:, carrier]
+        if carrier == base:
+            below, mean = np.eye(d), np.eye(d)
+            shift[:, -1] = steps.centre[1:, b, -1]
+        else:
+            top[-1] = self._half[carrier, -1]
+            frame = frames[1:, carrier]
+            lost = has_lost_carrier(
+                frame[:, -1, -1], np.einsum("si,si->s", frame[:, :, -1], shift), top[-1]
+            )[:, None, None]
+            below = np.where(lost, np.eye(d), frame)
+            mean = np.where(lost, np.eye(d), (frames[:-1, carrier] + frame) / 2)
+            on_ground = steps.centre[1:, b] - steps.centre[1:, base] * ([1.0] * (d - 1) + [0.0])
+            shift = np.where(lost[:, 0], on_ground, shift)
+            top = np.where(lost[:, 0], 0.0, top)
+        arms = np.einsum("sij,kj->ski", frames[1:, b], BOTTOM[d] * self._half[b])
+        gaps = ((shift[:, None] + arms) @ below - (top if top.ndim == 1 else top[:, None]))[..., -1]
+        names = ("left", "right") if d == 2 else ("1", "2", "3", "4")
+        for k, name in enumerate(names):
+            own[:, getattr(at, f"gap_{name}_m")] = gaps[:, k]
+        own[:, at.slip_m] = steps.slip[1:, b, 0]
+        own[:, at.penetration_m] = steps.penetration[1:, b]
+        force = (steps.impulse[1:, b, None, :] @ mean)[:, 0] / dt
+        own[:, at.normal_force_N], own[:, at.friction_force_N] = force[:, -1], force[:, 0]
+        if d == 3:
+            own[:, at.slip_second_m] = steps.slip[1:, b, 1]
+            own[:, at.friction_force_second_N] = force[:, 1]
+
+
+def write_platform(rows: Array, layout: RowLayout, steps: Steps, dt: float) -> None:
+    """Fill in the columns of the platform and of its base, for all steps but the first."""
+    d = steps.centre.shape[-1]
+    at, base = positions("platform", d), positions("foundation", d)
+    own, below = rows[:, layout.platform :], rows[:, layout.foundation :]
+    drift, velocity = steps.centre[1:, -1], steps.velocity[:, -1]
+    acceleration, shear = np.diff(velocity, axis=0) / dt, steps.ground_impulse[1:] / dt
+    for k, second in enumerate(("", "_second")[: d - 1]):
+        own[:, getattr(at, f"drift{second}_m")] = drift[:, k]
+        own[:, getattr(at, f"velocity{second}_m_s")] = velocity[1:, k]
+        own[:, getattr(at, f"acceleration{second}_m_s2")] = acceleration[:, k]
+        below[:, getattr(base, f"base_shear{second}_N")] = shear[:, k]
+
+
+def write_energies(part: Array, stored: Array, exchanged: Array) -> None:
+    """Fill in the columns of the energies.
+
+    The total at the start is still in the error of the ledger. `stored`: kinetic, gravity, spring;
+    `exchanged`: taken in, lost by friction, damping, contact and time stepping, J.
     """
-    total = stored[0] + stored[1] + stored[2]
-    row[ENERGY.kinetic_J], row[ENERGY.strain_J], row[ENERGY.gravity_J] = stored[0], 0.0, stored[1]
-    row[ENERGY.spring_J], row[ENERGY.interface_J] = stored[2], 0.0
-    row[ENERGY.input_J], row[ENERGY.friction_J] = exchanged[0], exchanged[1]
-    row[ENERGY.damping_J], row[ENERGY.contact_J] = exchanged[2], exchanged[3]
-    row[ENERGY.contact_damping_J] = 0.0
-    row[ENERGY.numerical_J], row[ENERGY.total_J] = exchanged[4], total
-    row[ENERGY.ledger_error_J] = total - exchanged[0] + exchanged[1:].sum()
+    at, total = positions("energy", 3), stored.sum(axis=1)
+    part[:, at.kinetic_J], part[:, at.gravity_J], part[:, at.spring_J] = stored.T
+    part[:, at.strain_J] = part[:, at.interface_J] = part[:, at.contact_damping_J] = 0.0
+    part[:, at.input_J], part[:, at.friction_J] = exchanged[:, 0], exchanged[:, 1]
+    part[:, at.damping_J], part[:, at.contact_J] = exchanged[:, 2], exchanged[:, 3]
+    part[:, at.numerical_J], part[:, at.total_J] = exchanged[:, 4], total
+    part[:, at.ledger_error_J] = total - exchanged[:, 0] + exchanged[:, 1:].sum(axis=1)

@@ -1,22 +1,22 @@
 """Rigid blocks, the platform under them, and systems of them: starts, steps, rows.
 
-`solver.rigid.plane.system` and `solver.rigid.space.system` have the states and the compiled steps.
+The steps are compiled (`solver.kernels.world`); rows of the history are written here.
 """
 
 from __future__ import annotations
 
-import copy
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 
 from geometry.arrangement import Pose
 from geometry.block import Block
 from solver.history.columns import check_filled, columns, positions, row_layout
-from solver.law.local_problem import named
+from solver.kernels.world import Body, Mobility, Steps, World
+from solver.rigid.rows import BlockRows, quaternion_of, rotation_matrices, write_energies, write_platform
 from solver.scene import FrictionSpec, Scene
 from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -30,8 +30,8 @@ class RigidBlock:
     """A block and how it starts, in the plane or in space."""
 
     name: str = "block"
-    on: str = GROUND
-    """Name of the block that carries it, or "foundation"."""
+    carriers: tuple[str, ...] = (GROUND,)
+    """Names of the blocks that carry it, or "foundation"; gap and slip are those over the first."""
     shape: Block
     friction: FrictionSpec
     """On what carries it and on the ground."""
@@ -85,7 +85,7 @@ def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
     return [
         RigidBlock(
             name=spec.name,
-            on=spec.on,
+            carriers=(spec.on,),
             shape=spec.shape,
             friction=scene.friction_of(spec),
             pose=placed[spec.name],
@@ -97,14 +97,20 @@ def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
     ]
 
 
-def carriers_of(blocks: Sequence[RigidBlock]) -> Indices:
-    """Number of the block that carries each block, -1: ground or platform."""
-    number = {GROUND: -1} | {block.name: b for b, block in enumerate(blocks)}
-    return np.array([number[block.on] for block in blocks], dtype=np.int64)
-
-
 TRIAL = 0.1
 """Forces at the start are those of a trial step of this part of the first one."""
+
+PLANE_CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+"""Corners of a box about its centre in units of half its edges, anticlockwise."""
+
+SPACE_CORNERS = np.array([(x, y, z) for z in (-1, 1) for x, y in PLANE_CORNERS])
+"""The corners of the bottom, then those above them."""
+
+FACES = (
+    *((3, 2, 1, 0), (4, 5, 6, 7)),
+    *((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+)
+"""The corners around each face of a box, anticlockwise seen from outside: bottom, top, sides."""
 
 FOLLOWING = (
     *("normal_force_N", "friction_force_N", "friction_force_second_N"),
@@ -126,13 +132,11 @@ class Advance:
     """When and why it stopped early, or None."""
 
 
-class RigidSystem(ABC):
-    """Rigid blocks, and how they stand at the moment."""
+class RigidSystem:
+    """Rigid blocks in the plane or in space, and how they stand at the moment.
 
-    dimension: ClassVar[int]
-
-    moving: ClassVar[tuple[str, ...]]
-    """Names of the attributes that steps change, besides the time."""
+    Bodies 0 to n - 1 are the blocks, body n is the ground, or the platform; its top is at level 0.
+    """
 
     def __init__(
         self,
@@ -142,14 +146,23 @@ class RigidSystem(ABC):
         gravity: Sequence[float] | None = None,
         platform: RigidPlatform | None = None,
         velocity_solve: bool = True,
+        law_between: LawBetween | None = None,
     ):
         """Start at t = 0; without `gravity`, in m/s2, it is 9.81 downwards.
 
-        `velocity_solve`: whether contact is also solved at velocity level after each step.
+        Args:
+            blocks: In the order of their columns.
+            scheme: Of the platform's spring.
+            gravity: (d,), m/s2.
+            platform: What the blocks stand on; None: the ground.
+            velocity_solve: True if contact is also solved at velocity level after each step.
+            law_between: Friction and restitution of two bodies by name; default: those of the
+                upper block, and of the block named later where none carries the other.
         """
+        self.dimension = d = len(blocks[0].pose.place)
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
-        d, moves = self.dimension, platform is not None
+        moves = platform is not None
         self.columns = columns(
             self.names, dimension=d, platform=moves, vertical=True, second=d == 3
         )
@@ -158,8 +171,20 @@ class RigidSystem(ABC):
         self._layout = row_layout(len(blocks), dimension=d, platform=moves)
         self._error = self._layout.energy + positions("energy", d).ledger_error_J
         pull = (*(0.0,) * (d - 1), -9.81) if gravity is None else gravity
-        given = np.array(pull, dtype=np.float64)
-        self._first = self._set_up(blocks, scheme, given, platform, velocity_solve)
+        alphas = scheme.alpha_m, scheme.alpha_f, scheme.beta
+        self._world = World(d, pull, alphas, velocity_solve)
+        for block in blocks:
+            self._world.add(_body_of(self._world, block))
+        self._world.add(_base_of(self._world, platform, d))
+        numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
+        carriers = [[numbers[name] for name in block.carriers] for block in blocks]
+        laws, law_of = _laws_of(blocks, law_between or _upper_law(blocks))
+        self._world.begin(laws, law_of, [*carriers, []])
+        half = np.array([block.shape.half_lengths(d) for block in blocks])
+        self._written = BlockRows(half, [each[0] for each in carriers])
+        self._before = self._world.now()
+        self._lean = self._written.lean(self._before, np.zeros(len(blocks)))[0]
+        self._first = float(self._before.stored.sum())
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
@@ -173,37 +198,6 @@ class RigidSystem(ABC):
             velocity_solve=scene.contact.velocity_solve,
         )
 
-    @abstractmethod
-    def _set_up(
-        self,
-        blocks: Sequence[RigidBlock],
-        scheme: GeneralizedAlpha,
-        gravity: Array,
-        platform: RigidPlatform | None,
-        velocity_solve: bool,
-    ) -> float:
-        """Make the arrays of the compiled code; returns the energy that they start with, J."""
-
-    @property
-    @abstractmethod
-    def _counts(self) -> Indices:
-        """Number of local problems by what came of them."""
-
-    @abstractmethod
-    def _run_steps(
-        self, dt: float, smallest: float, ground: Array, shift: Array, rows: Array
-    ) -> tuple[int, int]:
-        """Fill rows but for their times; numbers of steps that succeeded, and of rejected ones.
-
-        The energy at the start is still in the error of the ledger. No step is divided below the
-        smallest. `ground`, (rows + 1, d), has its accelerations at the ends of the steps, `shift`,
-        (rows, d), what its mean over each step has beyond that of its ends, m/s2.
-        """
-
-    @abstractmethod
-    def _write_moment(self, row: Array) -> None:
-        """The columns of blocks, platform and energies as things stand; forces have no meaning."""
-
     @property
     def unknowns(self) -> int:
         """Number of unknowns."""
@@ -213,7 +207,7 @@ class RigidSystem(ABC):
     @property
     def rescued(self) -> dict[str, int]:
         """How many local contact problems Newton's method left to which other method."""
-        return dict(named(self._counts))
+        return self._world.fallbacks()
 
     def advance(
         self,
@@ -230,43 +224,172 @@ class RigidSystem(ABC):
         those of the ends.
         """
         motion, shift = _ground_of_steps(count, self.dimension, ground, mean)
-        filled: Array = np.full((count, len(self.columns)), np.nan)
-        done, rejected = self._run_steps(dt, smallest or dt / 1024, motion, shift, filled)
-        rows = filled[:done]
-        rows[:, self._run.time_s] = self.time + dt * np.arange(1, done + 1)
-        rows[:, self._error] -= self._first
-        check_filled(self.columns, rows)
+        before = self._before
+        steps = self._world.run(count, dt, smallest or dt / 1024, motion, shift)
+        done = len(steps.closed)
+        rows: Array = np.full((done, len(self.columns)), np.nan)
+        if done:
+            self._fill(rows, before.followed_by(steps), dt, motion)
+            rows[:, self._run.time_s] = self.time + dt * np.arange(1, done + 1)
+            check_filled(self.columns, rows)
+            self._before = steps.last()
         self.time += dt * done
+        rejected = int(self._before.halved[0] - before.halved[0])
         failure = f"no solution of a step at {self.time:.6g} s" if done < count else None
         return Advance(rows=rows, rejected=rejected, failure=failure)
 
+    def _fill(self, rows: Array, steps: Steps, dt: float, ground: Array) -> None:
+        """Fill in rows, one for each step but the first one, that they follow."""
+        run, layout = self._run, self._layout
+        rows[:, run.step_s] = dt
+        rows[:, run.newton_iterations] = np.diff(steps.iterations)
+        rows[:, run.contact_points_closed] = steps.closed[1:]
+        rows[:, run.base_acceleration_m_s2] = ground[1:, 0]
+        rows[:, run.base_vertical_acceleration_m_s2] = ground[1:, -1]
+        if self.dimension == 3:
+            rows[:, run.base_second_acceleration_m_s2] = ground[1:, 1]
+        self._lean = self._written.write(rows, layout, steps, dt, self._lean)
+        if layout.energy > layout.platform:
+            write_platform(rows, layout, steps, dt)
+        write_energies(rows[:, layout.energy :], steps.stored[1:], steps.exchanged[1:])
+        rows[:, self._error] -= self._first
+
     def saved(self) -> dict[str, Any]:
         """How everything stands at the moment, for `restore`."""
-        return copy.deepcopy({name: getattr(self, name) for name in ("time", *self.moving)})
+        return {"time": self.time, "world": self._world.saved(), "lean": self._lean.copy()}
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Go back to where everything stood when it was saved."""
-        for name, value in saved.items():
-            setattr(self, name, value)
+        self.time, self._lean = saved["time"], saved["lean"].copy()
+        self._world.restore(saved["world"])
+        self._before = self._world.now()
 
     def row(self, dt: float, ground: Sequence[float] | None = None) -> Array:
         """The row of this moment, before a step dt (s); its forces are those of the next instant.
 
         The ground has an acceleration, m/s2; None: it stands.
         """
-        rows, d, short = np.full((2, len(self.columns)), np.nan), self.dimension, TRIAL * dt
+        d, short, saved = self.dimension, TRIAL * dt, self.saved()
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))
-        trial, (after, row) = copy.deepcopy(self), rows
-        done, _ = trial._run_steps(short, short / 1024, motion, np.zeros((1, d)), rows[:1])
-        self._write_moment(row)
-        taken = [k for k, name in enumerate(self.columns) if name.endswith(FOLLOWING)]
-        row[: len(self._run)], row[taken] = after[: len(self._run)], after[taken]
-        row[self._run.time_s], row[self._run.step_s] = self.time, dt
-        row[self._run.newton_iterations] = 0
-        row[self._error] -= self._first
-        if done:  # else the forces are not known, and the step that follows fails and says so
-            check_filled(self.columns, rows[1:])
+        trial = self.advance(1, short, motion, short / 1024)
+        self.restore(saved)
+        rows: Array = np.full((1, len(self.columns)), np.nan)
+        self._fill(rows, self._before.followed_by(self._before), dt, motion)
+        row = rows[0]
+        row[self._run.time_s] = self.time
+        if not trial.failure:  # else the forces are not known; the step that follows fails, too
+            taken = [k for k, name in enumerate(self.columns) if name.endswith(FOLLOWING)]
+            row[taken] = trial.rows[0, taken]
+            row[self._run.contact_points_closed] = trial.rows[0, self._run.contact_points_closed]
         return row
+
+    @property
+    def drift(self) -> Array:
+        """Displacement of the platform, m, (d - 1,)."""
+        return self._before.centre[0, -1, :-1].copy()
+
+    @property
+    def drift_velocity(self) -> Array:
+        """Velocity of the platform, m/s, (d - 1,)."""
+        return self._before.velocity[0, -1, :-1].copy()
+
+    def centre(self, block: int) -> Array:
+        """Centre of a block, m."""
+        return self._before.centre[0, block].copy()
+
+    def angle(self, block: int) -> float:
+        """Angle of a block in the plane, rad, clockwise, not wrapped."""
+        return -float(self._before.turned[0, block, 0])
+
+    def rotation(self, block: int) -> Array:
+        """Rotation matrix of a block."""
+        return rotation_matrices(self._before.rotation[0, block])
+
+    def velocity(self, block: int) -> Array:
+        """Velocity of the centre of a block, m/s."""
+        return self._before.velocity[0, block].copy()
+
+    def angular_velocity(self, block: int) -> Array:
+        """Angular velocity of a block, rad/s: in the plane clockwise, (1,), in space a vector."""
+        spin = self._before.spin[0, block]
+        return -spin if self.dimension == 2 else spin.copy()
+
+
+LawBetween = Callable[[str, str], tuple[FrictionSpec, float]]
+"""Friction and restitution of two bodies by their names."""
+
+
+def _body_of(world: World, block: RigidBlock) -> Body:
+    """A block as a body of the compiled world."""
+    shape, d, turn = block.shape, len(block.pose.place), block.pose.rotation
+    half = np.array(shape.half_lengths(d))
+    if d == 2:
+        return Body(
+            shape=world.polygon(half * PLANE_CORNERS),
+            mass=shape.mass,
+            thickness=shape.thickness,
+            inertia=shape.rotary_inertia,
+            centre=block.centre,
+            rotation=math.atan2(turn[1, 0], turn[0, 0]),
+            velocity=block.velocity,
+            spin=-np.asarray(block.angular_velocity),
+        )
+    return Body(
+        shape=world.polyhedron(half * SPACE_CORNERS, FACES),
+        mass=shape.mass,
+        inertia=shape.principal_inertias,
+        centre=block.centre,
+        rotation=quaternion_of(turn),
+        velocity=block.velocity,
+        spin=turn.T @ np.broadcast_to(block.angular_velocity, 3),
+    )
+
+
+def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
+    """The ground, or the platform, whose inertia balances its spring at the start."""
+    shape = world.half_space()
+    if platform is None:
+        return Body(shape=shape, mobility=Mobility.FIXED)
+    place = np.array([*platform.drift[: d - 1], 0.0])
+    return Body(
+        shape=shape,
+        mobility=Mobility.PLATFORM,
+        mass=platform.mass,
+        stiffness=platform.stiffness,
+        damping=platform.damping,
+        spring_force=-platform.stiffness * place,
+        centre=place,
+    )
+
+
+def _upper_law(blocks: Sequence[RigidBlock]) -> LawBetween:
+    """The law of the block of a pair that the other one carries, else of the later one."""
+    numbers = {block.name: b for b, block in enumerate(blocks)}
+
+    def law(first: str, second: str) -> tuple[FrictionSpec, float]:
+        pair = sorted((first, second), key=lambda name: numbers.get(name, -1))
+        lower, upper = pair
+        if lower != GROUND and upper in blocks[numbers[lower]].carriers:
+            upper = lower
+        block = blocks[numbers[upper]]
+        return block.friction, block.restitution
+
+    return law
+
+
+def _laws_of(blocks: Sequence[RigidBlock], between: LawBetween) -> tuple[list[Array], Indices]:
+    """All laws, and the number of that of each pair of bodies, (n + 1, n + 1)."""
+    names = [*(block.name for block in blocks), GROUND]
+    numbers: dict[tuple[FrictionSpec, float], int] = {}
+    law_of = np.zeros((len(names), len(names)), dtype=np.int64)
+    for i, first in enumerate(names):
+        for j in range(i):
+            law_of[i, j] = law_of[j, i] = numbers.setdefault(between(first, names[j]), len(numbers))
+    laws = [
+        np.array([s.static, s.dynamic, s.decay, s.cohesion, float(s.cohesion_lost), restitution])
+        for s, restitution in numbers
+    ]
+    return laws, law_of
 
 
 def _ground_of_steps(

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 14
+FORMAT = 15
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -42,8 +42,6 @@ TYPES = {
     "solver.contact.kernels.nitsche": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
     "solver.contact.kinematics": ("ContactKinematics", "EdgeInterpolation", "Projection"),
-    "solver.rigid.plane.model": ("PlaneMemory", "PlaneState", "PlaneWork"),
-    "solver.rigid.space.model": ("SpaceMemory", "SpaceState"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.delassus": ("Delassus",),

@@ -10,7 +10,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,19 +19,13 @@ from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.fields.vtu import FieldsBefore
 from solver.history.columns import positions
 from solver.history.history import scene_columns
-from solver.law.compiled import runs_machine_code
-from solver.rigid.plane.system import PlaneSystem
-from solver.rigid.system import Advance
+from solver.rigid.system import Advance, RigidSystem
 from solver.run.context import RunContext
 from solver.scene import Scene
 from solver.types import Array
 
-if TYPE_CHECKING:
-    from solver.rigid.space.system import SpaceSystem
-
-
-#: Most steps between two times at which the run can be interrupted, as machine code or interpreted.
-STEPS_AT_ONCE = {True: 500, False: 20}
+#: Most steps between two times at which the run can be interrupted.
+STEPS_AT_ONCE = 500
 
 #: Wall time of steps at once above which there are fewer the next time, s; else there are more.
 LONGEST_BATCH = 0.5
@@ -57,9 +51,8 @@ class RigidRun:
         """
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
         self._motion = ground or read_ground(scene)
-        machine_code = runs_machine_code()
-        self._most, self._at_once = STEPS_AT_ONCE[machine_code], 1
-        self._system = self._start()
+        self._at_once = 1
+        self._system = RigidSystem.from_scene(scene)
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
@@ -67,20 +60,7 @@ class RigidRun:
         self._now = 0.0
         self._row: Array | None = None
         """The last row, unless the history holds it."""
-        how = "compiled" if machine_code else "interpreted"
-        if not machine_code:
-            how += ": numba is not installed, or not wanted"
-        self.description = (
-            f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks, {how}"
-        )
-
-    def _start(self) -> PlaneSystem | SpaceSystem:
-        """The bodies of the scene."""
-        if self._scene.dimension == 2:
-            return PlaneSystem.from_scene(self._scene)
-        from solver.rigid.space.system import SpaceSystem
-
-        return SpaceSystem.from_scene(self._scene)
+        self.description = f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks"
 
     def first_row(self) -> Array:
         """The row of the history at t = 0."""
@@ -120,7 +100,7 @@ class RigidRun:
             status, reason = self._piece(context, self._next_stop(context, total))
             slow = context.interruption.anywhere(time.perf_counter() - began > LONGEST_BATCH)
             more = max(1, self._at_once // 4) if slow else 2 * self._at_once
-            self._at_once = min(more, self._most)
+            self._at_once = min(more, STEPS_AT_ONCE)
             if not reason:
                 context.keep(self, self._steps, self._steps * span.step)
         if not reason:

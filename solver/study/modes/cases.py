@@ -15,7 +15,7 @@ from geometry.block import Block
 from solver.errors import SceneError, Statement
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
-from solver.rigid.plane.system import PlaneSystem
+from solver.rigid.system import RigidSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
 from solver.study.modes.numbers import BAND, NAMES, as_text, maps_of, points_of
@@ -86,7 +86,7 @@ def unit(scene: Scene) -> float:
 
 def sudden_onset(scene: Scene, acceleration: float) -> Onset:
     """Onset of a rigid block under a sudden acceleration of its base, A = a_g/g."""
-    system = PlaneSystem.from_scene(scene)
+    system = RigidSystem.from_scene(scene)
     name, columns = system.names[0], system.columns
     ground = np.zeros((SUDDEN_STEPS + 1, 2))
     ground[:, 0] = acceleration * scene.gravity

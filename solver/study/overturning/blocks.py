@@ -17,7 +17,7 @@ import numpy as np
 from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
 from solver.reference.housner import housner, housner_restitution
-from solver.rigid.plane.system import PlaneSystem
+from solver.rigid.system import RigidSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
 from solver.scene.motion import G_UNIT, HalfSineSpec, OneSineSpec, RickerSpec
@@ -157,7 +157,7 @@ class RigidUnderPulses:
         self._ground, self._mean = np.zeros((len(times), 2)), np.zeros((len(times) - 1, 2))
         self._ground[:, 0] = unit.accelerations(times)
         self._mean[:, 0] = np.diff(unit.velocities(times)) / self._step
-        self._system = PlaneSystem.from_scene(scene)
+        self._system = RigidSystem.from_scene(scene)
         self._start = self._system.saved()
         names, own = self._system.columns, f"{self._system.names[0]}."
         self._angle = names.index(own + "angle_rad")

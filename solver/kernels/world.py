@@ -1,0 +1,294 @@
+"""The compiled world of rigid bodies (`world.hpp`), as Python calls it.
+
+Lengths in m, masses in kg, times in s, angles in rad; the angle of a body in the plane counts
+anticlockwise. Places and velocities are relative to the ground.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solver.kernels.library import library
+from solver.types import Array
+
+
+COUNTS = (
+    *("solves", "warm", "newton", "factorizations", "searched", "scaled", "softened", "swept"),
+    *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
+    *("most_contacts", "rung_0", "rung_1", "rung_2", "rung_3", "rung_4"),
+    *("unsettled", "largest_defect", "deepest", "deepest_at", "deepest_a", "deepest_b"),
+)
+"""Names of the counts that the library keeps."""
+
+FALLBACKS = {
+    "scaled": "scaled",
+    "proximal": "softened",
+    "sweeps": "swept",
+    "velocity solve left out": "rung_4",
+}
+"""Methods behind Newton's with full steps, by the counts that have them."""
+
+
+class Mobility(IntEnum):
+    """How a body moves."""
+
+    FREE = 0
+    FIXED = 1
+    PLATFORM = 2
+    """Along the horizontal directions alone, on a spring and a dashpot."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Body:
+    """A rigid body and how it starts."""
+
+    shape: int
+    """Number of its shape."""
+    mobility: Mobility = Mobility.FREE
+    mass: float = 1.0
+    thickness: float = 1.0
+    """Of a body in the plane."""
+    inertia: ArrayLike = 1.0
+    """Principal moments about the centre, kg m2: one in the plane, three in space."""
+    stiffness: float = 0.0
+    """Of a platform, N/m."""
+    damping: float = 0.0
+    """Of a platform, N s/m."""
+    spring_force: ArrayLike = 0.0
+    """Inertia force of a platform against its spring, N, (d,)."""
+    centre: ArrayLike = 0.0
+    rotation: ArrayLike = 0.0
+    """An angle in the plane, a unit quaternion (w, x, y, z) in space."""
+    velocity: ArrayLike = 0.0
+    spin: ArrayLike = 0.0
+    """Angular velocity about the body's own axes, rad/s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Steps:
+    """Steps that were taken: places and forces of all bodies, and sums.
+
+    Fields have shapes (steps, bodies, ...) and (steps, ...).
+    """
+
+    centre: Array
+    rotation: Array
+    """Angles (..., 1), or quaternions (..., 4)."""
+    velocity: Array
+    spin: Array
+    """Angular velocity in space."""
+    turned: Array
+    """Angle or rotation vector, carried on over whole turns."""
+    slip: Array
+    """Over what carries it, along the axes of that body, (..., d)."""
+    impulse: Array
+    """That the body received in the step from all that it does not carry, N s, (..., d)."""
+    penetration: Array
+    stored: Array
+    """Kinetic, gravity and spring energy, J, (steps, 3)."""
+    exchanged: Array
+    """Energy taken in; lost by friction, damping, contact and time stepping, J, (steps, 5)."""
+    ground_impulse: Array
+    """Of a platform on the ground in the step, N s, (steps, d)."""
+    closed: Array
+    """Number of closed contacts."""
+    iterations: Array
+    """Newton iterations since the start."""
+    halved: Array
+    """Steps halved since the start."""
+
+    @classmethod
+    def split(cls, d: int, of_bodies: Array, of_steps: Array) -> Steps:
+        """The fields, by the numbers as the library writes them."""
+        turns = 1 if d == 2 else 3
+        widths = (d, 1 if d == 2 else 4, d, turns, turns, d, d)
+        ends = np.cumsum(widths)
+        centre, rotation, velocity, spin, turned, slip, impulse, last = np.split(
+            of_bodies, ends, axis=-1
+        )
+        stored, exchanged, ground, counts = np.split(of_steps, (3, 8, 8 + d), axis=-1)
+        return cls(
+            centre=centre,
+            rotation=rotation,
+            velocity=velocity,
+            spin=spin,
+            turned=turned,
+            slip=slip,
+            impulse=impulse,
+            penetration=last[..., 0],
+            stored=stored,
+            exchanged=exchanged,
+            ground_impulse=ground,
+            closed=counts[:, 0],
+            iterations=counts[:, 1],
+            halved=counts[:, 2],
+        )
+
+    def followed_by(self, later: Steps) -> Steps:
+        """These steps and later ones."""
+        parts = {
+            field.name: np.concatenate([getattr(self, field.name), getattr(later, field.name)])
+            for field in fields(self)
+        }
+        return Steps(**parts)
+
+    def last(self) -> Steps:
+        """The last one of them."""
+        return Steps(**{field.name: getattr(self, field.name)[-1:] for field in fields(self)})
+
+
+class World:
+    """Rigid bodies of which every one meets every other."""
+
+    def __init__(self, dimension: int, gravity: ArrayLike, scheme: ArrayLike, velocity_level: bool):
+        """Begin without bodies.
+
+        Args:
+            dimension: Of space, d.
+            gravity: (d,), m/s2.
+            scheme: alpha_m, alpha_f and beta of generalized-alpha, for platforms.
+            velocity_level: True if contact is also solved at velocity level after each step.
+        """
+        self._library, self._count, self._d = library(), 0, dimension
+        new = self._library.world_new
+        new.restype = ctypes.c_void_p
+        self._library.world_save.restype = ctypes.c_long
+        self._handle = ctypes.c_void_p(
+            new(dimension, _numbers(gravity), _numbers(scheme), int(velocity_level))
+        )
+
+    def __del__(self) -> None:
+        """Free the memory."""
+        self._library.world_free(self._handle)
+
+    def half_space(self) -> int:
+        """Number of the shape that lies below level 0."""
+        return int(self._library.world_half_space(self._handle))
+
+    def polygon(self, corners: ArrayLike) -> int:
+        """Number of a new convex polygon by its corners (n, 2), anticlockwise."""
+        given = np.asarray(corners)
+        return int(self._library.world_polygon(self._handle, _numbers(given), len(given)))
+
+    def polyhedron(self, vertices: ArrayLike, loops: Sequence[Sequence[int]]) -> int:
+        """Number of a new convex polyhedron.
+
+        Args:
+            vertices: (n, 3).
+            loops: Numbers of the vertices around each face, anticlockwise seen from outside.
+        """
+        given = np.asarray(vertices)
+        flat = _integers([number for loop in loops for number in loop])
+        sizes = _integers([len(loop) for loop in loops])
+        made = self._library.world_polyhedron(
+            self._handle, _numbers(given), len(given), flat, sizes, len(loops)
+        )
+        return int(made)
+
+    def add(self, body: Body) -> None:
+        """Add a body; bodies are numbered in the order in which they are added."""
+        d, turns = self._d, 1 if self._d == 2 else 3
+        at_rest = 0.0 if d == 2 else (1.0, 0.0, 0.0, 0.0)
+        turned = body.rotation if np.any(body.rotation) else at_rest
+        parts = [
+            np.array([body.mass, body.thickness, body.stiffness, body.damping]),
+            np.broadcast_to(body.inertia, turns),
+            np.broadcast_to(body.spring_force, d),
+            np.broadcast_to(body.centre, d),
+            np.ravel(turned),
+            np.broadcast_to(body.velocity, d),
+            np.broadcast_to(body.spin, turns),
+        ]
+        mobility = int(body.mobility)
+        self._library.world_body(self._handle, body.shape, mobility, _numbers(np.concatenate(parts)))
+        self._count += 1
+
+    def begin(self, laws: Sequence[ArrayLike], law_of: ArrayLike, carriers: Sequence[Sequence[int]]) -> None:
+        """Begin, all bodies being there.
+
+        Args:
+            laws: mu_s, mu_d, DC, c, 1 where cohesion is lost by slip, e of each law.
+            law_of: Number of the law of each pair of bodies, (n, n).
+            carriers: Numbers of the bodies that each body stands on.
+        """
+        for law in laws:
+            self._library.world_law(self._handle, _numbers(law))
+        flat = _integers([number for each in carriers for number in each] or [0])
+        counts = _integers([len(each) for each in carriers])
+        self._library.world_begin(self._handle, _integers(law_of), flat, counts)
+
+    def run(
+        self, count: int, dt: float, smallest: float, ground: Array, shift: Array
+    ) -> Steps:
+        """Take steps; fewer than `count` where one was not solved.
+
+        Args:
+            count: Number of steps.
+            dt: Their length.
+            smallest: Length below which none is divided.
+            ground: Accelerations of the ground at the ends of the steps, (count + 1, d), m/s2.
+            shift: By how much the mean over each step exceeds that of its ends, (count, d), m/s2.
+        """
+        of_bodies, of_steps = self._room(count)
+        done = self._library.world_run(
+            self._handle,
+            count,
+            ctypes.c_double(dt),
+            ctypes.c_double(smallest),
+            _numbers(ground),
+            _numbers(shift),
+            _place(of_bodies),
+            _place(of_steps),
+        )
+        return Steps.split(self._d, of_bodies[:done], of_steps[:done])
+
+    def now(self) -> Steps:
+        """The state at the moment, as that of one step."""
+        of_bodies, of_steps = self._room(1)
+        self._library.world_state(self._handle, _place(of_bodies), _place(of_steps))
+        return Steps.split(self._d, of_bodies, of_steps)
+
+    def _room(self, count: int) -> tuple[Array, Array]:
+        d = self._d
+        width = 12 if d == 2 else 23
+        return np.empty((count, self._count, width)), np.empty((count, 11 + d))
+
+    def fallbacks(self) -> dict[str, int]:
+        """How often contact problems were left to which method after Newton's."""
+        counts = np.empty(len(COUNTS))
+        self._library.world_counts(self._handle, _place(counts))
+        found = dict(zip(COUNTS, counts, strict=True))
+        return {name: int(found[key]) for name, key in FALLBACKS.items()}
+
+    def saved(self) -> Array:
+        """All that steps change, for `restore`."""
+        needed = self._library.world_save(self._handle, None, ctypes.c_long(0))
+        out = np.empty(needed)
+        self._library.world_save(self._handle, _place(out), ctypes.c_long(needed))
+        return out
+
+    def restore(self, saved: Array) -> None:
+        """Go back to where all stood when it was saved."""
+        self._library.world_restore(self._handle, _numbers(saved))
+
+
+def _place(values: Array) -> Any:
+    """Where the numbers of a contiguous array stand; it lives as long as this does."""
+    return values.ctypes.data_as(ctypes.c_void_p)
+
+
+def _numbers(values: ArrayLike) -> Any:
+    """Numbers as the library reads them."""
+    return _place(np.ascontiguousarray(values, dtype=np.float64))
+
+
+def _integers(values: ArrayLike) -> Any:
+    """Integers as the library reads them."""
+    return np.ascontiguousarray(values, dtype=np.int32).ctypes.data_as(ctypes.c_void_p)

@@ -1,1 +1,0 @@
-"""The engine of rigid blocks in space, compiled."""
