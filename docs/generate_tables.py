@@ -107,6 +107,8 @@ def allowed(hint: Any, key: str) -> str:
         return f"2 values, 3-D: 3, each {number(tuples[0][0], key)}"
     if len(parts) == 2:
         first, other = parts
+        if first is str:
+            return f"a text, or {allowed_one(other, key)}"
         if get_origin(other) is Literal:
             return f"{number(first, key)}, {allowed_one(other, key)}"
         if get_origin(other) is tuple and is_dataclass(get_args(other)[0]):
@@ -122,7 +124,10 @@ def allowed_one(hint: Any, key: str) -> str:
         items = get_args(hint)
         if is_dataclass(items[0]):
             return "an array of tables, one or more"
-        return f"{len(items)} values, {' and '.join(number(item, key) for item in items)}"
+        if items[-1] is Ellipsis:
+            return f"an array, each {allowed_one(items[0], key)}"
+        words = dict.fromkeys(allowed_one(item, key) for item in items)  # equal ones once
+        return f"{len(items)} values, {'each ' * (len(words) == 1)}{' and '.join(words)}"
     if origin is Literal:
         return ", ".join(f"`{shown(word)}`" for word in get_args(hint))
     if origin is Annotated:

@@ -1,9 +1,9 @@
-"""Arrangement of the blocks before they move: offset, tilt, carrier."""
+"""Arrangement of the blocks before they move: offset, tilt, carriers."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ class Pose:
     rotation: Array
     """Rotation matrix, (d, d)."""
     about: Array
-    """A point of the block in its own frame, (d,), m: the one it stands on."""
+    """A point of the block in its own frame, (d,), m: the one it stands on or is turned about."""
     place: Array
     """Position of this point, (d,), m, without round-off from the rotation."""
 
@@ -62,10 +62,15 @@ def initial_position(shape: Block, offset: float, tilt: float) -> Pose:
     < pi/2, so that this corner stays the lowest point and touches y = 0.
     """
     _refuse_lying(tilt)
-    c, s = math.cos(tilt), math.sin(tilt)
-    rotation = np.array([[c, s], [-s, c]])
     corner = np.array(pivot(shape, tilt))
-    return Pose(rotation=rotation, about=corner, place=corner + np.array([offset, 0.0]))
+    place = corner + np.array([offset, 0.0])
+    return Pose(rotation=rotation_in_plane(tilt), about=corner, place=place)
+
+
+def rotation_in_plane(tilt: float) -> Array:
+    """Rotation matrix (2, 2) of a tilt, rad, positive clockwise: towards +x."""
+    c, s = math.cos(tilt), math.sin(tilt)
+    return np.array([[c, s], [-s, c]])
 
 
 def pivot_in_space(shape: Block, tilt: float, azimuth: float) -> tuple[float, float, float]:
@@ -90,32 +95,46 @@ def initial_position_in_space(
     rotation about +y) and stands on the edge or corner on that side, |tilt| < pi/2.
     """
     _refuse_lying(tilt)
+    corner = np.array(pivot_in_space(shape, tilt, azimuth))
+    place = corner + np.array([*offset, 0.0])
+    return Pose(rotation=rotation_in_space(tilt, azimuth), about=corner, place=place)
+
+
+def rotation_in_space(tilt: float, azimuth: float) -> Array:
+    """Rotation matrix (3, 3) of a tilt towards an azimuth, rad, from +x towards +y."""
     # Exactly along the axes where meant so: cos(pi/2) is 6e-17.
     a, b = (0.0 if abs(part) < 1e-12 else part for part in (math.cos(azimuth), math.sin(azimuth)))
     c, s = math.cos(tilt), math.sin(tilt)
     # Rodrigues' formula for the axis (-b, a, 0).
-    rotation = np.array(
+    return np.array(
         [
             [c + b * b * (1 - c), -a * b * (1 - c), a * s],
             [-a * b * (1 - c), c + a * a * (1 - c), b * s],
             [-a * s, -b * s, c],
         ]
     )
-    corner = np.array(pivot_in_space(shape, tilt, azimuth))
-    return Pose(rotation=rotation, about=corner, place=corner + np.array([*offset, 0.0]))
 
 
-def on_top(carrier: Pose, height: float, own: Pose) -> Pose:
-    """Pose of a block that another block of a height (m) carries: on its top, tilted with it.
+def level(place: Array) -> Pose:
+    """The frame of a level surface at a place, (d,), m."""
+    return Pose(rotation=np.eye(len(place)), about=np.zeros(len(place)), place=place)
 
-    `own` is where it would stand on a surface at level 0 with its origin below the centre of that
-    top.
+
+def top_of(carrier: Pose, height: float) -> Pose:
+    """The frame of the top of a block of a height (m): its origin in the middle, tilted with it.
+
+    `top_of(carrier, height).after(own)` is the pose of a block on it that would stand at `own` on a
+    surface at level 0.
     """
-    dimension = len(own.place)
-    top = np.zeros(dimension)
+    top = np.zeros(len(carrier.place))
     top[-1] = height
-    lift = Pose(rotation=np.eye(dimension), about=np.zeros(dimension), place=top)
-    return carrier.after(lift).after(own)
+    return carrier.after(level(top))
+
+
+def middle_of(tops: Sequence[Pose]) -> Pose:
+    """The frame of several tops that are level: turned as the first, its origin in their middle."""
+    place = np.mean([top.place for top in tops], axis=0)
+    return Pose(rotation=tops[0].rotation, about=tops[0].about, place=place)
 
 
 def _refuse_lying(tilt: float) -> None:

@@ -145,7 +145,7 @@ def _contacts(
 ) -> list[ContactPair]:
     """The contact of a block with what carries it, of that one's edge with it, of both edges."""
     law, bed = scene.friction_of(member.spec), scene.bed_of(member.spec)
-    below = next((other for other in members if other.spec.name == member.spec.on), None)
+    below = next((other for other in members if other.spec.name == member.spec.carrier), None)
     carrier, on = (support.carrier(), support.number) if below is None else _top(below)
     own: ContactPair
     if isinstance(member.body, ElasticBody):

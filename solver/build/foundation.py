@@ -539,7 +539,7 @@ def _footprints(scene: Scene) -> list[Footprint]:
     placed = scene.poses(upright=True)
     found = []
     for block in scene.blocks:
-        if block.on == "foundation":
+        if block.carrier == "foundation":
             corners = placed[block.name](np.array(block.shape.corners(scene.dimension)))[:, :-1]
             low, high = corners.min(axis=0), corners.max(axis=0)
             found.append(Footprint(low, high, scene.stacked_mass(block)))

@@ -14,11 +14,12 @@ def platform_corners(scene: Scene) -> Array:
     Twice as wide as where the blocks stand, a quarter of half that high; in VTK's order.
     """
     standing = [block for block in scene.blocks if scene.carrier_of(block) is None]
-    half = 2 * max(abs(block.offset) + block.width / 2 for block in standing)
+    aside = {name: np.abs(place) for name, place in _places(scene).items()}
+    half = 2 * max(aside[block.name][0] + block.width / 2 for block in standing)
     low = -half / 8
     if scene.dimension == 2:
         return np.array([(-half, low), (half, low), (half, 0.0), (-half, 0.0)])
-    deep = 2 * max(abs(block.offset_second) + block.thickness / 2 for block in standing)
+    deep = 2 * max(aside[block.name][1] + block.thickness / 2 for block in standing)
     ring = (-half, -deep), (half, -deep), (half, deep), (-half, deep)
     return np.array([(*corner, level) for level in (low, 0.0) for corner in ring])
 
@@ -36,8 +37,13 @@ def half_floor(scene: Scene) -> float:
     """
     carrier = _carrier_length(scene)
     lying = 2 * sum(np.hypot(block.width, block.height) for block in scene.blocks)
-    aside = max(max(abs(b.offset), abs(b.offset_second)) for b in scene.blocks)
+    aside = max(np.abs(place).max() for place in _places(scene).values())
     return float(carrier + lying + aside)
+
+
+def _places(scene: Scene) -> dict[str, Array]:
+    """Places of the blocks in plan at the start, as if nothing was tilted, m, by their names."""
+    return {name: pose.place[:-1] for name, pose in scene.poses(upright=True).items()}
 
 
 def _carrier_length(scene: Scene) -> float:

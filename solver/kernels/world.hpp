@@ -161,6 +161,7 @@ template <int d> class World {
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
     static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3;
+    static constexpr int LARGEST_CUT = 12;  // bodies of a group that is cut where nothing rebounds
 
     /// All that belongs to one attempt to step some bodies.
     struct Attempt {
@@ -230,7 +231,9 @@ template <int d> class World {
         const std::vector<std::vector<int>> groups = groups_of(A);
         if (groups.size() > 1) return by_groups(A, depth, groups, piece, pull);
         if (any_failed) return by_halves(A, depth, piece);
-        return in_pieces(A, depth, piece, pull);
+        if (is_cut(A, piece, pull)) return in_pieces(A, depth, piece, pull);
+        finish(A, dt, ground);
+        return true;
     }
 
     /// Places, velocities and margins at the start.
@@ -607,9 +610,36 @@ template <int d> class World {
                 A.w[b] = island.w[j];
                 A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
             }
+            if (rests(A, island, dt))
+                for (int b : island.bodies) {
+                    A.w[b].fill(0);
+                    A.end[b] = A.start[b].at;
+                }
             return true;
         }
         return false;
+    }
+
+    /// True if bodies that stand on fixed ground began at rest and go less than the tolerance leaves.
+    bool rests(const Attempt& A, const Island<d>& island, double dt) const {
+        if (!stands(island) || !is_slow(island, dt)) return false;
+        for (int b : island.bodies)
+            if (norm(A.begun[b]) > 0) return false;
+        return true;
+    }
+
+    static bool stands(const Island<d>& island) {
+        for (const C* k : island.contacts)
+            if (k->a < 0 || k->b < 0) return true;
+        return false;
+    }
+
+    /// True if no body of an island is faster than 1e-8 of what weight does in a step.
+    bool is_slow(const Island<d>& island, double dt) const {
+        double fastest = 0;
+        for (const Motion& w : island.w)
+            for (int i = 0; i < unknowns; i++) fastest = std::max(fastest, std::fabs(w[i]) * (i < d ? 1 : size_));
+        return fastest < 1e-8 * dt * norm(gravity);
     }
 
     void write_step_rows(const Attempt& A, C& k, double dt) const {
@@ -821,15 +851,9 @@ template <int d> class World {
         }
     }
 
-    /// What stands on fixed ground does not drift by what the tolerance leaves: slower than 1e-8 of
-    /// what weight does in a step is rest.
+    /// What stands on fixed ground does not drift by what the tolerance leaves: it rests.
     void rest(Island<d>& island, double dt) {
-        bool stands = false;
-        double fastest = 0;
-        for (const C* k : island.contacts) stands |= k->a < 0 || k->b < 0;
-        for (const Motion& w : island.w)
-            for (int i = 0; i < unknowns; i++) fastest = std::max(fastest, std::fabs(w[i]) * (i < d ? 1 : size_));
-        if (!stands || !(fastest < 1e-8 * dt * norm(gravity))) return;
+        if (!stands(island) || !is_slow(island, dt)) return;
         for (std::size_t j = 0; j < island.bodies.size(); j++) {
             ledger.contact += 0.5 * dot(island.w[j], mul(island.mass[j], island.w[j]));
             island.w[j].fill(0);
@@ -969,6 +993,15 @@ template <int d> class World {
             if (A.failed[k.feature.point_body] || A.failed[k.feature.face_body]) continue;
             if (strikes(A, k, dt, pull) || reverses(A, k, dt, pull)) return true;
         }
+        return false;
+    }
+
+    /// True if a group is stepped to the instant at which something happens. For many bodies that is
+    /// dear, and for plastic impacts of first order without.
+    bool is_cut(const Attempt& A, const Piece& piece, double pull) const {
+        if (static_cast<int>(A.members.size()) <= LARGEST_CUT) return true;
+        for (const C& k : A.contacts)
+            if (k.law->restitution > 0 && strikes(A, k, piece.dt, pull)) return true;
         return false;
     }
 

@@ -121,6 +121,8 @@ def _refuse(scene: Scene, ground: GroundMotion) -> None:
         raise SceneError("dimension", "3", f"2 {ONLY}")
     if len(scene.blocks) != 1:
         raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
+    if block.position is not None:
+        raise SceneError(f"{block.name}.position", shown(block.position), f"offset {ONLY}")
     if scene.gravity == 0:
         raise SceneError("gravity", "0", f"gravity > 0 {ONLY}")
     if scene.carrier_moves and not scene.has_platform:
@@ -219,7 +221,7 @@ def rock(
         step=step or scene.time.step,
         acceleration=_acceleration_of(ground.along),
         vertical=_acceleration_of(ground.up),
-        restitution=block.restitution,
+        restitution=scene.restitution_of(block) or None,
         platform=scene.platform() if scene.has_platform else None,
         along=along,
         drift=_first_drift(scene),

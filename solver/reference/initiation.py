@@ -120,7 +120,8 @@ def has_expected_mode(scene: Scene) -> bool:
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
     firm = scene.gravity > 0 and not scene.carrier_moves and not _sways(scene)
-    return firm and len(scene.blocks) == 1 and in_plane and not any(moves)
+    stands = len(scene.blocks) == 1 and block.position is None
+    return firm and stands and in_plane and not any(moves)
 
 
 def _sways(scene: Scene) -> bool:

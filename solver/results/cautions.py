@@ -265,7 +265,7 @@ def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -
         return []
     found = []
     for block in scene.blocks:
-        impacts = blocks[block.name]["impacts"] if block.on == "foundation" else []
+        impacts = blocks[block.name]["impacts"] if block.carrier == "foundation" else []
         faster = [i for i in impacts if i.get("ratio", 0.0) > FASTER]
         if faster:
             first = faster[0]

@@ -110,7 +110,9 @@ class Watch:
 def _where(history: Columns, block: BlockSpec, row: int) -> str:
     """Off what a block fell in a row, and where its centre was then, in words."""
     place = zip("xyz", centres(history, block.name)[row, :-1], strict=False)
-    return f", off {block.on} with its centre at " + ", ".join(f"{a} = {x:.4g} m" for a, x in place)
+    return f", off {block.carrier} with its centre at " + ", ".join(
+        f"{a} = {x:.4g} m" for a, x in place
+    )
 
 
 def overturned_at(history: Columns, block: BlockSpec) -> float | None:

@@ -246,7 +246,11 @@ class _Search:
     def _event(self, time: float, kind: str, **values: Any) -> Event:
         """An event of the block."""
         return Event(
-            time_s=float(time), kind=kind, block=self._block.name, meets=self._block.on, **values
+            time_s=float(time),
+            kind=kind,
+            block=self._block.name,
+            meets=self._block.carrier,
+            **values,
         )
 
     def _endings(self) -> Iterator[Event]:

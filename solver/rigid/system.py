@@ -16,7 +16,13 @@ from geometry.arrangement import Pose
 from geometry.block import Block
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.kernels.world import Body, Mobility, Steps, World
-from solver.rigid.rows import BlockRows, quaternion_of, rotation_matrices, write_energies, write_platform
+from solver.rigid.rows import (
+    BlockRows,
+    quaternion_of,
+    rotation_matrices,
+    write_energies,
+    write_platform,
+)
 from solver.scene import FrictionSpec, Scene
 from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -85,13 +91,13 @@ def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
     return [
         RigidBlock(
             name=spec.name,
-            carriers=(spec.on,),
+            carriers=spec.carriers,
             shape=spec.shape,
             friction=scene.friction_of(spec),
             pose=placed[spec.name],
             velocity=spec.velocity,
             angular_velocity=spec.angular_velocity,
-            restitution=spec.restitution or 0.0,
+            restitution=scene.restitution_of(spec),
         )
         for spec in scene.blocks
     ]
@@ -196,6 +202,7 @@ class RigidSystem:
             gravity=scene.gravity_vector,
             platform=platform,
             velocity_solve=scene.contact.velocity_solve,
+            law_between=scene.laws.between,
         )
 
     @property

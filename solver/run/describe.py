@@ -51,6 +51,7 @@ def describe(scene: Scene) -> str:
     ground = read_ground(scene)
     lines += _foundation(scene, ground)
     lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
+    lines += _pairs(scene)
     lines += _beds(scene)
     lines += _motions(scene, ground)
     if has_expected_mode(scene):
@@ -87,7 +88,9 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     """Numbers of rigid-body rocking."""
     shape = block.shape
     tilt = f", released from {block.tilt_deg:g} degrees" if block.tilt_deg else ""
-    on = f", on {block.on}" if block.on != "foundation" else ""
+    on = f", on {' and '.join(block.carriers)}" if block.carriers != ("foundation",) else ""
+    if block.position is not None:
+        on = f", with its centre at ({', '.join(f'{part:g}' for part in block.position)}) m"
     alpha, down = shape.slenderness, -scene.gravity_vector[-1]
     lines = [
         (block.name, f"{block.width:g} x {block.height:g} x {block.thickness:g} m{on}{tilt}"),
@@ -128,8 +131,8 @@ def _restitution(block: BlockSpec, shape: Block, scene: Scene) -> str:
     elif not _on_firm_ground(block, scene):
         source += ", on firm ground"
     text = f"{ratio:.4f}" if ratio > 0 else "none, too squat to rock on"
-    if block.restitution is not None:
-        text = f"{block.restitution:g}, instead of {text}"
+    if restitution := scene.restitution_of(block):
+        text = f"{restitution:g}, instead of {text}"
     return f"{text} ({source})"
 
 
@@ -137,7 +140,7 @@ def _on_firm_ground(block: BlockSpec, scene: Scene) -> bool:
     """True if what carries a block neither moves nor deforms by its impacts."""
     foundation = scene.foundation
     moves = foundation.is_meshed or foundation.moves_as_a_whole
-    return block.on == "foundation" and not moves
+    return block.carriers == ("foundation",) and not moves
 
 
 def damping_of_block(block: BlockSpec, scene: Scene) -> Lines:
@@ -244,11 +247,23 @@ def _computed_period(scene: Scene) -> float:
 
 
 def _frictions(scene: Scene) -> list[tuple[str, str]]:
-    """Friction of every pair; once where all are the same."""
+    """Friction of every block and its carrier; once where all are the same."""
     laws = {block.name: scene.friction_of(block) for block in scene.blocks}
     if len(set(laws.values())) == 1:
         return [("", next(iter(laws.values())).words())]
     return [(f" of {name}", law.words()) for name, law in laws.items()]
+
+
+def _pairs(scene: Scene) -> Lines:
+    """Pairs of bodies with a law of their own."""
+    lines = []
+    for pair in scene.pairs:
+        friction, restitution = scene.law_between(*pair.between)
+        text = f"friction {friction.words()}"
+        if scene.is_rigid:
+            text += f", restitution {restitution:g}"
+        lines.append((f"pair {' and '.join(pair.between)}", text))
+    return lines
 
 
 def _beds(scene: Scene) -> Lines:

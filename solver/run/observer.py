@@ -46,7 +46,7 @@ class Observer:
         self._stepper = assembly.stepper
         members = {member.spec.name: member for member in assembly.members}
         self._blocks = [
-            BlockObserver(member, self._stepper, state, members.get(member.spec.on))
+            BlockObserver(member, self._stepper, state, members.get(member.spec.carrier))
             for member in assembly.members
         ]
         self._platform = None

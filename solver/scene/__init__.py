@@ -5,7 +5,7 @@ foundations and motions stand in `solver.scene.foundation` and `solver.scene.mot
 """
 
 from solver.scene.block import BlockSpec
-from solver.scene.contact import Bed, ContactSpec, FrictionSpec
+from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, Platform
 from solver.scene.motion import MotionSpec
@@ -25,6 +25,7 @@ __all__ = [
     "FrictionSpec",
     "MotionSpec",
     "OutputSpec",
+    "PairSpec",
     "Platform",
     "Scene",
     "TimeSpec",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from geometry.block import Block
-from solver.errors import SceneError, missing_key, not_applicable
+from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.cells import box_mesh_size, cell_of, cells_of
 from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
@@ -32,6 +33,7 @@ from solver.scene.quantities import (
     NotNegative,
     Number,
     Place,
+    Position,
     Ratio,
     Rotation,
     Tilt,
@@ -41,7 +43,7 @@ from solver.scene.quantities import (
 
 # Names that mean something else in key paths or in the columns of a history.
 RESERVED = (
-    *("foundation", "contact", "damping", "motion", "time", "output"),
+    *("foundation", "contact", "pair", "damping", "motion", "time", "output"),
     *("base", "platform", "plate", "frame", "energy"),
 )
 
@@ -62,10 +64,11 @@ class BlockSpec(Checked):
 
     name: str = "block"
     """The block's name, different from all others: a letter, then letters, digits, `_` and `-`,
-    100 at most. Names of tables and columns are taken: foundation, contact, damping, motion, time,
-    output, base, platform, plate, frame, energy."""
-    on: str = "foundation"
-    """Its carrier: `"foundation"` or the name of another block."""
+    100 at most. Names of tables and columns are taken: foundation, contact, pair, damping, motion,
+    time, output, base, platform, plate, frame, energy."""
+    on: str | tuple[str, ...] = OPEN
+    """Its carrier: `"foundation"` or the name of another block; or an array of
+    [several](#several-supports), whose tops are level. Default: `"foundation"`."""
     width: Length
     """B, along x, m."""
     height: Length
@@ -82,13 +85,19 @@ class BlockSpec(Checked):
     """Young's modulus E, Pa. Default: elastic: required."""
     poisson: Ratio | None = None
     """Poisson's ratio nu. Default: elastic: required."""
-    offset: Place = 0.0
-    """Distance of its centre from that of its carrier, along x, before the tilt, m."""
-    offset_second: Place = 0.0
-    """Distance between these centres along y, m; 3-D only."""
+    offset: Place = OPEN
+    """Distance of its centre from that of its carrier, along x, before the tilt, m; where there are
+    several, from the middle of their tops. Default: 0."""
+    offset_second: Place = OPEN
+    """Distance between these centres along y, m; 3-D only. Default: 0."""
+    position: Position | None = None
+    """Place of its centre at the start, m, over the middle of the foundation's top, instead of
+    `on` and `offset`; see [places in the air](#places-in-the-air). Default: it stands `on`
+    something."""
     tilt_deg: Tilt = 0.0
     """Rigid rotation at the start about the bottom corner on that side, positive towards +x,
-    degrees; against its carrier, with which it is tilted if that is."""
+    degrees; against its carrier, with which it is tilted if that is. With `position` about its
+    centre."""
     tilt_direction_deg: Turn = 0.0
     """Direction in which a positive tilt leans: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
@@ -118,11 +127,19 @@ class BlockSpec(Checked):
     """e of impacts on what carries it; see [restitution](#restitution). Rigid blocks only, where
     nothing is meshed, also on a plate that is held. Default: impacts without rebound."""
 
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """Carrier and offsets, where there is no position."""
+        defaults = {"on": "foundation", "offset": 0.0, "offset_second": 0.0}
+        for key, value in defaults.items():
+            if self.position is None and is_open(getattr(self, key)):
+                yield key, value
+
     def check(self) -> None:
         """Refuse values that do not go together."""
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,99}", self.name) or self.name in RESERVED:
             allowed = f"a letter, then letters, digits, _, -, 100 in all; not {', '.join(RESERVED)}"
             raise SceneError("name", shown(self.name), allowed)
+        self._check_place()
         exactly_one(self, "mass", "density")
         if self.restitution is not None and self.model != "rigid":
             raise not_applicable("restitution", f"blocks with {RIGID_MODEL} only")
@@ -131,11 +148,22 @@ class BlockSpec(Checked):
                 if getattr(self, key) is None:
                     raise missing_key(key, f"for an elastic block ({range_}), or set {RIGID_MODEL}")
 
+    def _check_place(self) -> None:
+        """Refuse a place that is given twice, and carriers that are none or the same."""
+        for key in ("on", "offset", "offset_second"):
+            if self.position is not None and not is_open(getattr(self, key)):
+                raise Statement(key, "counts from a carrier and has no meaning beside position")
+        if isinstance(self.on, tuple) and not 0 < len(set(self.on)) == len(self.on):
+            raise SceneError("on", shown(self.on), "one name or more, each once")
+
     def in_dimension(self, dimension: Dimension) -> BlockSpec:
         """The block in a scene of this dimension, nothing left open; SceneError if it cannot be."""
         for key in ("offset_second", "tilt_direction_deg"):
-            if dimension == 2 and getattr(self, key) != 0:
+            if dimension == 2 and getattr(self, key):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
+        if self.position is not None and len(self.position) != dimension:
+            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
+            raise SceneError("position", shown(self.position), allowed)
         return replace(
             self,
             velocity=self._velocity_in(dimension),
@@ -161,6 +189,18 @@ class BlockSpec(Checked):
             where = f"{allowed} where dimension = {dimension}"
             raise SceneError("angular_velocity", shown(given), where)
         return given
+
+    @property
+    def carriers(self) -> tuple[str, ...]:
+        """Names of what carries it at the start; of a block with a position the foundation."""
+        if self.position is not None:
+            return ("foundation",)
+        return self.on if isinstance(self.on, tuple) else (self.on,)
+
+    @property
+    def carrier(self) -> str:
+        """The first of its carriers, whose top is the frame of its columns of gaps and slip."""
+        return self.carriers[0]
 
     @property
     def shape(self) -> Block:

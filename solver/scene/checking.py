@@ -15,7 +15,7 @@ from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeGuard, Union, get_args, get_origin, get_type_hints
 
 from solver.errors import SceneError, UnknownKey, below, missing_key
 
@@ -108,9 +108,9 @@ def from_table(cls: Any, table: Any, where: str = "") -> Any:
 
 
 def to_table(instance: Any) -> dict[str, Any]:
-    """The inverse of `from_table`; None is left out, as TOML has no such value."""
+    """The inverse of `from_table`, without None, which TOML has not, and without empty arrays."""
     pairs = ((key_of(f), getattr(instance, f.name)) for f in dataclasses.fields(instance))
-    return {key: _plain(value) for key, value in pairs if value is not None}
+    return {key: _plain(value) for key, value in pairs if value is not None and value != ()}
 
 
 def _plain(value: Any) -> Any:
@@ -155,14 +155,27 @@ def _nested(hint: Any, value: Any, where: str) -> Any:
         return value
     if not isinstance(value, list):
         raise SceneError(where, shown(value), f"an array of tables, [[{where}]]")
-    # A member of an array of tables is addressed by its name, here as in overrides.
+    # A member of an array of tables is addressed by its name or names, here as in overrides.
     return tuple(from_table(item, entry, _name(entry, where)) for entry in value)
 
 
 def _name(entry: Any, where: str) -> str:
-    """The name of a member of the array of tables `where`; without a valid one, that of all."""
-    name = entry.get("name") if isinstance(entry, Mapping) else None
-    return name if isinstance(name, str) and re.fullmatch(r"[\w-]{1,100}", name) else where
+    """The name of a member of the array of tables `where`; without a valid one, that of all.
+
+    A member that is `between` two bodies has both names behind that of the array.
+    """
+    if not isinstance(entry, Mapping):
+        return where
+    names = entry.get("between")
+    if isinstance(names, list) and len(names) == 2 and all(map(_is_name, names)):
+        return ".".join([where, *names])
+    name = entry.get("name")
+    return name if _is_name(name) else where
+
+
+def _is_name(value: Any) -> TypeGuard[str]:
+    """True if a value may stand in a path as the name of a body."""
+    return isinstance(value, str) and re.fullmatch(r"[\w-]{1,100}", value) is not None
 
 
 def _table(classes: list[Any], value: Any, where: str) -> Any:
@@ -189,6 +202,8 @@ def _words(hint: Any, name: str) -> str:
         items = [get_args(choice) for choice in choices]
         if dataclasses.is_dataclass(items[0][0]):
             return f"an array of tables, [[{name}]]"
+        if items[0][-1] is Ellipsis:
+            return f"an array, each {_words(items[0][0], name)}"
         lengths = " or ".join(str(len(item)) for item in items)
         return f"{lengths} values, each {_words(items[0][0], name)}"
     return " or ".join(dict.fromkeys(_words_of_one(choice, name) for choice in choices))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from solver.errors import SceneError
+from solver.errors import SceneError, missing_key
 from solver.scene.checking import OPEN, Checked, is_open, shown
 from solver.scene.quantities import Bedding, Cohesion, NotNegative, Number, Rate
 
@@ -131,3 +131,32 @@ class ContactSpec(Checked):
     def has_bed(self) -> bool:
         """True if blocks stand on a bed."""
         return self.stiffness is not None or self.damping > 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairSpec(Checked):
+    """The contact of two bodies, where it differs from what is said of blocks: `[[pair]]`."""
+
+    between: tuple[str, str]
+    """Names of two blocks, or of one and `"foundation"`, in any order."""
+    friction: NotNegative | FrictionSpec | None = None
+    """Between these two; see [friction](#friction). Default: as without this table."""
+    restitution: Annotated[float, Number(at_least=0, at_most=1)] | None = None
+    """e of impacts of these two; see [restitution](#restitution). Where nothing is meshed only.
+    Default: as without this table."""
+
+    def check(self) -> None:
+        """Refuse a pair of one body, and a table that says nothing."""
+        if len(set(self.between)) == 1:
+            raise SceneError("between", shown(self.between), "two different names")
+        if self.friction is None and self.restitution is None:
+            raise missing_key("friction", "where restitution is not given")
+
+    @property
+    def where(self) -> str:
+        """The path of its table."""
+        return ".".join(("pair", *self.between))
+
+    def joins(self, first: str, second: str) -> bool:
+        """True if it is the pair of these two bodies."""
+        return {first, second} == set(self.between)

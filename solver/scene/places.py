@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from geometry.arrangement import Pose, initial_position, initial_position_in_space, on_top
+from geometry.arrangement import (
+    Pose,
+    initial_position,
+    initial_position_in_space,
+    level,
+    middle_of,
+    rotation_in_plane,
+    rotation_in_space,
+    top_of,
+)
 from geometry.boxes import Boxes, overlap_depth
 from solver.errors import Statement
 from solver.scene.block import BlockSpec
 from solver.scene.quantities import Dimension
+from solver.types import Array
 
 Drift = tuple[float, float]
 
 ROUND_OFF = 1e-9
-"""Blocks that overlap by less than this part of their size touch."""
+"""Blocks that overlap by less than this part of their size touch, and tops that are uneven by less
+are level."""
 
 
 def poses(
@@ -28,20 +39,21 @@ def poses(
     """For each block, by its name, the rigid motion from its own frame to its place at the start.
 
     Args:
-        blocks: Each after its carrier.
+        blocks: Each after its carriers.
         dimension: Of space.
         upright: As if nothing were tilted.
-        drift: Place of the platform along x and y, m.
+        drift: Place of the platform along x and y, m; all blocks are moved with it.
     """
     placed: dict[str, Pose] = {}
-    heights = {block.name: block.height for block in blocks}
+    tops = {"foundation": level(np.array([*drift[: dimension - 1], 0.0]))}
     for spec in blocks:
-        carried = spec.on in placed
-        start = (0.0, 0.0) if carried else drift
-        pose = _on_level(spec, dimension, tilt=0.0 if upright else spec.tilt, drift=start)
-        if carried:
-            pose = on_top(placed[spec.on], heights[spec.on], pose)
-        placed[spec.name] = pose
+        tilt = 0.0 if upright else spec.tilt
+        if spec.position is not None:
+            pose = tops["foundation"].after(_in_the_air(spec, spec.position, tilt))
+        else:
+            below = middle_of([tops[name] for name in spec.carriers])
+            pose = below.after(_on_level(spec, dimension, tilt))
+        placed[spec.name], tops[spec.name] = pose, top_of(pose, spec.height)
     return placed
 
 
@@ -65,41 +77,108 @@ def stands(blocks: Sequence[BlockSpec], dimension: Dimension) -> dict[str, tuple
     }
 
 
-def _on_level(spec: BlockSpec, dimension: Dimension, *, tilt: float, drift: Drift) -> Pose:
+def _on_level(spec: BlockSpec, dimension: Dimension, tilt: float) -> Pose:
     """Place of a block on a surface at level 0 whose origin is below its carrier."""
-    along = spec.offset + drift[0]
     if dimension == 2:
-        return initial_position(spec.shape, along, tilt)
-    offset = along, spec.offset_second + drift[1]
+        return initial_position(spec.shape, spec.offset, tilt)
+    offset = spec.offset, spec.offset_second
     return initial_position_in_space(spec.shape, offset, tilt, spec.tilt_direction)
 
 
-def refuse_overlaps(
-    blocks: Sequence[BlockSpec],
-    dimension: Dimension,
-    pairs: Iterable[tuple[BlockSpec, BlockSpec]],
-) -> None:
-    """Refuse pairs of blocks, all of them as in `poses`, that overlap at the start.
+def _in_the_air(spec: BlockSpec, position: tuple[float, ...], tilt: float) -> Pose:
+    """Place of a block whose centre is at a position, m, turned about it."""
+    if len(position) == 2:
+        rotation = rotation_in_plane(tilt)
+    else:
+        rotation = rotation_in_space(tilt, spec.tilt_direction)
+    return Pose(rotation=rotation, about=_centre(spec, len(position)), place=np.array(position))
+
+
+def _centre(spec: BlockSpec, dimension: int) -> Array:
+    """The centre of a block in its own frame, (d,), m."""
+    return np.array([*[0.0] * (dimension - 1), spec.height / 2])
+
+
+def refuse_places(blocks: Sequence[BlockSpec], dimension: Dimension, *, endless: bool) -> None:
+    """Refuse blocks that stand uneven, reach into the foundation, or overlap at the start.
+
+    Args:
+        blocks: All of a scene, as in `poses`.
+        dimension: Of space.
+        endless: True if the foundation has no ends beyond which a block may hang over.
 
     Raises:
-        Statement: Names two such blocks and the depth.
+        Statement: Names the blocks, and levels or depth.
     """
     placed = poses(blocks, dimension)
-    boxes = {block.name: _box(block, placed[block.name], dimension) for block in blocks}
-    for first, second in pairs:
-        depth = float(overlap_depth(boxes[first.name], boxes[second.name])[0])
-        size = max(first.shape.half_diagonal, second.shape.half_diagonal)
-        if depth > ROUND_OFF * size:
-            raise Statement(
-                f"blocks {first.name} and {second.name}",
-                f"overlap by {depth:.4g} m at the start: move one (offset), or let one carry "
-                f"the other (on)",
-            )
+    tops = {spec.name: top_of(placed[spec.name], spec.height) for spec in blocks}
+    tops["foundation"] = level(np.zeros(dimension))
+    halves = {spec.name: np.array(spec.shape.half_lengths(dimension))[:-1] for spec in blocks}
+    halves["foundation"] = np.full(dimension - 1, np.inf)
+    for spec in blocks:
+        if len(spec.carriers) > 1:
+            _refuse_uneven(spec, tops)
+            _refuse_short(spec, tops, halves)
+        depth = -placed[spec.name](np.array(spec.shape.corners(dimension)))[:, -1].min()
+        if depth > ROUND_OFF * spec.shape.half_diagonal and (endless or spec.position is not None):
+            key = "offset" if spec.position is None else "position"
+            said = f"reaches into the foundation by {depth:.4g} m at the start: move it ({key})"
+            raise Statement(f"block {spec.name}", said)
+    for first, second, depth in _overlaps(blocks, placed, dimension):
+        raise Statement(
+            f"blocks {first.name} and {second.name}",
+            f"overlap by {depth:.4g} m at the start: move one (offset or position), or let one "
+            f"carry the other (on)",
+        )
 
 
-def _box(block: BlockSpec, pose: Pose, dimension: Dimension) -> Boxes:
+def _refuse_uneven(spec: BlockSpec, tops: Mapping[str, Pose]) -> None:
+    """Refuse several carriers whose tops are not in one plane."""
+    first, *others = spec.carriers
+    base = tops[first]
+    for name in others:
+        top = tops[name]
+        tilted = bool(np.abs(top.rotation - base.rotation).max() > ROUND_OFF)
+        step = (top.place - base.place) @ base.rotation[:, -1]
+        if tilted or abs(step) > ROUND_OFF * spec.shape.half_diagonal:
+            levels = f"that of {first} is at {base.place[-1]:.10g} m, that of {name} at "
+            levels += f"{top.place[-1]:.10g} m{', tilted against it' * tilted}"
+            raise Statement(f"{spec.name}.on", f"needs level tops: {levels}")
+
+
+def _refuse_short(spec: BlockSpec, tops: Mapping[str, Pose], halves: Mapping[str, Array]) -> None:
+    """Refuse a block whose bottom does not reach over each of its several carriers.
+
+    `halves` has half the lengths of blocks in plan, (d - 1,), m.
+    """
+    middle = middle_of([tops[name] for name in spec.carriers])
+    offset = np.array([spec.offset, spec.offset_second])[: len(middle.place) - 1]
+    for name in spec.carriers:
+        place = middle.rotation.T @ (tops[name].place - middle.place)
+        reach = halves[spec.name] + halves[name] - np.abs(place[:-1] - offset)
+        if reach.min() <= ROUND_OFF * spec.shape.half_diagonal:
+            said = f"names {name}, over which its bottom does not reach: move it (offset), or"
+            raise Statement(f"{spec.name}.on", f"{said} make it wider")
+
+
+def _overlaps(
+    blocks: Sequence[BlockSpec], placed: Mapping[str, Pose], dimension: Dimension
+) -> Iterator[tuple[BlockSpec, BlockSpec, float]]:
+    """Pairs of blocks that overlap, and the depth, m."""
+    boxes = [_box(spec, placed[spec.name], dimension) for spec in blocks]
+    centres = np.concatenate([box.centres for box in boxes])
+    reaches = np.concatenate([box.reach(np.eye(dimension)[None]) for box in boxes])
+    for k, first in enumerate(blocks):
+        apart = np.abs(centres[k + 1 :] - centres[k]) - reaches[k + 1 :] - reaches[k]
+        for other in k + 1 + np.flatnonzero(np.all(apart <= 0, axis=1)):
+            depth = float(overlap_depth(boxes[k], boxes[other])[0])
+            size = max(first.shape.half_diagonal, blocks[other].shape.half_diagonal)
+            if depth > ROUND_OFF * size:
+                yield first, blocks[other], depth
+
+
+def _box(spec: BlockSpec, pose: Pose, dimension: Dimension) -> Boxes:
     """A block as a box at its place."""
-    half = np.array(block.shape.half_lengths(dimension))
-    middle = np.zeros(dimension)
-    middle[-1] = half[-1]
-    return Boxes(half=half, centres=pose(middle[None]), frames=pose.rotation[None])
+    centre = pose(_centre(spec, dimension)[None])
+    half = np.array(spec.shape.half_lengths(dimension))
+    return Boxes(half=half, centres=centre, frames=pose.rotation[None])

@@ -122,6 +122,7 @@ Bedding = Annotated[float, Number(above=0, powers=(1.0, 0.0))]
 
 Speed = Annotated[float, Number(powers=_TIME)]
 Spin = Annotated[float, Number(powers=_RATE)]
+Position: TypeAlias = tuple[Place, Place] | tuple[Place, Place, Place]
 Vector: TypeAlias = tuple[Speed, Speed] | tuple[Speed, Speed, Speed]
 Rotation: TypeAlias = Spin | tuple[Spin, Spin, Spin]
 """A rotation or its rate; in the plane one number."""

@@ -27,7 +27,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
 
     Args:
         path: The TOML file; "-" is the standard input.
-        overrides: Such as `"block.height=1.2"`; a block is addressed by its name.
+        overrides: Such as `"block.height=1.2"`; a block is addressed by its name, and a pair by
+            both, as in `"pair.lower.upper.friction=0.4"`.
 
     Raises:
         SceneError: It cannot be read, or is no scene; names key or file.
@@ -160,7 +161,10 @@ def _toml_value(text: str) -> Any:
 
 
 def _override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
-    """Set one value, `path=value`, in the tables of a scene; a block is addressed by its name."""
+    """Set one value, `path=value`, in the tables of a scene.
+
+    A block is addressed by its name, and a pair by both names; it is added if it is not there.
+    """
     path, equals, value = text.partition("=")
     *parents, key = [part.strip() for part in path.split(".")]
     if not equals or not key or not all(parents):
@@ -170,6 +174,10 @@ def _override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
     table: Any = tables
     if parents and parents[0] in blocks:
         table = blocks[parents.pop(0)]
+    elif parents and parents[0] == "pair":
+        if len(parents) < 3:
+            raise SceneError(f"--set {path}", shown(value), "pair.NAME.NAME.key=value")
+        table, parents = _pair(tables, parents[1:3]), parents[3:]
     elif parents and parents[0] not in allowed:
         first = parents[0]
         raise UnknownKey(first, first, ", ".join(allowed), nearest(first, allowed))
@@ -185,6 +193,20 @@ def _blocks(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
     entries = tables.get("block")
     entries = entries if isinstance(entries, list) else []
     return {str(entry.get("name", "block")): entry for entry in entries if isinstance(entry, dict)}
+
+
+def _pair(tables: dict[str, Any], names: list[str]) -> dict[str, Any]:
+    """The table of the pair of two names, which is added if it is not there."""
+    entries = tables.setdefault("pair", [])
+    if not isinstance(entries, list):
+        raise SceneError("pair", shown(entries), "an array of tables, [[pair]]")
+    for entry in entries:
+        between = entry.get("between") if isinstance(entry, dict) else None
+        if isinstance(between, list) and sorted(map(str, between)) == sorted(names):
+            found: dict[str, Any] = entry
+            return found
+    entries.append({"between": names})
+    return entries[-1]
 
 
 def differing(one: Any, other: Any, path: str = "") -> set[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,9 +12,10 @@ from solver.errors import SceneError, Statement, below, missing_key, not_applica
 from solver.scene import limits
 from solver.scene.block import BlockSpec
 from solver.scene.checking import OPEN, Checked, is_open, nearest, shown, to_table
-from solver.scene.contact import Bed, ContactSpec, FrictionSpec
+from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
+from solver.scene.laws import Law, Laws
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
@@ -30,6 +31,12 @@ ROUND_OFF = 1e-9
 BED_OVER_BLOCK = 0.1
 """Stiffness of a bed over that of the block on it, (lambda + 2 mu)/H, unless it is given: the block
 moves as a whole while it lands, and its losses are those of a mass on a spring and a dashpot."""
+
+RIGID = 'model = "rigid" for every block, no meshed foundation'
+"""The remedy where the engine of meshed bodies cannot do what a key says."""
+
+UNMESHED = f"scenes in which nothing is meshed only: {RIGID}"
+"""The scenes to which such a key applies."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +60,8 @@ class Scene(Checked):
     """`[foundation]`, below. Default: the rigid ground."""
     contact: ContactSpec = field(default_factory=ContactSpec)
     """`[contact]`, below. Default: its defaults."""
+    pairs: tuple[PairSpec, ...] = field(default=(), metadata={"key": "pair"})
+    """`[[pair]]`, below. Default: none."""
     damping: DampingSpec | None = None
     """`[damping]`, below, of bodies that do not have their own. Default: elastic blocks have [2 %
     of critical](#default-damping), and meshed foundations none."""
@@ -93,10 +102,10 @@ class Scene(Checked):
         for block in self.blocks:
             self._check_degree(block)
             self._check_place(block)
-        if pairs := list(self.non_adjacent()):
-            from solver.scene.places import refuse_overlaps  # needs numpy, other scenes do not
+        if len(self.blocks) > 1 or self.blocks[0].position is not None:
+            from solver.scene.places import refuse_places  # needs numpy, other scenes do not
 
-            refuse_overlaps(self.order, self.dimension, pairs)
+            refuse_places(self.order, self.dimension, endless=self.foundation.top is None)
         self.check_limits(shaking=0.0)
 
     def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:
@@ -117,10 +126,25 @@ class Scene(Checked):
             raise Statement("two blocks", f'are named "{twice}"; give each block a name of its own')
         for block in self.blocks:
             carriers = ["foundation", *(name for name in names if name != block.name)]
-            if block.on not in carriers:
-                allowed = " or ".join(map(shown, carriers))
-                meant = nearest(block.on, carriers)
-                raise SceneError(f"{block.name}.on", shown(block.on), allowed, meant)
+            for name in block.carriers:
+                if name not in carriers:
+                    allowed = " or ".join(map(shown, carriers))
+                    meant = nearest(name, carriers)
+                    raise SceneError(f"{block.name}.on", shown(name), allowed, meant)
+        self._check_pairs(["foundation", *names])
+
+    def _check_pairs(self, names: Sequence[str]) -> None:
+        """Every pair is of two bodies that are there, and stands there once."""
+        seen = set()
+        for pair in self.pairs:
+            for name in pair.between:
+                if name not in names:
+                    allowed = " or ".join(map(shown, names))
+                    where = f"{pair.where}.between"
+                    raise SceneError(where, shown(name), allowed, nearest(name, names))
+            if frozenset(pair.between) in seen:
+                raise Statement(pair.where, "is there twice; give each pair one table")
+            seen.add(frozenset(pair.between))
 
     def _thickness(self) -> float:
         """Thickness of the lowest block, m; in the plane all bodies are equally thick."""
@@ -156,10 +180,8 @@ class Scene(Checked):
     def _check_engine(self) -> None:
         """Refuse keys of meshed scenes where nothing is meshed, and the other way round."""
         rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
-        for block in self.blocks:
-            if block.restitution is not None and not self.is_rigid:
-                allowed = "scenes in which nothing is meshed only"
-                raise not_applicable(f"{block.name}.restitution", allowed)
+        if not self.is_rigid:
+            self._refuse_unmeshed()
         for key in ("stiffness", "damping"):
             if self.is_rigid and getattr(self.contact, key):
                 what = "scenes with a meshed body only, block.restitution to rigid blocks"
@@ -171,6 +193,22 @@ class Scene(Checked):
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
 
+    def _refuse_unmeshed(self) -> None:
+        """Refuse keys for which a block has to meet more than its carrier, or to rebound."""
+        for where, _ in self._restitutions():
+            raise not_applicable(f"{where}.restitution", UNMESHED)
+        for block in self.blocks:
+            if block.position is not None:
+                raise not_applicable(f"{block.name}.position", UNMESHED)
+            if len(block.carriers) > 1:
+                allowed = f"one name where a body is meshed (several: {RIGID})"
+                raise SceneError(f"{block.name}.on", shown(block.on), allowed)
+        felt = {frozenset((block.name, block.carrier)) for block in self.blocks}
+        for pair in self.pairs:
+            if frozenset(pair.between) not in felt:
+                allowed = f"a block and its carrier where a body is meshed (others: {RIGID})"
+                raise SceneError(f"{pair.where}.between", shown(pair.between), allowed)
+
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
         tetrahedra = block.model == "elastic" and block.cell == "tetrahedron"
@@ -179,7 +217,9 @@ class Scene(Checked):
             raise SceneError(f"{block.name}.degree", "2", allowed)
 
     def _check_place(self, block: BlockSpec) -> None:
-        """Refuse a block of which nothing is above what carries it at the start."""
+        """Refuse a block of which nothing is above the one that carries it at the start."""
+        if block.position is not None or len(block.carriers) > 1:
+            return
         carrier = self.carrier_of(block)
         top = self.foundation.top if carrier is None else (carrier.width, carrier.thickness)
         if top is None:
@@ -191,7 +231,7 @@ class Scene(Checked):
             reach = widths / 2
             if abs(offset) > reach * (1 + ROUND_OFF):
                 allowed = (
-                    f"between {-reach:g} and {reach:g}, so that {block.on} is below its bottom"
+                    f"between {-reach:g} and {reach:g}, so that {block.carrier} is below its bottom"
                 )
                 raise SceneError(f"{block.name}.{key}", shown(offset), allowed)
 
@@ -220,8 +260,9 @@ class Scene(Checked):
         for turning in self._turning_bodies():
             turning.refuse_stiff(self.time.largest or self.time.step)
         below_all = self.foundation.pressed_material(plane, self.carried_mass)
+        masses = self.stacked_masses
         for block in self.blocks:
-            weight = self.stacked_mass(block) * (self.gravity + shaking)
+            weight = masses[block.name] * (self.gravity + shaking)
             pressure, bed = weight / limits.bottom(block), self.bed_of(block)
             if bed is not None:
                 limits.refuse_soft_bed(block, contact, bed, pressure)
@@ -256,17 +297,17 @@ class Scene(Checked):
 
     @property
     def order(self) -> tuple[BlockSpec, ...]:
-        """The blocks, each after what carries it, else as in the file."""
+        """The blocks, each after all that carry it, else as in the file."""
         placed: list[BlockSpec] = []
         waiting = list(self.blocks)
         while waiting:
             there = {"foundation", *(block.name for block in placed)}
-            ready = [block for block in waiting if block.on in there]
+            ready = [block for block in waiting if there.issuperset(block.carriers)]
             if not ready:
-                circle = ", ".join(f"{block.name} on {block.on}" for block in waiting)
+                circle = ", ".join(f"{b.name} on {' and '.join(b.carriers)}" for b in waiting)
                 raise SceneError(f"{waiting[0].name}.on", circle, "a stack that ends on foundation")
             placed += ready
-            waiting = [block for block in waiting if block.on not in there]
+            waiting = [block for block in waiting if not there.issuperset(block.carriers)]
         return tuple(placed)
 
     @property
@@ -294,9 +335,18 @@ class Scene(Checked):
 
         That engine has no ends of a plate that is held, but the law of impact with a restitution.
         """
-        firm = self.foundation.is_firm and any(block.restitution for block in self.blocks)
+        firm = self.foundation.is_firm and any(e > 0 for _, e in self._restitutions())
         rigid = all(block.model == "rigid" for block in self.blocks)
         return rigid and (firm or not self.foundation.needs_mesh_engine)
+
+    def _restitutions(self) -> Iterator[tuple[str, float]]:
+        """Restitutions that are given, each with the path of its table."""
+        for block in self.blocks:
+            if block.restitution is not None:
+                yield block.name, block.restitution
+        for pair in self.pairs:
+            if pair.restitution is not None:
+                yield pair.where, pair.restitution
 
     @property
     def has_platform(self) -> bool:
@@ -320,19 +370,30 @@ class Scene(Checked):
             raise ValueError(f"a foundation of kind {self.foundation.kind} has no spring")
         return found
 
+    @property
+    def stacked_masses(self) -> dict[str, float]:
+        """Mass of each block and of all that stands on it, kg, by its name.
+
+        Several carriers of a block have equal shares of it.
+        """
+        found = {block.name: block.shape.mass for block in self.blocks}
+        for block in reversed(self.order):
+            for name in found.keys() & set(block.carriers):
+                found[name] += found[block.name] / len(block.carriers)
+        return found
+
     def stacked_mass(self, block: BlockSpec) -> float:
         """Mass of a block and of all that stands on it, kg."""
-        above = (other for other in self.blocks if other.on == block.name)
-        return block.shape.mass + sum(self.stacked_mass(other) for other in above)
+        return self.stacked_masses[block.name]
 
     def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
-        """The block that carries a block; None: the foundation does."""
-        return next((carrier for carrier in self.blocks if carrier.name == block.on), None)
+        """The block that carries a block, of several the first; None: the foundation does."""
+        return next((carrier for carrier in self.blocks if carrier.name == block.carrier), None)
 
     def non_adjacent(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
-        """All pairs of blocks of which neither carries the other: contact between them is none."""
+        """All pairs of blocks of which neither carries the other at the start."""
         for first, second in combinations(self.blocks, 2):
-            if first.on != second.name and second.on != first.name:
+            if first.name not in second.carriers and second.name not in first.carriers:
                 yield first, second
 
     def damping_of(self, body: BlockSpec | PlateSpec | FrameSpec) -> DampingSpec | None:
@@ -371,9 +432,22 @@ class Scene(Checked):
                 left = max(left, damping.left(self.bending_frequency(block), time))
         return left
 
+    @property
+    def laws(self) -> Laws:
+        """Laws of contact of any two bodies."""
+        return Laws(self.blocks, self.pairs, self.contact.friction)
+
+    def law_between(self, first: str, second: str) -> Law:
+        """Friction and restitution of two bodies; for many pairs `laws.between`, which is this."""
+        return self.laws.between(first, second)
+
     def friction_of(self, block: BlockSpec) -> FrictionSpec:
-        """Friction between a block and what carries it."""
-        return FrictionSpec.of(self.contact.friction if block.friction is None else block.friction)
+        """Friction between a block and its carrier, of several the first."""
+        return self.law_between(block.name, block.carrier)[0]
+
+    def restitution_of(self, block: BlockSpec) -> float:
+        """Restitution of a block on its carrier, of several the first; 0: plastic impacts."""
+        return self.law_between(block.name, block.carrier)[1]
 
     def bed_of(self, block: BlockSpec) -> Bed | None:
         """The bed between a block and what carries it; None: there is none."""

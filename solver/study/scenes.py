@@ -26,13 +26,16 @@ def scene_tables(options: argparse.Namespace) -> Tables:
 def with_model(tables: Mapping[str, Any], engine: str | None) -> Tables:
     """The tables of a scene with all blocks "rigid" or "elastic"; None: as they are.
 
-    A restitution is of rigid blocks alone: elastic ones have their own.
+    A restitution is of rigid blocks alone, and of their pairs: elastic ones have their own.
     """
     made = deepcopy(dict(tables))
     for block in made["block"] if engine else ():
         block["model"] = "elastic" if engine == "elastic" else "rigid"
-        if engine == "elastic":
-            block.pop("restitution", None)
+    pairs = made.get("pair", [])
+    for table in (*made["block"], *pairs) if engine == "elastic" else ():
+        table.pop("restitution", None)
+    if pairs:
+        made["pair"] = [pair for pair in pairs if {"friction", "restitution"} & pair.keys()]
     return made
 
 
@@ -97,5 +100,9 @@ def refuse_others(scene: Scene) -> None:
         raise not_applicable("foundation", "blocks on level, firm ground in this study")
     if scene.gravity <= 0 or scene.gravity_vector[0] != 0:
         raise SceneError("gravity", "an incline, or none", "vertical gravity > 0 in this study")
+    if block.position is not None:
+        raise SceneError(f"{block.name}.position", "a place in the air", "offset in this study")
+    if scene.pairs:
+        raise SceneError("pair", scene.pairs[0].where, f"keys of {block.name} in this study")
     if block.tilt or any(block.velocity) or block.angular_velocity:
         raise SceneError(block.name, "a block that is tilted or moves", "one at rest in this study")

@@ -74,5 +74,5 @@ ORACLES = [
         "time of n1.angle_rad past 0.2617994": program(0.5433, "Housner's equation", abs=5e-4)}),
     Oracle("lintel on two posts", TRILITH, {}, {"lintel.mode": word("rest"),
         "last a.normal_force_N + b.normal_force_N": closed(2920 * own.G, "weight", rel=1e-9)},
-        today_wrong="a block on two carriers is refused"),
+        today_wrong="its first post alone carries the lintel"),
 ]

@@ -156,8 +156,8 @@ def test_there_is_an_example_of_each() -> None:
         "frame",
     }
     assert {scene.dimension for scene in scenes} == {2, 3}
-    assert max(len(scene.blocks) for scene in scenes) == 2
-    assert len(scenes) == 4 and len(examples(README)) == 1
+    assert max(len(scene.blocks) for scene in scenes) == 4
+    assert len(scenes) == 5 and len(examples(README)) == 1
     # nothing that looks like TOML is left unread
     for line in PAGE.read_text(encoding="utf-8").splitlines():
         assert not line.startswith("```")

@@ -218,7 +218,43 @@ model = "rigid"
 [time]
 end = 1.0
 step = 1e-3
-"""
+""",
+    "a lintel": """
+[[block]]
+name = "left"
+width = 0.5
+height = 2.0
+density = 2000.0
+model = "rigid"
+offset = -1.0
+[[block]]
+name = "right"
+width = 0.5
+height = 2.0
+density = 2000.0
+model = "rigid"
+offset = 1.0
+[[block]]
+name = "lintel"
+on = ["left", "right"]
+width = 3.0
+height = 0.4
+density = 2000.0
+model = "rigid"
+[[block]]
+name = "stone"
+width = 0.2
+height = 0.2
+density = 2000.0
+model = "rigid"
+position = [0.0, 3.0]
+[[pair]]
+between = ["stone", "lintel"]
+restitution = 0.5
+[time]
+end = 1.0
+step = 1e-3
+""",
 }
 """The scenes of headings of the table that end with these words; else that of a meshed block."""
 SHORT = {

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks import random_columns
-from geometry.arrangement import Pose, initial_position_in_space, on_top
+from geometry.arrangement import Pose, initial_position_in_space, top_of
 from geometry.block import Block
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
@@ -178,7 +178,7 @@ def turned_tiles(count: int, yaw: float) -> list[RigidBlock]:
     poses = [flat]
     for _ in range(count - 1):
         turned = Pose(rotation=turn, about=flat.about, place=flat.place)
-        poses.append(on_top(poses[-1], TILE.height, turned))
+        poses.append(top_of(poses[-1], TILE.height).after(turned))
     return [
         RigidBlock(
             name=f"block{k}",

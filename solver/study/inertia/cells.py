@@ -115,6 +115,10 @@ def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
         raise Statement("contact.friction", "needs to be positive, without decay and cohesion here")
     if scene.gravity_vector[0]:
         raise Statement("scene", "is inclined; the structures of the study are level")
+    if any(pair.friction is not None and "foundation" in pair.between for pair in scene.pairs):
+        raise Statement("pair", "may not be of the platform, whose friction the study varies")
+    if any(block.position is not None for block in scene.blocks):
+        raise Statement("scene", "starts with a block in the air; the study starts all at rest")
     if not all(block.begins_at_rest for block in scene.blocks):
         raise Statement("scene", "starts with a tilt or a velocity; the study starts all at rest")
     structure = Structure(
@@ -172,7 +176,7 @@ def step_of(blocks: Iterable[BlockSpec], structure: Structure) -> float:
 def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, Any]:
     """The scene of a cell as plain tables; `model`: of all blocks."""
     made, structure = deepcopy(dict(tables)), cell.structure
-    masses = [block.shape.mass for block in parse_scene(dict(tables)).blocks]
+    blocks = parse_scene(dict(tables)).blocks
     made["foundation"] = {
         "kind": "oscillator",
         "mass_ratio": structure.mass_ratio,
@@ -181,13 +185,13 @@ def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, An
     }
     law = {"static": cell.friction, "dynamic": structure.dynamic * cell.friction}
     made.setdefault("contact", {})["friction"] = law
-    for block, mass in zip(made["block"], masses, strict=True):
+    for block, spec in zip(made["block"], blocks, strict=True):
         block["model"] = model
-        if block.get("on", "foundation") == "foundation":
+        if spec.carrier == "foundation":
             block.pop("friction", None)
         if cell.aspect is not None:
             block["height"] = cell.aspect * block["width"]
-            block["mass"] = mass
+            block["mass"] = spec.shape.mass
             block.pop("density", None)
     time = made.setdefault("time", {})
     if model == "rigid" and "step" not in time:

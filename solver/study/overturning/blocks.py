@@ -93,7 +93,7 @@ class Upright:
             unit=gravity * math.tan(shape.slenderness),
             low=weight * shape.height / 2,
             high=weight * shape.half_diagonal,
-            restitution=block.restitution or max(0.0, housner_restitution(shape)),
+            restitution=scene.restitution_of(block) or max(0.0, housner_restitution(shape)),
         )
 
     def stays(self, energy: float, angle: float) -> bool:
