@@ -40,7 +40,7 @@ template <int d> struct Island {
 /// How often what was needed.
 struct Outcomes {
     long solves = 0, warm = 0, newton = 0, factorizations = 0, searched = 0;
-    long scaled = 0, softened = 0, swept = 0, failed = 0, loose = 0;
+    long softened = 0, swept = 0, failed = 0, loose = 0;
     double loosest = 0;
 };
 
@@ -222,7 +222,7 @@ template <int d> class LocalProblem {
             }
             largest_[i] = defect_[i] = 0;
             for (int j = 0; j < d; j++) {
-                const double length = scale_ * r[j > 0], step = length * k.y[j];
+                const double length = r[j > 0], step = length * k.y[j];
                 trial_[i][j] = k.impulse[j] - step;
                 noise = std::max({noise, std::fabs(k.impulse[j]), std::fabs(step), length * moved});
             }
@@ -336,13 +336,13 @@ template <int d> class LocalProblem {
             LU<d> K;
             State state{};
             const Vec<d> nearest = project<d>(k.bound, k.mode, k.given, trial_[i], state, &J);
-            const int mark = static_cast<int>(state) + (scale_ != 1 ? 16 : 0);
+            const int mark = static_cast<int>(state);
             // Slip in space turns its direction from iteration to iteration.
             same = same && island.factored[i] == mark && (d == 2 || state != SLIP);
             island.factored[i] = mark;
             for (int a = 0; a < d; a++)
                 for (int b = 0; b < d; b++) {
-                    const double r = scale_ * island.length[i][b > 0];
+                    const double r = island.length[i][b > 0];
                     K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * island.own[i][b > 0];
                     J[a][b] *= r;
                 }
@@ -399,8 +399,8 @@ template <int d> class LocalProblem {
     }
 
     /// Newton's method with the term held at the anchors of the contacts, which has one solution
-    /// however many rows say the same. Where it fails, it is tried with longer r, which has other
-    /// cycles and other minima of the merit; then by the proximal point algorithm with a softer term.
+    /// however many rows say the same; where it fails, by the proximal point algorithm with a softer
+    /// term, which becomes harder again from solution to solution.
     bool by_proximal_point(I& island) {
         const std::size_t count = island.contacts.size();
         double q = SOFTNESS;
@@ -413,18 +413,7 @@ template <int d> class LocalProblem {
                 last_[i] = island.contacts[i]->impulse;
                 if (!first) anchor_[i] = last_[i];
             }
-            bool settled = newton(island, q, ROUNDS);
-            if (!settled) {
-                restore(island, last_);
-                scale_ = 10;
-                settled = newton(island, q, ROUNDS);
-                scale_ = 1;
-                if (settled) {
-                    outcomes.scaled++;
-                    settled = newton(island, q, ROUNDS);
-                }
-            }
-            if (settled) {
+            if (newton(island, q, ROUNDS)) {
                 if (q <= SOFTNESS) return true;
                 q = std::max(SOFTNESS, 0.1 * q);
                 continue;
@@ -482,7 +471,7 @@ template <int d> class LocalProblem {
         move(island);
     }
 
-    double breach_ = 0, merit_ = 0, scale_ = 1;
+    double breach_ = 0, merit_ = 0;
     long stamps_ = 0;
     BlockLU<unknowns> single_;
     std::unordered_map<std::uint64_t, BlockLU<unknowns>> patterns_;

@@ -192,6 +192,25 @@ void world_state(void* handle, double* of_bodies, double* of_step) {
     with(handle, [&](auto& world) { write_state(world, of_bodies, of_step); });
 }
 
+/// Writes the collisions since the last call, each as time, a, b, points, place, normal, approach,
+/// departure, impulse, energy, and forgets them; returns their number, and only that without room.
+long world_collisions(void* handle, double* out) {
+    return with(handle, [&](auto& world) {
+        const long count = static_cast<long>(world.collisions.size());
+        if (!out) return count;
+        for (const auto& met : world.collisions) {
+            write(out, Numbers<4>{met.time, double(met.a), double(met.b), double(met.points)});
+            write(out, met.place);
+            write(out, met.normal);
+            write(out, Numbers<2>{met.approach, met.departure});
+            write(out, met.impulse);
+            *out++ = met.energy;
+        }
+        world.collisions.clear();
+        return count;
+    });
+}
+
 /// Writes all that steps change, where there is room for it; returns how many numbers that takes.
 long world_save(void* handle, double* out, long room) {
     return with(handle, [&](auto& world) {
@@ -214,7 +233,7 @@ void world_counts(void* handle, double* out) {
     with(handle, [&](auto& world) {
         const auto& o = world.local.outcomes;
         const auto& c = world.counts;
-        const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.searched), double(o.scaled),
+        const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.searched),
                               double(o.softened), double(o.swept), double(o.failed), double(o.loose), o.loosest, double(c.outer), double(c.late),
                               double(c.widened), double(c.halved), double(c.cut), double(c.contacts), double(c.most_contacts), double(c.rungs[0]),
                               double(c.rungs[1]), double(c.rungs[2]), double(c.rungs[3]), double(c.rungs[4]), double(c.unsettled),

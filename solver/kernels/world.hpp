@@ -26,16 +26,17 @@ struct Ledger {
     double numerical = 0;  // time stepping of the platform
 };
 
-/// Two bodies that met: the instant, velocities before and after, impulses, energy.
-template <int d> struct Event {
-    double time;            // s
-    int a, b;               // the body of the point, and that of the face
-    Vec<d> place;           // m
-    Vec<d> normal;          // from b to a
-    double approach;        // normal velocity before, m/s, > 0 where they come together
-    double departure;       // normal velocity after, m/s
-    Vec<d> impulse;         // on a, N s
-    double energy;          // lost by all bodies of the island in this impact, J
+/// Two bodies that met at an instant, over all points at which they did.
+template <int d> struct Collision {
+    double time = 0;         // s
+    int a = 0, b = 0;        // a < b
+    int points = 0;
+    Vec<d> place{};          // mean of the points by their normal impulses, m
+    Vec<d> normal{};         // mean, likewise, from b to a
+    double approach = 0;     // largest normal velocity before, m/s
+    double departure = 0;    // and the largest after
+    Vec<d> impulse{};        // on a, N s
+    double energy = 0;       // lost by the impulses of this pair, J
 };
 
 /// How deep two bodies overlap, and when.
@@ -68,9 +69,9 @@ template <int d> class World {
 
     double time = 0;
     Ledger ledger;
-    std::vector<Event<d>> events;
+    std::vector<Collision<d>> collisions;
     std::vector<Vec<d>> slip;             // of each body over what carries it, m, (n,); the last is unused
-    std::vector<Vec<d>> received;         // impulses of a step on each body but from what it carries, N s
+    std::vector<Vec<d>> received;         // impulses of a step on each body from what it stands on, N s
     std::vector<double> penetration;      // of each body in any but what it carries, m
     Overlap deepest;                      // of two bodies at the start of any step so far
     Vec<d> spring_impulse{};              // of the platform's spring and dashpot on the ground in a step, N s
@@ -160,6 +161,7 @@ template <int d> class World {
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
+    static constexpr double STEEPEST = 0.5;  // upward component of the normal of what bears a body
     static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3;
     static constexpr int LARGEST_CUT = 12;  // bodies of a group that is cut where nothing rebounds
 
@@ -225,14 +227,14 @@ template <int d> class World {
         const double pull = norm(gravity - ground.start) + dt * norm(ground.rise);
         const bool cuttable = cuts > 0 && something_happens(A, dt, pull);
         if (!any_failed && !cuttable) {
-            finish(A, dt, ground);
+            finish(A, piece);
             return true;
         }
         const std::vector<std::vector<int>> groups = groups_of(A);
         if (groups.size() > 1) return by_groups(A, depth, groups, piece, pull);
         if (any_failed) return by_halves(A, depth, piece);
         if (is_cut(A, piece, pull)) return in_pieces(A, depth, piece, pull);
-        finish(A, dt, ground);
+        finish(A, piece);
         return true;
     }
 
@@ -663,10 +665,12 @@ template <int d> class World {
     // ------------------------------------------------------------ the end of a step
 
     /// Takes the solved step: ledger, places, velocities, memory; then contact at velocity level.
-    void finish(Attempt& A, double dt, const GroundMotion<d>& ground) {
+    void finish(Attempt& A, const Piece& piece) {
+        const auto& [begin, dt, ground, cuts] = piece;
         counts.contacts += static_cast<long>(A.contacts.size());
         counts.most_contacts = std::max(counts.most_contacts, static_cast<long>(A.contacts.size()));
         follow_slips(A, dt);
+        record_landings(A, dt, begin + dt);
         for (C& k : A.contacts) close_step(A, k, dt);
         const Vec<d> acceleration = ground.mean(dt);
         for (int b : A.members) move_body(A, b, dt, acceleration);
@@ -884,18 +888,26 @@ template <int d> class World {
         if (!k.closed) return;
         const int a = k.feature.point_body, b = k.feature.face_body;
         Vec<d> force{};
-        for (int i = 0; i < d; i++)
-            for (int j = 0; j < d; j++) force[j] += k.total[i] * k.rows_a[i][j];
-        if (bodies[a].is_platform())  // rows on it are cut down to its unknowns
-            for (int j = 0; j < d; j++) {
-                force[j] = 0;
-                for (int i = 0; i < d; i++) force[j] -= k.total[i] * k.rows_b[i][j];
-            }
-        if (!carries(a, b)) received[a] += force;
-        if (!carries(b, a)) received[b] += -1.0 * force;
+        for (int i = 0; i < d; i++) force += k.total[i] * axis(k, i);
+        const double up = axis(k, 0)[d - 1];
+        if (bears(b, a, up)) received[a] += force;
+        if (bears(a, b, -up)) received[b] += -1.0 * force;
         const double depth = -k.end_gap;
         if (!carries(a, b)) penetration[a] = std::max(penetration[a], depth);
         if (!carries(b, a)) penetration[b] = std::max(penetration[b], depth);
+    }
+
+    /// The normal of a contact, from the body of the face to that of the point, or a tangent.
+    Vec<d> axis(const C& k, int number) const {
+        const bool by_a = bodies[k.feature.point_body].mobility == Mobility::FREE;  // rows on a platform are cut down
+        Vec<d> e;
+        for (int j = 0; j < d; j++) e[j] = by_a ? k.rows_a[number][j] : -k.rows_b[number][j];
+        return e;
+    }
+
+    /// True if a body stands on another one: on what carries it, or by a normal that points upwards.
+    bool bears(int lower, int upper, double up) const {
+        return carries(lower, upper) || (!carries(upper, lower) && up > STEEPEST);
     }
 
     bool carries(int lower, int upper) const {
@@ -919,10 +931,8 @@ template <int d> class World {
                 Vec<d> moved = mul(k.rows_a, A.w[k.feature.point_body]);
                 if (bodies[k.feature.face_body].moves()) moved += mul(k.rows_b, A.w[k.feature.face_body]);
                 Vec<d> slipped{};
-                const Mat<d, unknowns>& rows = bodies[k.feature.point_body].mobility == Mobility::FREE ? k.rows_a : k.rows_b;
-                const double sign = (upper_has_point ? 1 : -1) * (&rows == &k.rows_a ? 1 : -1);
-                for (int i = 1; i < d; i++)
-                    for (int j = 0; j < d; j++) slipped[j] += sign * 0.5 * dt * moved[i] * rows[i][j];
+                const double sign = upper_has_point ? 1 : -1;
+                for (int i = 1; i < d; i++) slipped += (sign * 0.5 * dt * moved[i]) * axis(k, i);
                 way += transposed_mul(frame, slipped);
                 closed++;
             }
@@ -1048,7 +1058,7 @@ template <int d> class World {
             if (!again[group(k)]) kept.push_back(k);
         A.contacts.swap(kept);
         A.members = quiet;
-        finish(A, piece.dt, piece.ground);
+        finish(A, piece);
         for (std::size_t g = 0; g < groups.size(); g++)
             if (again[g] && !advance(depth + 1, groups[g], piece)) return false;
         return true;
@@ -1079,11 +1089,10 @@ template <int d> class World {
         if (!(length > 0)) return advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
         counts.cut++;
         const bool at_once = length < AT_END * piece.dt;
-        if (!at_once) finish(A, length, piece.ground);
+        if (!at_once) finish(A, piece.first(length));
         Piece rest = at_once ? piece : piece.rest(length);
         rest.cuts--;
-        now_ = rest.begin;
-        if (touches) collide(depth + 1, members);
+        if (touches) collide(depth + 1, members, rest.begin);
         return length == piece.dt || advance(depth + 1, members, rest);
     }
 
@@ -1186,7 +1195,7 @@ template <int d> class World {
     // ------------------------------------------------------------ impacts
 
     /// Gives the velocities a jump where contacts that touch come together, and books it.
-    void collide(int depth, const std::vector<int>& members) {
+    void collide(int depth, const std::vector<int>& members, double when) {
         Attempt& A = attempt(depth);
         A.members = members;
         for (int b : members) A.least[b] = 0;
@@ -1200,7 +1209,7 @@ template <int d> class World {
             k.end_gap = k.gap;
         }
         gather_islands(A, [](const C& k) { return k.closed; });
-        for (int i = 0; i < A.island_count; i++) strike(A, A.islands[i]);
+        for (int i = 0; i < A.island_count; i++) strike(A, A.islands[i], when);
         for (C& k : A.contacts)
             if (k.closed) share_impulse(k);
     }
@@ -1215,7 +1224,7 @@ template <int d> class World {
     /// Housner's equation; one that lands flat rebounds with e times its speed, as in Newton's law. What
     /// lands alone has no rebound, nor has in space an edge. Below Housner's e the old pivots have to
     /// be held back: there alone an impulse may pull.
-    void strike(Attempt& A, Island<d>& island) {
+    void strike(Attempt& A, Island<d>& island, double when) {
         start_instant(A, island);
         velocity_ = island.w;
         island.free = island.w;
@@ -1246,7 +1255,7 @@ template <int d> class World {
         ledger.friction += friction;
         ledger.contact += lost - friction;
         take_velocities(A, island);
-        record_impacts(A, island, lost);
+        record_impacts(A, island, when);
     }
 
     /// Impulses of an impact from none.
@@ -1369,7 +1378,7 @@ template <int d> class World {
                         farthest = norm(place[j] - place[l]);
                     }
             if (a == count) continue;
-            const double opposite = before_[i][0] + dot(gradient(island, k), place[a] + place[b] - 2.0 * place[i]);
+            const double opposite = before_[i][0] + dot(gradient(k), place[a] + place[b] - 2.0 * place[i]);
             double together = 0;
             if (d == 3) {
                 bool on_a_line = true;
@@ -1389,35 +1398,62 @@ template <int d> class World {
     }
 
     /// Gradient of the normal velocity of a contact over its place, 1/s: n x omega of the relative spin.
-    Vec<d> gradient(const Island<d>& island, const C& k) const {
+    Vec<d> gradient(const C& k) const {
         Vec<rotations> spin{};
         for (int i = 0; i < rotations; i++) {
             if (k.a >= 0) spin[i] += velocity_[k.a][d + i];
             if (k.b >= 0) spin[i] -= velocity_[k.b][d + i];
         }
-        Vec<d> n;
-        for (int i = 0; i < d; i++) n[i] = k.a >= 0 && bodies[island.bodies[k.a]].mobility == Mobility::FREE ? k.rows_a[0][i] : -k.rows_b[0][i];
+        const Vec<d> n = axis(k, 0);
         if constexpr (d == 2) return {spin[0] * n[1], -spin[0] * n[0]};
         else return cross(n, spin);
     }
 
-    void record_impacts(const Attempt& A, const Island<d>& island, double lost) {
+    /// Notes the bodies that met at an instant, by the impulses and velocities of their points.
+    void record_impacts(const Attempt& A, const Island<d>& island, double when) {
+        const std::size_t first = collisions.size();
         for (std::size_t i = 0; i < island.contacts.size(); i++) {
             const C& k = *island.contacts[i];
-            if (!(k.impulse[0] > 0) || k.was_closed) continue;
-            Event<d> event{};
-            event.time = now_;
-            event.a = k.feature.point_body;
-            event.b = k.feature.face_body;
-            event.place = place_of(A, k);
-            event.approach = -before_[i][0];
-            event.departure = local.reading(island, k)[0];
-            for (int j = 0; j < d; j++) {
-                event.normal[j] = k.rows_a[0][j];
-                for (int l = 0; l < d; l++) event.impulse[j] += k.impulse[l] * k.rows_a[l][j];
-            }
-            event.energy = lost;
-            events.push_back(event);
+            if (k.was_closed) continue;
+            record_impact(A, k, first, when, k.impulse, before_[i], local.reading(island, k));
+        }
+    }
+
+    /// Adds a point that came together to the collision of its pair, from a first one on.
+    void record_impact(const Attempt& A, const C& k, std::size_t first, double when, const Vec<d>& impulse,
+                       const Vec<d>& before, const Vec<d>& after) {
+        if (!(impulse[0] > 0) || !(before[0] < 0)) return;
+        const auto [a, b] = std::minmax(k.feature.point_body, k.feature.face_body);
+        std::size_t at = first;
+        while (at < collisions.size() && (collisions[at].a != a || collisions[at].b != b)) at++;
+        if (at == collisions.size()) {
+            collisions.emplace_back();
+            collisions[at].time = when;
+            collisions[at].a = a;
+            collisions[at].b = b;
+        }
+        Collision<d>& met = collisions[at];
+        const double sign = k.feature.point_body == a ? 1 : -1, old = sign * dot(met.impulse, met.normal);
+        const double share = impulse[0] / (impulse[0] + std::fabs(old));
+        met.points++;
+        met.place = (1 - share) * met.place + share * place_of(A, k);
+        met.normal = (1 - share) * met.normal + (share * sign) * axis(k, 0);
+        met.approach = std::max(met.approach, -before[0]);
+        met.departure = std::max(met.departure, after[0]);
+        for (int i = 0; i < d; i++) met.impulse += (sign * impulse[i]) * axis(k, i);
+        met.energy -= 0.5 * dot(impulse, before + after);
+    }
+
+    /// Notes the contacts that closed in a step which was not cut there.
+    void record_landings(const Attempt& A, double dt, double when) {
+        const std::size_t first = collisions.size();
+        for (const C& k : A.contacts) {
+            if (!is_new(k) || k.state == OPEN || !(k.impulse[0] > 0)) continue;
+            const double pull = norm(gravity), speed = approach(A, k);
+            if (!(speed > 0.5 * dt * pull)) continue;
+            Vec<d> before{};
+            before[0] = -speed;
+            record_impact(A, k, first, when, k.impulse, before, {});
         }
     }
 
@@ -1431,7 +1467,6 @@ template <int d> class World {
     std::vector<Vec<d>> step_impulse_, before_;
     std::vector<State> state_;
     std::vector<Motion> velocity_, pushed_;
-    double now_ = 0;      // when the piece of a step begins, s
     bool rough_ = false;  // what is not solved is taken as it is
 };
 

@@ -20,7 +20,7 @@ from solver.types import Array
 
 
 COUNTS = (
-    *("solves", "warm", "newton", "factorizations", "searched", "scaled", "softened", "swept"),
+    *("solves", "warm", "newton", "factorizations", "searched", "softened", "swept"),
     *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
     *("most_contacts", "rung_0", "rung_1", "rung_2", "rung_3", "rung_4"),
     *("unsettled", "largest_defect", "deepest", "deepest_at", "deepest_a", "deepest_b"),
@@ -28,7 +28,6 @@ COUNTS = (
 """Names of the counts that the library keeps."""
 
 FALLBACKS = {
-    "scaled": "scaled",
     "proximal": "softened",
     "sweeps": "swept",
     "velocity solve left out": "rung_4",
@@ -144,6 +143,46 @@ class Steps:
         return Steps(**{field.name: getattr(self, field.name)[-1:] for field in fields(self)})
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Collision:
+    """Two bodies that met at an instant, over all points at which they did."""
+
+    time: float
+    first: int
+    second: int
+    """Numbers of the bodies, the lower one first."""
+    points: int
+    place: Array
+    """Where, relative to the ground, m."""
+    normal: Array
+    """From the second to the first."""
+    approach: float
+    """Largest normal velocity of a point before, m/s."""
+    departure: float
+    """And after."""
+    impulse: Array
+    """On the first, N s."""
+    energy: float
+    """Lost by the impulses between the two, J."""
+
+    @classmethod
+    def read(cls, d: int, row: Array) -> Collision:
+        """A collision by the numbers as the library writes them."""
+        when, place, normal, speeds, impulse, energy = np.split(row, np.cumsum([4, d, d, 2, d]))
+        return cls(
+            time=float(when[0]),
+            first=int(when[1]),
+            second=int(when[2]),
+            points=int(when[3]),
+            place=place,
+            normal=normal,
+            approach=float(speeds[0]),
+            departure=float(speeds[1]),
+            impulse=impulse,
+            energy=float(energy[0]),
+        )
+
+
 class World:
     """Rigid bodies of which every one meets every other."""
 
@@ -160,6 +199,7 @@ class World:
         new = self._library.world_new
         new.restype = ctypes.c_void_p
         self._library.world_save.restype = ctypes.c_long
+        self._library.world_collisions.restype = ctypes.c_long
         self._handle = ctypes.c_void_p(
             new(dimension, _numbers(gravity), _numbers(scheme), int(velocity_level))
         )
@@ -260,11 +300,22 @@ class World:
         width = 12 if d == 2 else 23
         return np.empty((count, self._count, width)), np.empty((count, 11 + d))
 
-    def fallbacks(self) -> dict[str, int]:
-        """How often contact problems were left to which method after Newton's."""
+    def collisions(self) -> list[Collision]:
+        """The collisions since the last call."""
+        number, d = self._library.world_collisions(self._handle, None), self._d
+        out = np.empty((number, 7 + 3 * d))
+        self._library.world_collisions(self._handle, _place(out))
+        return [Collision.read(d, row) for row in out]
+
+    def counts(self) -> dict[str, float]:
+        """The counts that the library keeps, by their names."""
         counts = np.empty(len(COUNTS))
         self._library.world_counts(self._handle, _place(counts))
-        found = dict(zip(COUNTS, counts, strict=True))
+        return dict(zip(COUNTS, map(float, counts), strict=True))
+
+    def fallbacks(self) -> dict[str, int]:
+        """How often contact problems were left to which method after Newton's."""
+        found = self.counts()
         return {name: int(found[key]) for name, key in FALLBACKS.items()}
 
     def saved(self) -> Array:
