@@ -133,7 +133,7 @@ def test_without_any_way_one_message_names_all_three(machine: Machine) -> None:
     assert done.stdout == ""
     assert done.stderr.startswith("in-env: found no way to dolfinx >= 0.9. ")
     for word in (
-        "apt install python3-dolfinx",
+        "apt install g++ python3-dolfinx",
         "conda install",
         "Docker or Podman",
         "sudo ./in-env",

@@ -27,6 +27,29 @@ SANITIZERS = (
 )
 NEEDS_COMPILER = pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")
 
+SPACE = """
+dimension = 3
+time = {end = 0.3, step = 1e-3}
+output = {fields = "none"}
+[[block]]
+name = "lower"
+model = "rigid"
+width = 0.4
+thickness = 0.4
+height = 0.3
+mass = 100.0
+[[block]]
+name = "upper"
+on = "lower"
+model = "rigid"
+width = 0.3
+thickness = 0.3
+height = 0.9
+mass = 200.0
+tilt_deg = 3.0
+"""
+"""Two blocks in space and an impact."""
+
 BEYOND = """
 import ctypes
 from solver.kernels.world import World
@@ -118,7 +141,7 @@ def test_no_compiler_warns(tmp_path: Path) -> None:
 @pytest.mark.slow
 @NEEDS_COMPILER
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
-    """In the scenes of test_rigid_world.py; what they should find, they do find."""
+    """In scenes of test_rigid_world.py, a wall, blocks in space; what is there, they find."""
     built = build(tmp_path / NAME, *SANITIZERS)
     assert built.returncode == 0, built.stderr
     preloaded = [
@@ -149,5 +172,10 @@ def test_sanitizers_find_nothing(tmp_path: Path) -> None:
     scenes = "tests/verification/test_rigid_world.py"
     done = python("-m", "pytest", "-q", "-p", "no:cacheprovider", scenes)
     assert done.returncode == 0 and " passed" in done.stdout, done.stdout + done.stderr
+    (tmp_path / "space.toml").write_text(SPACE)
+    wall = ("demos/wall/scene.toml", "--set", "time.end=0.2", "output.fields=none")
+    for number, scene in enumerate((wall, (str(tmp_path / "space.toml"),))):
+        done = python("-m", "rockslip", "run", *scene, "-o", str(tmp_path / f"out{number}"))
+        assert done.returncode == 0 and "completed at" in done.stdout, done.stdout + done.stderr
     done = python("-c", BEYOND)
     assert done.returncode != 0 and "AddressSanitizer: heap-buffer-overflow" in done.stderr
