@@ -8,10 +8,13 @@
 # compiler's version; it is compiled if it is not there yet. SHOWN is what messages call CACHE.
 # What a user's ROCKSLIP_KERNELS names is taken as it is.
 set -euo pipefail
-export LC_ALL=C
 here=${0%/*}
 compiler=${CXX:-g++}
-sources=("$here"/*.cpp "$here"/*.hpp "$here/build.sh" "$here/symbols.map")
+
+collect_sources() { # sources=(...), in the order of solver/kernels/library.py wherever we are
+    local LC_ALL=C
+    sources=("$here"/*.cpp "$here"/*.hpp "$here/build.sh" "$here/symbols.map")
+}
 
 digest() { # of what is read, in 16 digits
     local all
@@ -24,9 +27,11 @@ digest() { # of what is read, in 16 digits
 compile() { # FILE [OPTION ...]
     local file=$1
     shift
+    collect_sources
     # shellcheck disable=SC2086 # $CXX may have options
     $compiler -std=c++17 -O3 -ffp-contract=off -fPIC -shared -fno-semantic-interposition \
-        -Wl,--version-script="$here/symbols.map" -DROCKSLIP_SOURCES="\"$(cat "${sources[@]}" | digest)\"" "$@" "$here/module.cpp" -o "$file"
+        -Wl,--version-script="$here/symbols.map" -DROCKSLIP_SOURCES="\"$(cat "${sources[@]}" | digest)\"" \
+        "$@" "$here/module.cpp" -o "$file"
 }
 
 say() { echo "in-env: $*" >&2; }
@@ -37,8 +42,9 @@ fail() {
 
 provide() { # CACHE SHOWN: sets ROCKSLIP_KERNELS
     local folder=$1/kernels name new
+    collect_sources
     # shellcheck disable=SC2086
-    name=$({ $compiler --version 2>/dev/null && echo "$MACHTYPE" && cat "${sources[@]}"; } | digest).so ||
+    name=$({ LC_ALL=C $compiler --version 2>/dev/null && echo "$MACHTYPE" && cat "${sources[@]}"; } | digest).so ||
         fail "no compiler for the kernels: got $compiler; install g++, or let CXX name another"
     if [[ ${ROCKSLIP_KERNELS:-} = *"/$name" ]]; then return; fi # an ./in-env within another one
     export ROCKSLIP_KERNELS="$folder/$name"

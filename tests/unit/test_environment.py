@@ -387,6 +387,7 @@ def test_kernels_are_compiled_once(machine: Machine) -> None:
     assert (first.stdout, first.stderr) == ("library\n", BUILDING)
     assert (second.stdout, second.stderr) == ("library\n", "")
     assert len(machine.calls("g++ -std")) == 1
+    assert machine.in_env("sh", "-c", 'echo "${LC_ALL-none}"').stdout == "none\n"
     newer = COMPILER.replace("g++ 14", "g++ 15")
     machine.install("g++", newer.format(first=":"))
     assert machine.in_env(*SAYS).stderr == BUILDING
