@@ -20,8 +20,7 @@ import numpy as np
 
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
-from solver.rigid.space.system import SpaceSystem
-from solver.rigid.system import RigidBlock, blocks_of
+from solver.rigid.system import RigidBlock, RigidSystem, blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 END = 3.0
@@ -84,7 +83,7 @@ def turned(blocks: list[RigidBlock], seed: int) -> list[RigidBlock]:
 def run(scene: Scene, seed: int) -> dict[str, Any]:
     """Run a column; returns its results."""
     step, scheme = scene.time.step, GeneralizedAlpha(scene.time.rho_inf)
-    system = SpaceSystem(turned(blocks_of(scene), seed), scheme)
+    system = RigidSystem(turned(blocks_of(scene), seed), scheme)
     count, motion = round(scene.time.end / step), read_ground(scene)
     times = np.arange(count + 1) * step
     ground, mean = motion.accelerations(times), motion.means(times)

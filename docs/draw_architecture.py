@@ -21,6 +21,7 @@ ORDER = (
     "kernels",
     "law",
     "scheme",
+    "kernels",
     "history",
     "bodies",
     "contact",

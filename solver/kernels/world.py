@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 from solver.kernels.library import library
 from solver.types import Array
 
-
 COUNTS = (
     *("solves", "warm", "newton", "factorizations", "searched", "softened", "swept"),
     *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
@@ -247,10 +246,14 @@ class World:
             np.broadcast_to(body.spin, turns),
         ]
         mobility = int(body.mobility)
-        self._library.world_body(self._handle, body.shape, mobility, _numbers(np.concatenate(parts)))
+        self._library.world_body(
+            self._handle, body.shape, mobility, _numbers(np.concatenate(parts))
+        )
         self._count += 1
 
-    def begin(self, laws: Sequence[ArrayLike], law_of: ArrayLike, carriers: Sequence[Sequence[int]]) -> None:
+    def begin(
+        self, laws: Sequence[ArrayLike], law_of: ArrayLike, carriers: Sequence[Sequence[int]]
+    ) -> None:
         """Begin, all bodies being there.
 
         Args:
@@ -264,9 +267,7 @@ class World:
         counts = _integers([len(each) for each in carriers])
         self._library.world_begin(self._handle, _integers(law_of), flat, counts)
 
-    def run(
-        self, count: int, dt: float, smallest: float, ground: Array, shift: Array
-    ) -> Steps:
+    def run(self, count: int, dt: float, smallest: float, ground: Array, shift: Array) -> Steps:
         """Take steps; fewer than `count` where one was not solved.
 
         Args:

@@ -41,7 +41,17 @@ ROOT = Path(__file__).parents[2]
 """Folder of the packages."""
 
 PACKAGES = (
-    *("scene", "excitation", "law", "scheme", "history", "bodies", "contact", "stepping"),
+    *(
+        "scene",
+        "excitation",
+        "law",
+        "scheme",
+        "kernels",
+        "history",
+        "bodies",
+        "contact",
+        "stepping",
+    ),
     *("rigid", "build", "fields", "results", "reference", "run"),
 )
 """In the order of docs/architecture.md: each imports only from those before it, so that its machine

@@ -12,7 +12,10 @@ from solver.kernels.world import Steps
 from solver.types import Array
 
 #: Bottom corners in the order of the gaps, in units of half the edges.
-BOTTOM = {2: np.array([(-1, -1), (1, -1)]), 3: np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)])}
+BOTTOM = {
+    2: np.array([(-1, -1), (1, -1)]),
+    3: np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)]),
+}
 
 
 def rotation_matrices(rotation: Array) -> Array:
@@ -85,24 +88,23 @@ class BlockRows:
     ) -> None:
         """Slip, gaps, penetration and forces: over the carrier, or level ground once it is lost."""
         at, d, base = self._at, self._d, len(self._carriers)
-        top = np.zeros(d)
-        shift = steps.centre[1:, b] - steps.centre[1:, carrier]
+        level = np.eye(d)
+        centre = steps.centre[1:, b]
+        over_ground = centre - steps.centre[1:, base] * (1 - level[-1])
         if carrier == base:
-            below, mean = np.eye(d), np.eye(d)
-            shift[:, -1] = steps.centre[1:, b, -1]
+            below = mean = np.broadcast_to(level, (len(own), d, d))
+            shift, half = over_ground, np.zeros(len(own))
         else:
-            top[-1] = self._half[carrier, -1]
-            frame = frames[1:, carrier]
-            lost = has_lost_carrier(
-                frame[:, -1, -1], np.einsum("si,si->s", frame[:, :, -1], shift), top[-1]
-            )[:, None, None]
-            below = np.where(lost, np.eye(d), frame)
-            mean = np.where(lost, np.eye(d), (frames[:-1, carrier] + frame) / 2)
-            on_ground = steps.centre[1:, b] - steps.centre[1:, base] * ([1.0] * (d - 1) + [0.0])
-            shift = np.where(lost[:, 0], on_ground, shift)
-            top = np.where(lost[:, 0], 0.0, top)
+            frame, height = frames[1:, carrier], self._half[carrier, -1]
+            shift = centre - steps.centre[1:, carrier]
+            above = np.einsum("si,si->s", frame[:, :, -1], shift)
+            lost = has_lost_carrier(frame[:, -1, -1], above, height)
+            below = np.where(lost[:, None, None], level, frame)
+            mean = np.where(lost[:, None, None], level, (frames[:-1, carrier] + frame) / 2)
+            shift = np.where(lost[:, None], over_ground, shift)
+            half = np.where(lost, 0.0, height)
         arms = np.einsum("sij,kj->ski", frames[1:, b], BOTTOM[d] * self._half[b])
-        gaps = ((shift[:, None] + arms) @ below - (top if top.ndim == 1 else top[:, None]))[..., -1]
+        gaps = np.einsum("ski,si->sk", shift[:, None] + arms, below[:, :, -1]) - half[:, None]
         names = ("left", "right") if d == 2 else ("1", "2", "3", "4")
         for k, name in enumerate(names):
             own[:, getattr(at, f"gap_{name}_m")] = gaps[:, k]

@@ -1,4 +1,4 @@
-"""Compiled code: the same interpreted, kept by the version of all sources, never needed."""
+"""Compiled code: kept by the version of all sources; linked late."""
 
 from __future__ import annotations
 
@@ -21,19 +21,6 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 needs_numba = pytest.mark.skipif(module.NUMBA is None, reason="numba is not installed")
 
-RUN = """
-import sys
-from solver.law.compiled import NUMBA
-from solver.rigid.plane.system import PlaneSystem
-from solver.scene import parse_scene
-block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "tilt_deg": 3.0}
-scene = parse_scene({"block": [block], "time": {"end": 1.0, "step": 1e-3}})
-system = PlaneSystem.from_scene(scene)
-rows = system.advance(250, 1e-3).rows
-forbidden = {"dolfinx", "mpi4py", "petsc4py", "gmsh", "ufl"} & set(sys.modules)
-print(NUMBA is not None, sorted(forbidden), *map(repr, rows[-1].tolist()))
-"""
-
 
 def output_of(script: str, folder: Path = REPOSITORY, **environment: str) -> str:
     """Output of a script in a process of its own, in a folder."""
@@ -46,21 +33,6 @@ def output_of(script: str, folder: Path = REPOSITORY, **environment: str) -> str
         check=True,
     )
     return done.stdout
-
-
-def in_a_process(**environment: str) -> tuple[bool, str, np.ndarray]:
-    """Use of numba, forbidden imports, and the last row of a run over an impact."""
-    used, forbidden, *row = output_of(RUN, **environment).split()
-    return used == "True", forbidden, np.array(row, dtype=np.float64)
-
-
-def test_interpreted_it_gives_the_same_and_needs_no_finite_elements() -> None:
-    """Both over an impact, up to round-off; neither imports what meshed bodies need."""
-    used, forbidden, row = in_a_process(ROCKSLIP_NO_NUMBA="1")
-    assert not used and forbidden == "[]"
-    again, forbidden, machine = in_a_process()
-    assert again == (module.NUMBA is not None) and forbidden == "[]"
-    assert machine == pytest.approx(row, rel=1e-9, abs=1e-9)
 
 
 KERNELS = {
@@ -116,7 +88,7 @@ def test_the_version_is_that_of_all_that_a_package_may_import_from(tmp_path: Pat
     solver = REPOSITORY / "solver"
     assert {REPOSITORY / "geometry", solver / "types.py", solver / "law"} <= set(below)
     assert solver / "contact" in below and solver / "stepping" not in below
-    for name in ("types.py", "rigid/plane/step.py"):
+    for name in ("types.py", "rigid/system.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("LIMIT = 1.0\n")
         before = digest([tmp_path])

@@ -13,8 +13,7 @@ from rockslip import Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.excitation.motion import read_ground
 from solver.history.history import scene_columns
-from solver.rigid.plane.system import PlaneSystem
-from solver.rigid.space.system import SpaceSystem
+from solver.rigid.system import RigidSystem
 from solver.run.observer import Observer
 from solver.types import Array
 
@@ -48,7 +47,7 @@ def scene(dimension: int, model: str, **more: Any) -> Scene:
 
 def rigid_steps(case: Scene) -> Iterator[tuple[Array, Array, Array]]:
     """Of each step the base shear, the momentum that all masses gained, the mean of the ground."""
-    system: Any = (PlaneSystem if case.dimension == 2 else SpaceSystem).from_scene(case)
+    system: Any = RigidSystem.from_scene(case)
     across = case.dimension - 1
     masses = [block.shape.mass for block in case.blocks]
 

@@ -11,9 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rockslip import Scene, parse_scene, simulate
-from solver.rigid.plane.system import PlaneSystem
-from solver.rigid.space.system import SpaceSystem
-from solver.rigid.system import blocks_of
+from solver.rigid.system import RigidSystem, blocks_of
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
@@ -52,17 +50,10 @@ def first_row(engine: str, depth: float, **upper: Any) -> dict[str, float]:
     down = np.zeros(given.dimension)
     down[-1] = depth
     scheme = GeneralizedAlpha(given.time.rho_inf)
-    system: PlaneSystem | SpaceSystem
-    if engine == "plane":
-        lower, top = blocks_of(given)
-        top = replace(top, pose=replace(top.pose, place=top.pose.place - down))
-        system = PlaneSystem([lower, top], scheme)
-        row = system.row(1e-3)
-    else:
-        below, above = blocks_of(given)
-        above = replace(above, pose=replace(above.pose, place=above.pose.place - down))
-        system = SpaceSystem([below, above], scheme)
-        row = system.row(1e-3)
+    lower, upper_one = blocks_of(given)
+    upper_one = replace(upper_one, pose=replace(upper_one.pose, place=upper_one.pose.place - down))
+    system = RigidSystem([lower, upper_one], scheme)
+    row = system.row(1e-3)
     return dict(zip(system.columns, row, strict=True))
 
 
