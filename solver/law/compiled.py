@@ -70,11 +70,6 @@ NUMBA = None if is_interpreted() else find_spec("numba")
 """Import spec of the compiler, if it is installed and wanted; it is not imported yet."""
 
 
-def runs_machine_code() -> bool:
-    """True if compiled functions run as machine code."""
-    return NUMBA is not None
-
-
 @cache
 def _compiler() -> ModuleType | None:
     """The compiler, imported; None where that fails."""

@@ -52,15 +52,6 @@ def slipped_before(pasts: Array) -> Mask:
     return np.asarray(pasts[:, SLIPPED] > 0.0)
 
 
-#: Iterations of a rigid engine in which coefficients follow the speed as far as one of `SHARES`.
-ITERATIONS = 40
-
-#: Shares of the way to the coefficient of the speed, one after another. Where friction falls with
-#: speed, as steeply as at an impact, each may lead to another one for ever, or slowly to the end:
-#: then it goes half the way, and at last holds what it has come to, somewhere from mu_s to mu_d.
-SHARES = (1.0, 0.5, 0.0)
-
-
 class FrictionLaws(NamedTuple):
     """Friction of several surfaces, one entry each; the fields are those of the scene's table."""
 

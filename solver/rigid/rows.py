@@ -92,8 +92,9 @@ class BlockRows:
         centre = steps.centre[1:, b]
         over_ground = centre - steps.centre[1:, base] * (1 - level[-1])
         if carrier == base:
+            half: Array = np.zeros(len(own))
             below = mean = np.broadcast_to(level, (len(own), d, d))
-            shift, half = over_ground, np.zeros(len(own))
+            shift = over_ground
         else:
             frame, height = frames[1:, carrier], self._half[carrier, -1]
             shift = centre - steps.centre[1:, carrier]

@@ -90,7 +90,6 @@ _AMPLITUDES = Extremes(0.0, 1e4, "g; the strongest records have 4")
 _FACTORS = Extremes(0.0, 1e6, "times; look at the units")
 _GRAVITIES = Extremes(0.0, 1e6, "m/s2; that of the earth is 9.81")
 
-Finite = Annotated[float, Number()]
 Positive = Annotated[float, Number(above=0)]
 NotNegative = Annotated[float, Number(at_least=0)]
 Ratio = Annotated[float, Number(at_least=0, below=0.5)]
