@@ -8,11 +8,11 @@ FROM debian:${SUITE}-slim AS environment
 ARG SUITE
 
 # What packages bring along and nothing here reads is not unpacked: two fifths of their files, a third of their size.
-# Documents and languages; what only builds or debugs C++ (Boost's headers, static libraries, CMake's modules, LLVM's
-# programs, Valgrind); graphics cards of AMD. What gcc itself links, and its empty stand-ins for old names, stays.
+# Documents and languages; what only builds or debugs C++ (Boost's headers, static libraries, LLVM's programs, Valgrind);
+# graphics cards of AMD. What gcc itself links, and its empty stand-ins for old names, stays.
 RUN printf 'path-exclude=%s\n' \
         '/usr/share/doc/*' '/usr/share/man/*' '/usr/share/info/*' '/usr/share/locale/*' \
-        '/usr/share/javascript/mathjax/*' '/usr/include/boost/*' '/usr/lib/*.a' '/usr/share/cmake*' \
+        '/usr/share/javascript/mathjax/*' '/usr/include/boost/*' '/usr/lib/*.a' \
         '/usr/lib/llvm-*/bin/*' '/usr/lib/debug/*' '/usr/libexec/valgrind/*' '/usr/include/valgrind/*' \
         '/usr/lib/*/libLLVM-17.so*' '/usr/lib/*/libamdhip64.so*' '/usr/lib/*/libamd_comgr.so*' \
         > /etc/dpkg/dpkg.cfg.d/unread \
@@ -30,11 +30,11 @@ RUN echo 'Acquire::Check-Valid-Until "false";' > /etc/apt/apt.conf.d/90valid-unt
         python3-dolfinx-real python3-gmsh python3-petsc4py-real python3-mpi4py \
         python3-numpy python3-scipy python3-numba python3-pyvista python3-matplotlib \
         python3-tqdm python3-tomli-w python3-h5py \
-        libopenblas0-pthread openmpi-bin libopenmpi-dev g++ libc6-dev pkg-config \
-        python3-dev python3-pip python3-setuptools python3-wheel \
+        libopenblas0-pthread openmpi-bin libopenmpi-dev g++ libc6-dev pkg-config cmake make \
+        python3-dev python3-pip python3-setuptools python3-scikit-build-core \
         python3-pytest python3-pytest-xdist python3-hypothesis python3-mypy \
         libgl1 libglx-mesa0 xvfb xauth fonts-dejavu-core \
-        git make \
+        git \
  && rm -rf /var/lib/apt/lists/*
 
 # More ranks than cores are allowed, and not bound to any. The keys and their file have other names in
@@ -65,13 +65,19 @@ RUN printf '#!/bin/sh\nexec python3 -m rockslip "$@"\n' > /usr/local/bin/rocksli
 FROM environment AS trimmed
 RUN dpkg-query -W -f='${Package}\n' \
     | grep -E -x -e 'valgrind(-mpi|-dbg)?|libc6-dbg|git|git-man|cmake|cmake-data|libjs-mathjax|fonts-mathjax|.*-doc' \
-        -e 'python3-(mypy|mypy-extensions|hypothesis|pytest|pytest-xdist|execnet|pip|wheel)' \
+        -e 'python3-(mypy|mypy-extensions|hypothesis|pytest|pytest-xdist|execnet|pip|wheel|scikit-build-core)' \
+        -e 'python3-(pathspec|pyproject-metadata)' \
         -e 'libamdhip64-.*|libamd-comgr.*|libllvm17.*|llvm-[0-9].*|g[+][+].*|gfortran.*|libgfortran-[0-9]+-dev|libstdc[+][+]-[0-9]+-dev' \
         -e 'lib(boost|icu|ssl|fftw3|lapack|blas|mumps|hypre|eigen3|hdf5|ptscotch|scotch|suitesparse|slepc|superlu|pmix|gnutls28).*-dev' \
     | xargs dpkg --purge --force-depends \
  && find /usr/lib/*-linux-gnu -maxdepth 1 -name '*.a' ! -name 'libc_nonshared.a' -delete \
  && find /usr/share/doc ! -type d ! -name copyright -delete \
  && rm -rf /var/cache/apt/* /var/log/* /usr/lib/debug /usr/share/man /usr/share/info /usr/share/locale
+
+# The compiled world of rigid bodies: solver/kernels/build.sh has the command.
+FROM environment AS kernels
+COPY solver/kernels /kernels
+RUN /kernels/build.sh /kernels/librockslip.so
 
 # One layer of what is left: files that a later layer removes would still be carried along.
 FROM scratch AS program
@@ -93,6 +99,7 @@ RUN useradd --create-home rockslip && chmod 1777 /home/rockslip \
 COPY rockslip.py /opt/rockslip/
 COPY geometry /opt/rockslip/geometry
 COPY solver /opt/rockslip/solver
+COPY --from=kernels /kernels/librockslip.so /opt/rockslip/solver/kernels/
 # Times of files in whole seconds: layers of images keep no others, and kept machine code is for a source
 # of that time.
 RUN find /opt/rockslip -exec touch -d "@$(date +%s)" {} + && python3 -m compileall -q /opt/rockslip

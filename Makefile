@@ -1,5 +1,5 @@
 # Every target sets up what it needs. SUITE=sid make test: the same on Debian unstable.
-.PHONY: help demo test quick oracles paraview lint site image try-image suite docs-tables tables
+.PHONY: help demo test quick oracles paraview sanitize lint site image try-image suite docs-tables tables
 
 RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 
@@ -9,7 +9,8 @@ help:
 	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
 	@echo "make oracles the contract: key numbers of 230 scenes beside closed forms, programs and other engines"
 	@echo "make paraview   runs opened in a real ParaView, in an image of its own (tests/in_paraview)"
-	@echo "make lint    ruff and mypy"
+	@echo "make sanitize   the compiled kernels under the sanitizers of addresses and of undefined behaviour"
+	@echo "make lint    ruff, mypy and clang-tidy"
 	@echo "make site    the documents as a site: site/index.html"
 	@echo "make suite   the paper's platform under 30 synthetic motions, 120 runs, long; goes on where it was stopped"
 	@echo "make docs-tables   the tables of docs/output.md and docs/scene.md, from the code"
@@ -36,7 +37,10 @@ paraview:
 	./in-env python3 tests/in_paraview/runs.py output/paraview
 	ROCKSLIP_TOOL=paraview ./in-env python3 -m pytest --noconftest -p no:cacheprovider tests/in_paraview
 
-lint: $(RUFF)
+sanitize:
+	./in-env python3 -m pytest tests/unit/test_kernels.py -k sanitizers
+
+lint: $(RUFF) .cache/lint/kernels
 	$(RUFF) check .
 	$(RUFF) format --check .
 	./in-env python3 -m mypy
@@ -45,6 +49,17 @@ lint: $(RUFF)
 .cache/lint/bin/ruff:
 	python3 -m venv .cache/lint
 	.cache/lint/bin/pip install --quiet --disable-pip-version-check ruff==0.17.5
+
+# .clang-tidy has the checks. It needs the headers of the environment, where Debian's own would take 180 MB;
+# kernels that have not changed since are not looked at again.
+.cache/lint/kernels: .cache/lint/clang-tidy .clang-tidy $(wildcard solver/kernels/*.?pp)
+	./in-env .cache/lint/clang-tidy --quiet solver/kernels/module.cpp -- -std=c++17
+	touch $@
+
+.cache/lint/clang-tidy:
+	python3 -m venv .cache/lint
+	.cache/lint/bin/pip install --quiet --disable-pip-version-check clang-tidy==23.1.4
+	cd .cache/lint && ln -sf lib/python3*/site-packages/clang_tidy/data/bin/clang-tidy clang-tidy
 
 # On the host, too; a warning is an error, and every link of the result leads somewhere.
 site: .cache/site/done

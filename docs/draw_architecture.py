@@ -18,6 +18,7 @@ ORDER = (
     "geometry",
     "scene",
     "excitation",
+    "kernels",
     "law",
     "scheme",
     "kernels",

@@ -1,45 +1,24 @@
-"""The compiled world of rigid bodies (solver/kernels) over its C interface, for tests."""
+"""Boxes in the plane over level ground, in the compiled world (solver/kernels), for tests."""
 
 from __future__ import annotations
 
-import ctypes
-import subprocess
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-KERNELS = Path(__file__).parents[1] / "solver" / "kernels"
-Array = NDArray[np.float64]
-
-
-def built(folder: Path) -> ctypes.CDLL:
-    """The library, compiled into a folder."""
-    library = folder / "librockslip.so"
-    options = ["-O2", "-std=c++17", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wshadow", "-Werror"]
-    subprocess.run(["g++", *options, KERNELS / "module.cpp", "-o", library], check=True)
-    kernels = ctypes.CDLL(str(library))
-    kernels.world_new.restype = ctypes.c_void_p
-    return kernels
-
-
-def pointer(values: Sequence[float] | Array, kind: type = np.float64) -> ctypes.c_void_p:
-    """A pointer to an array, which the caller keeps."""
-    return np.ascontiguousarray(values, dtype=kind).ctypes.data_as(ctypes.c_void_p)
+from solver.kernels.world import Body, Mobility, World
+from solver.types import Array
 
 
 class PlaneWorld:
     """Boxes in the plane over level ground, with one law for all pairs."""
 
-    def __init__(self, kernels: ctypes.CDLL, friction: float, restitution: float = 0.0):
+    def __init__(self, friction: float, restitution: float = 0.0):
         """Begin with the ground alone."""
-        self._kernels, self.count = kernels, 0
-        gravity, scheme = np.array([0.0, -9.81]), np.array([0.0, 0.5, 0.5])
-        self._world = ctypes.c_void_p(kernels.world_new(2, pointer(gravity), pointer(scheme), 1))
-        law = np.array([friction, friction, 0.0, 0.0, 0.0, restitution])
-        kernels.world_law(self._world, pointer(law))
-        self._body(kernels.world_half_space(self._world), 1, 1.0, 1.0, (0.0, 0.0), 0.0, (0.0, 0.0))
+        self._world = World(2, (0.0, -9.81), (0.0, 0.5, 0.5), True)
+        self._law = (friction, friction, 0.0, 0.0, 0.0, restitution)
+        self._world.add(Body(shape=self._world.half_space(), mobility=Mobility.FIXED))
+        self._count = 1
 
     def box(
         self,
@@ -52,51 +31,33 @@ class PlaneWorld:
     ) -> None:
         """Add a box by its size (m), centre (m), mass (kg), turn (rad, anticlockwise), velocity."""
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2 * size
-        shape = self._kernels.world_polygon(self._world, pointer(corners), 4)
-        inertia = mass * (size[0] ** 2 + size[1] ** 2) / 12
-        self._body(shape, 0, mass, inertia, place, turn, velocity)
-
-    def _body(
-        self,
-        shape: int,
-        mobility: int,
-        mass: float,
-        inertia: float,
-        place: Sequence[float] | Array,
-        turn: float,
-        velocity: tuple[float, float],
-    ) -> None:
-        """Add a body."""
-        numbers = np.array(
-            [mass, 1.0, 0.0, 0.0, inertia, 0.0, 0.0, *place, turn, *velocity, 0.0], float
+        body = Body(
+            shape=self._world.polygon(corners),
+            mass=mass,
+            inertia=mass * (size[0] ** 2 + size[1] ** 2) / 12,
+            centre=place,
+            rotation=turn,
+            velocity=velocity,
         )
-        self._kernels.world_body(self._world, shape, mobility, pointer(numbers))
-        self.count += 1
+        self._world.add(body)
+        self._count += 1
 
     def begin(self) -> None:
         """Begin with the bodies that are there."""
-        laws = np.zeros(self.count**2, dtype=np.int32)
-        none = np.zeros(self.count, dtype=np.int32)
-        self._kernels.world_begin(
-            self._world, pointer(laws, np.int32), pointer(none, np.int32), pointer(none, np.int32)
-        )
+        pairs = np.zeros((self._count, self._count), dtype=int)
+        self._world.begin([self._law], pairs, [()] * self._count)
 
     def run(self, steps: int, dt: float) -> int:
         """Take steps; returns how many were solved."""
-        arguments = steps, ctypes.c_double(dt), ctypes.c_double(dt / 4096)
-        return int(self._kernels.world_run(self._world, *arguments, None, None, None, None))
+        ground, shift = np.zeros((steps + 1, 2)), np.zeros((steps, 2))
+        return len(self._world.run(steps, dt, dt / 4096, ground, shift).closed)
 
-    def state(self) -> tuple[Array, Array]:
-        """Of each body x, y, turn, velocities, spin; energies, exchanges and counts of the step."""
-        bodies, step = np.zeros((self.count, 11)), np.zeros(13)
-        self._kernels.world_state(
-            self._world,
-            bodies.ctypes.data_as(ctypes.c_void_p),
-            step.ctypes.data_as(ctypes.c_void_p),
-        )
-        return bodies[:, :6], step
+    def bodies(self) -> Array:
+        """Of each body x, y, turn, velocities, spin; the first one is the ground."""
+        now = self._world.now()
+        return np.concatenate([now.centre, now.rotation, now.velocity, now.spin], axis=-1)[0]
 
     def ledger(self) -> float:
         """Stored energies less input plus losses, J."""
-        step = self.state()[1]
-        return float(step[:3].sum() - step[3] + step[4:8].sum())
+        now = self._world.now()
+        return float(now.stored.sum() - now.exchanged[0, 0] + now.exchanged[0, 1:].sum())

@@ -31,7 +31,7 @@ template <int d> class BroadPhase {
                 bool apart = false;
                 for (int k = 1; k < d; k++)
                     apart |= placed[i].low[k] > placed[j].high[k] + margins || placed[j].low[k] > placed[i].high[k] + margins;
-                if (!apart) pairs_.push_back(std::minmax(i, j));
+                if (!apart) pairs_.emplace_back(std::minmax(i, j));
             }
         }
         std::sort(pairs_.begin(), pairs_.end());

@@ -1,17 +1,78 @@
-"""The compiled library of the kernels."""
+"""The library of compiled kernels, which `build.sh` makes ahead of time."""
 
 from __future__ import annotations
 
-import ctypes
+import hashlib
 import os
+from collections.abc import Iterable
+from ctypes import CDLL, c_char_p
 from functools import cache
 from pathlib import Path
 
+from solver import kernels
+from solver.errors import EnvironmentTrouble
+
 NAME = "librockslip.so"
+"""File of the library in this package, where pip, conda and the image put it."""
+
+VARIABLE = "ROCKSLIP_KERNELS"
+"""Variable that names another file, which goes first; ./in-env sets it."""
+
+SOURCES = ("*.cpp", "*.hpp", "build.sh", "symbols.map")
+"""Names of the sources, in the order of their digest."""
+
+REMEDY = "build them by ./in-env rockslip ..., or by pip install anew"
 
 
 @cache
-def library() -> ctypes.CDLL:
-    """The library, loaded."""
-    beside = Path(__file__).parent / NAME
-    return ctypes.CDLL(os.environ.get("ROCKSLIP_KERNELS") or str(beside))
+def library() -> CDLL:
+    """The library, loaded once in a process.
+
+    Raises:
+        EnvironmentTrouble: it is not there, cannot be loaded, or is of other sources.
+    """
+    file = _file()
+    try:
+        loaded = CDLL(str(file))
+    except OSError as error:
+        raise EnvironmentTrouble(f"the compiled kernels cannot be loaded: {error}") from None
+    wanted = digest(Path(folder) for folder in kernels.__path__)
+    if wanted and _sources(loaded) != wanted:
+        raise EnvironmentTrouble(f"the compiled kernels in {file} are of other sources; {REMEDY}")
+    return loaded
+
+
+def _file() -> Path:
+    """The file of the library."""
+    named = os.environ.get(VARIABLE)
+    if named:
+        return Path(named)
+    # A package that pip installed in editable form has two folders: sources, and what was built.
+    files = [Path(folder) / NAME for folder in kernels.__path__]
+    for file in files:
+        if file.is_file():
+            return file
+    raise EnvironmentTrouble(f"the compiled kernels are missing, no {files[0]}; {REMEDY}")
+
+
+def _sources(loaded: CDLL) -> str:
+    """Digest of the sources of a library; empty if it does not say."""
+    try:
+        function = loaded.kernels_sources
+    except AttributeError:
+        return ""
+    function.restype = c_char_p
+    return str(function().decode())
+
+
+def digest(folders: Iterable[Path]) -> str:
+    """Digest of the sources in the first folder that has them, as in `build.sh`; or empty.
+
+    A wheel has no sources.
+    """
+    for folder in folders:
+        files = [file for name in SOURCES for file in sorted(folder.glob(name))]
+        if files:
+            content = b"".join(file.read_bytes() for file in files)
+            return hashlib.sha256(content).hexdigest()[:16]
+    return ""

@@ -131,7 +131,7 @@ template <int d> class LocalProblem {
     bool approximate(I& island) {
         sweep(island, 5 * SWEEPS);
         for (C* k : island.contacts) {
-            State state;
+            State state{};
             k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
         }
         move(island);
@@ -334,7 +334,7 @@ template <int d> class LocalProblem {
             before_[i] = k.impulse;
             Mat<d, d> J;
             LU<d> K;
-            State state;
+            State state{};
             const Vec<d> nearest = project<d>(k.bound, k.mode, k.given, trial_[i], state, &J);
             const int mark = static_cast<int>(state);
             // Slip in space turns its direction from iteration to iteration.
@@ -449,7 +449,7 @@ template <int d> class LocalProblem {
                     Vec<d> trial;
                     for (int j = 0; j < d; j++) trial[j] = k.impulse[j] - y[j] / island.own[i][j > 0];
                     Mat<d, d> J;
-                    State state;
+                    State state{};
                     Vec<d> step = project<d>(k.bound, k.mode, k.given, trial, state, &J) - k.impulse;
                     if (norm(step) <= 1e-15 * norm(k.impulse)) break;
                     LU<d> K;

@@ -117,7 +117,14 @@ struct Reader {
 
 }  // namespace
 
+#ifndef ROCKSLIP_SOURCES
+#define ROCKSLIP_SOURCES ""
+#endif
+
 extern "C" {
+
+// Digest of the sources that this library was compiled from, by build.sh; library.py compares it with those beside it.
+const char* kernels_sources() { return ROCKSLIP_SOURCES; }
 
 void* world_new(int d, const double* gravity, const double* scheme, int velocity_level) {
     Handle* h = new Handle;

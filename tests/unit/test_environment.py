@@ -4,11 +4,13 @@ Its neighbours (python3, docker, podman, buildah, ...) are small scripts in a fo
 PATH; each writes down how it was called.
 """
 
+import os
 import re
 import shlex
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -18,8 +20,8 @@ pytestmark = pytest.mark.serial
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 TOOLS = (
-    "bash cat chmod cksum cut dirname env flock head mkdir mktemp mv readlink rm sed sh sleep sort"
-    " tail touch tr true"
+    "bash cat chmod cksum cut dirname env find flock head mkdir mktemp mv readlink rm sed sh"
+    " sha256sum sleep sort tail touch tr true"
 ).split()
 ENGINE = """
 case $1 in
@@ -28,6 +30,13 @@ info) [ $# -eq 1 ] || echo "{security}" ;;
 image) [ -e "$LOG.built" ] ;;
 build) touch "$LOG.built" ;;
 run) exit 3 ;;
+esac
+"""
+
+COMPILER = """
+case $1 in
+--version) echo "g++ 14" ;;
+*) {first}; for file in "$@"; do :; done; echo library >"$file" ;;
 esac
 """
 
@@ -59,6 +68,7 @@ class Machine:
                 (self.bin / tool).symlink_to(found)
         self.install("python3", "exit 1")
         self.install("id", "echo 1000")
+        self.install_compiler()
 
     def install(self, name: str, body: str = "") -> None:
         script = self.bin / name
@@ -67,6 +77,10 @@ class Machine:
 
     def install_engine(self, name: str, security: str = "[]") -> None:
         self.install(name, ENGINE.format(name=name, security=security))
+
+    def install_compiler(self, first: str = ":") -> None:
+        """A compiler of kernels that does something first."""
+        self.install("g++", COMPILER.format(first=first))
 
     def install_debian(self) -> None:
         """Root on Debian; buildah has no images and reaches no registry."""
@@ -119,7 +133,7 @@ def test_without_any_way_one_message_names_all_three(machine: Machine) -> None:
     assert done.stdout == ""
     assert done.stderr.startswith("in-env: found no way to dolfinx >= 0.9. ")
     for word in (
-        "apt install python3-dolfinx",
+        "apt install g++ python3-dolfinx",
         "conda install",
         "Docker or Podman",
         "sudo ./in-env",
@@ -359,3 +373,114 @@ def test_both_stages_of_the_image_set_the_same_variables() -> None:
     blocks = re.findall(r"^ENV (LANG=(?:.*\\\n)*.*)$", text, re.MULTILINE)
     assert len(blocks) == 2
     assert blocks[0].split() == blocks[1].split()
+
+
+# ---------------------------------------------------------------- kernels
+
+SAYS = ("sh", "-c", 'cat "$ROCKSLIP_KERNELS"')
+BUILDING = "in-env: building the kernels: some 10 s, once\n"
+
+
+def test_kernels_are_compiled_once(machine: Machine) -> None:
+    machine.install("python3")
+    first, second = machine.in_env(*SAYS), machine.in_env(*SAYS)
+    assert (first.stdout, first.stderr) == ("library\n", BUILDING)
+    assert (second.stdout, second.stderr) == ("library\n", "")
+    assert len(machine.calls("g++ -std")) == 1
+    assert machine.in_env("sh", "-c", 'echo "${LC_ALL-none}"').stdout == "none\n"
+    newer = COMPILER.replace("g++ 14", "g++ 15")
+    machine.install("g++", newer.format(first=":"))
+    assert machine.in_env(*SAYS).stderr == BUILDING
+
+
+def test_kernels_are_compiled_inside_the_environment(machine: Machine) -> None:
+    machine.install_engine("docker")
+    machine.in_env("true", ROCKSLIP_KERNELS="/own.so")
+    (run,) = machine.calls("docker run")
+    build = REPOSITORY / "solver/kernels/build.sh"
+    assert f" ROCKSLIP_KERNELS=/own.so {build} --for /cache {machine.home}/.cache/" in run
+    machine.install("docker", "exit 1")
+    machine.install_debian()
+    machine.in_env("true")
+    assert f" {build} --for /cache " in machine.log.read_text().splitlines()[-1]
+    assert machine.calls("g++") == []
+
+
+def test_kernels_of_ones_own_are_taken(machine: Machine) -> None:
+    machine.install("python3")
+    own = machine.folder / "own.so"
+    own.write_text("own")
+    done = machine.in_env(*SAYS, ROCKSLIP_KERNELS=str(own))
+    assert (done.stdout, done.stderr) == ("own", "")
+    assert machine.calls("g++") == []
+
+
+def test_two_at_once_compile_kernels_once(machine: Machine) -> None:
+    machine.install("python3")
+    # The compiler ends when the other one waits, or after a while.
+    waits = f'for i in $(seq 100); do grep -q waiting "{machine.folder}/said" || sleep 0.05; done'
+    machine.install_compiler(waits)
+    for tool in ("grep", "seq"):
+        (machine.bin / tool).symlink_to(str(shutil.which(tool)))
+    with (machine.folder / "said").open("w") as said:
+        both = [
+            subprocess.Popen(
+                [REPOSITORY / "in-env", *SAYS],
+                cwd=machine.current,
+                env=machine.environment({}),
+                stdout=subprocess.PIPE,
+                stderr=said,
+                text=True,
+            )
+            for _ in range(2)
+        ]
+        assert [process.communicate(timeout=60)[0] for process in both] == ["library\n"] * 2
+    assert sorted((machine.folder / "said").read_text().splitlines(keepends=True)) == [
+        BUILDING,
+        "in-env: waiting for another ./in-env that builds the kernels\n",
+    ]
+    assert len(machine.calls("g++ -std")) == 1
+
+
+def test_kernels_that_cannot_be_compiled_end_the_call(machine: Machine) -> None:
+    machine.install("python3")
+    machine.install_compiler("echo broken >&2; exit 1")
+    done = machine.in_env("sh", "-c", "echo ran")
+    assert (done.returncode, done.stdout) == (4, "")
+    failed = "in-env: the kernels could not be compiled: the reason stands above\n"
+    assert done.stderr == f"{BUILDING}broken\n{failed}"
+    kernels = machine.home / ".cache/rockslip/trixie/kernels"
+    assert [file.name for file in kernels.iterdir()] == ["lock"]
+    (machine.bin / "g++").unlink()
+    done = machine.in_env("sh", "-c", "echo ran")
+    assert (done.returncode, done.stdout) == (4, "")
+    missing = "no compiler for the kernels: got g++; install g++, or let CXX name another"
+    assert done.stderr == f"in-env: {missing}\n"
+
+
+def test_a_folder_of_kernels_that_cannot_be_written_to_is_one_line(machine: Machine) -> None:
+    machine.install("python3")
+    cache = machine.folder / "cache"
+    cache.mkdir()
+    (cache / "kernels").touch()
+    done = machine.in_env("true", ROCKSLIP_CACHE=str(cache))
+    assert done.returncode == 4
+    line = "cannot be made or written to: set ROCKSLIP_CACHE to a folder of your own"
+    assert done.stderr == f"in-env: {cache}/kernels {line}\n"
+
+
+def test_kernels_not_used_for_a_month_go(machine: Machine) -> None:
+    machine.install("python3")
+    kernels = machine.home / ".cache/rockslip/trixie/kernels"
+    kernels.mkdir(parents=True)
+    for name, days in (("old.so", 40), ("new.so", 20)):
+        (kernels / name).touch()
+        used = time.time() - days * 86400
+        os.utime(kernels / name, (used, used))
+    machine.in_env("true")
+    left = {file.name for file in kernels.iterdir()}
+    assert "old.so" not in left and "new.so" in left
+    (made,) = (kernels / name for name in left - {"lock", "new.so"})
+    os.utime(made, (0, 0))
+    machine.in_env("true")
+    assert made.stat().st_mtime > time.time() - 3600

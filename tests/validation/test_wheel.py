@@ -1,11 +1,13 @@
-"""The wheel: its name and version, all modules of the program and nothing else, its command."""
+"""The wheel: its name and version, modules and compiled kernels and nothing else, its command."""
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tomllib
 from pathlib import Path
 from zipfile import ZipFile
@@ -13,6 +15,7 @@ from zipfile import ZipFile
 import pytest
 
 from solver import VERSION
+from solver.kernels.library import VARIABLE
 
 pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
@@ -23,10 +26,10 @@ PACKAGES = ("geometry", "solver")
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> ZipFile:
     """The wheel of a copy of the sources, which a build would write into."""
-    for package in ("pip", "setuptools", "wheel"):
+    for package in ("pip", "scikit_build_core"):
         pytest.importorskip(package)
     folder = tmp_path_factory.mktemp("wheel")
-    for name in ("pyproject.toml", "README.md", "LICENSE", "rockslip.py"):
+    for name in ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE", "rockslip.py"):
         shutil.copy(ROOT / name, folder)
     for name in PACKAGES:
         unwanted = shutil.ignore_patterns("__pycache__")
@@ -41,15 +44,32 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> ZipFile:
     )
     assert built.returncode == 0, built.stdout + built.stderr
     (file,) = (folder / "out").iterdir()
-    assert file.name == f"rockslip-{VERSION}-py3-none-any.whl"
+    platform = sysconfig.get_platform().replace("-", "_")
+    assert file.name == f"rockslip-{VERSION}-py3-none-{platform}.whl"
     return ZipFile(file)
 
 
-def test_it_holds_all_modules_and_nothing_else(wheel: ZipFile) -> None:
+def test_it_holds_all_modules_and_the_kernels(wheel: ZipFile) -> None:
     sources = [file for name in PACKAGES for file in (ROOT / name).rglob("*.py")]
     modules = {str(file.relative_to(ROOT)) for file in sources} | {"rockslip.py"}
+    modules.add("solver/kernels/librockslip.so")
     names = {name for name in wheel.namelist() if ".dist-info/" not in name}
     assert names == modules
+
+
+def test_its_kernels_are_found(wheel: ZipFile, tmp_path: Path) -> None:
+    wheel.extractall(tmp_path)
+    found = "from solver.kernels.library import library; print(library()._name)"
+    environment = {name: value for name, value in os.environ.items() if name != VARIABLE}
+    done = subprocess.run(
+        [sys.executable, "-c", found],
+        env=environment | {"PYTHONPATH": str(tmp_path)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.strip() == str(tmp_path / "solver/kernels/librockslip.so"), done.stderr
 
 
 def test_it_brings_the_command(wheel: ZipFile) -> None:
