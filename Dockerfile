@@ -106,7 +106,7 @@ RUN find /opt/rockslip -exec touch -d "@$(date +%s)" {} + && python3 -m compilea
 USER rockslip
 WORKDIR /home/rockslip
 # Machine code, forms of finite elements and the list of fonts, which every container would make anew.
-RUN python3 -m solver.run.warming rigid elastic \
+RUN python3 -m solver.run.warming \
  && python3 -c 'import matplotlib.font_manager' \
  && chmod -R a+rwX .cache
 # What else of the repository runs there; a change of it leaves the layer above as it is.

@@ -37,7 +37,7 @@ def library() -> CDLL:
     except OSError as error:
         raise EnvironmentTrouble(f"the compiled kernels cannot be loaded: {error}") from None
     wanted = digest(Path(folder) for folder in kernels.__path__)
-    if wanted and _sources(loaded) != wanted:
+    if wanted and sources_of(loaded) != wanted:
         raise EnvironmentTrouble(f"the compiled kernels in {file} are of other sources; {REMEDY}")
     return loaded
 
@@ -55,7 +55,7 @@ def _file() -> Path:
     raise EnvironmentTrouble(f"the compiled kernels are missing, no {files[0]}; {REMEDY}")
 
 
-def _sources(loaded: CDLL) -> str:
+def sources_of(loaded: CDLL) -> str:
     """Digest of the sources of a library; empty if it does not say."""
     try:
         function = loaded.kernels_sources

@@ -35,6 +35,8 @@ def main(words: list[str], beside: bool) -> int:
         if oracle.needs.exists()
         and (not words or any(word in f"{topic}: {oracle.name}" for word in words))
     ]
+    if not chosen:
+        sys.exit(f"no oracle whose topic or name has {' or '.join(words)}")
     found: list[Row] = []
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         for part in pool.map(rows, *zip(*chosen, strict=True), repeat(beside)):
