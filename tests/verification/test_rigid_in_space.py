@@ -157,6 +157,7 @@ def test_rocking_as_in_the_rigid_engine(carried: bool) -> None:
     assert apart.max() < 1e-3 * np.radians(3.0)
 
 
+@pytest.mark.slow
 def test_tipping_over_crossing_edges_as_in_the_rigid_engine() -> None:
     """No corner is near the edge of the block below: two crossings of edges carry the block."""
     top = TALL | OVERHANGING
@@ -167,6 +168,7 @@ def test_tipping_over_crossing_edges_as_in_the_rigid_engine() -> None:
     assert differences(mixed, rigid, "low")[1].max() < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lower", "upper"), [("elastic", "rigid"), ("rigid", "elastic")])
 def test_stacks_account_for_their_energy(lower: str, upper: str) -> None:
     """A block that rocks and turns on another one on an elastic plate; nothing sinks in."""
