@@ -23,7 +23,13 @@ from solver.contact.kernels.facets import (
     project_onto_facets,
     work_defect,
 )
-from solver.contact.kinematics import ContactKinematics, Projection, in_space, spread
+from solver.contact.kinematics import (
+    ContactKinematics,
+    Projection,
+    in_frames,
+    in_space,
+    spread,
+)
 from solver.types import Array, Indices, Mask
 
 
@@ -88,7 +94,7 @@ class Plane:
     def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         origin = self.origin if carrier is None else self.origin + carrier.position[0]
-        place = (position - origin) @ self.frame.T
+        place = in_frames(position - origin, self.frame)
         return ContactKinematics(place, place, self.frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:

@@ -100,14 +100,14 @@ def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int
 def in_frames(vectors: Array, frames: Array) -> Array:
     """Components of vectors in space (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
     if frames.ndim == 2:
-        return vectors @ frames.T
+        return vectors.dot(frames.T)  # `@` takes three times as long for so few numbers
     return (frames @ vectors[:, :, None])[:, :, 0]
 
 
 def in_space(components: Array, frames: Array) -> Array:
     """Vectors in space of components (m, d) in one frame (d, d), or in one for each, (m, d, d)."""
     if frames.ndim == 2:
-        return components @ frames
+        return components.dot(frames)
     return (components[:, None, :] @ frames)[:, 0]
 
 

@@ -203,18 +203,25 @@ def correct_impulses(
     return ImpulseCorrection(False, np.zeros_like(impulse), 0.0, 0.0)
 
 
-def slip_reversal(friction: Array, velocity: Array) -> float:
+@compiled
+def slip_reversal(force: Array, velocity: Array) -> float:
     """Speed at which points slip back at the end of a step, m/s, a mean over their friction.
 
     Friction opposes the slip of the step as a whole. Where the slip turned round within the step,
     friction drives what it should by now oppose. 0 where it does not.
 
     Args:
-        friction: Tangential forces of closed points, (m, d - 1), N.
-        velocity: Their tangential velocities at the end of the step, (m, d - 1), m/s.
+        force: Of closed points, normal and tangential, (m, d), N.
+        velocity: Their velocities at the end of the step, (m, d), m/s.
     """
-    power = float(np.vdot(friction, velocity))
-    return power / float(np.linalg.norm(friction, axis=1).sum()) if power > 0.0 else 0.0
+    power = friction = 0.0
+    for p in range(len(force)):
+        square = 0.0
+        for j in range(1, force.shape[1]):
+            power += force[p, j] * velocity[p, j]
+            square += force[p, j] ** 2
+        friction += math.sqrt(square)
+    return power / friction if power > 0.0 else 0.0
 
 
 def correct_many(

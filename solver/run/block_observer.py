@@ -22,6 +22,7 @@ from solver.history.block_columns import (
     write_space_motion,
 )
 from solver.history.columns import positions
+from solver.law.compiled import compiled
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
@@ -31,16 +32,47 @@ LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
 
 
+@compiled
 def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Indices:
     """The closed points, or else the lowest one and all that are within `level` of it (m).
 
     Where no point may touch, these are all. Points are given by their forces and places, (n, d).
     """
-    closed = (force[:, 0] > 0).nonzero()[0]
-    if len(closed):
+    closed: Indices = (force[:, 0] > 0.0).nonzero()[0]
+    if len(closed) > 0:
         return closed
     height = np.where(may_touch, place[:, 0], np.inf)
-    return np.asarray(height <= height.min() + level).nonzero()[0]
+    lowest: Indices = (height <= height.min() + level).nonzero()[0]
+    return lowest
+
+
+@compiled
+def mean_slip(
+    force: Array, place: Array, may_touch: Mask, level: float, reference: Array, slip: Array
+) -> None:
+    """Fill in the mean slip of the points that touch, (d - 1,), m, from their reference positions.
+
+    These are (n, d - 1), nan where one is not known yet: then the slip is nan.
+    """
+    chosen = touching(force, place, may_touch, level)
+    slip[:] = 0.0
+    for p in chosen:
+        for j in range(len(slip)):
+            slip[j] += place[p, 1 + j] - reference[p, j]
+    slip /= len(chosen)
+
+
+@compiled
+def penetration(place: Array, inside: Mask) -> float:
+    """Largest penetration of the points of an interface, m; 0 if none penetrates.
+
+    By the places of all, (n, d), and which of them are over their carrier.
+    """
+    deepest = 0.0
+    for p in range(len(place)):
+        if inside[p] and place[p, 0] < deepest:
+            deepest = place[p, 0]
+    return 0.0 - deepest
 
 
 class BlockObserver:
@@ -148,36 +180,31 @@ class BlockObserver:
             carrier = self._interface.carrier
             height = carrier.kinematics(corners, memory.kinematics.carrier).place[:, 0]
         row[self._gaps] = height
-        if edges:
-            depth = self._at.penetration_m
-            row[depth] = max(row[depth], self._penetration(state, edges))
+        row[self._at.penetration_m] = max(self._penetration(state, n) for n in (own, *edges))
         if edges or lost:
             row[self._forces] = self._force(state, lost)
 
     def _write_own(self, state: State, memory: Memory, row: Array) -> bool:
-        """The columns but the gaps, by the block's own points; False where a reference is unknown.
+        """Motion, slip and forces, by the block's own points; False where a reference is unknown.
 
-        Then only the points that touch are found.
+        Then nothing is written.
         """
-        place, at = memory.kinematics.place, self._at
-        self._touching = touching(memory.force, place, memory.may_touch, self._level)
-        chosen = self._touching
-        moved = place.take(chosen, 0)[:, 1:] - self._reference.take(chosen, 0)
-        slip = np.add.reduce(moved) / len(chosen)
+        slip = np.empty(self._reference.shape[1])
+        mean_slip(*self._points(memory), self._reference, slip)
         if math.isnan(slip[0]):
             return False
-        self._slip = slip
+        self._slip, at = slip, self._at
         motion = state.rigid_motion(self._stepper.system, self._member.number)
         self._write_motion(motion, row)
-        row[at.penetration_m] = 0.0
-        if place[:, 0].min() < 0:
-            gaps = place[self._interface.inside(memory), 0]
-            row[at.penetration_m] = 0.0 - gaps.min(initial=0.0)
         row[self._forces] = np.add.reduce(memory.force)
         row[at.slip_m] = slip[0]
         if len(slip) == 2:
             row[at.slip_second_m] = slip[1]
         return True
+
+    def _points(self, memory: Memory) -> tuple[Array, Array, Mask, float]:
+        """Forces and places of the block's own points and what else `touching` takes of them."""
+        return memory.force, memory.kinematics.place, memory.may_touch, self._level
 
     def _write_motion(self, motion: RigidMotion, row: Array) -> None:
         """Carry on the angles of the block, and fill in what follows from its motion."""
@@ -187,8 +214,8 @@ class BlockObserver:
             self._member.body.centre + motion.moved,
         )
         if len(turn) == 2:
-            lean = math.atan2(-turn[1, 0], turn[0, 0])
-            angles[0] = lean + 2 * math.pi * round((angles[0] - lean) / (2 * math.pi))
+            lean, before = math.atan2(-turn[1, 0], turn[0, 0]), float(angles[0])
+            angles[0] = lean + 2 * math.pi * round((before - lean) / (2 * math.pi))
             write_plane_motion(row, angles[0], motion.spin[0], centre)
             return
         angles[0] = lean_in_space(turn, angles[0])
@@ -205,16 +232,11 @@ class BlockObserver:
         shift, up = centre - self._carrier.body.centre - below.moved, below.rotation[:, -1]
         return has_lost_carrier(up[-1], float(shift @ up), self._carrier.spec.height / 2)
 
-    def _penetration(self, state: State, contacts: Sequence[int]) -> float:
-        """Largest penetration of a point in some interfaces, m; 0 if none penetrates."""
-        deepest = 0.0
-        for number in contacts:
-            interface, memory = self._links[number].interface, state.contacts[number]
-            gap = memory.kinematics.place[:, 0]
-            if float(gap.min()) < deepest:
-                inside = gap[interface.inside(memory)]
-                deepest = min(deepest, float(np.min(inside, initial=0.0)))
-        return 0.0 - deepest
+    def _penetration(self, state: State, number: int) -> float:
+        """Largest penetration of a point in an interface, m; 0 if none penetrates."""
+        memory = state.contacts[number]
+        inside = self._links[number].interface.inside(memory)
+        return penetration(memory.kinematics.place, inside)
 
     def _force(self, state: State, lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.
@@ -247,7 +269,7 @@ class BlockObserver:
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T
         place = memory.kinematics.place
-        lowest = touching(memory.force, place, memory.may_touch, self._level)
+        lowest = touching(*self._points(memory))
         reference = along + (place[lowest, 1:] - along[lowest]).mean(axis=0)
         keys = interface.keys()
         tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
@@ -261,9 +283,9 @@ class BlockObserver:
         which the slip does not jump when they first touch.
         """
         place, keys = memory.kinematics.place, self._interface.keys()
-        touching = self._touching
-        known = [place[q, 1:] - self._known[keys[q]] for q in touching if keys[q] in self._known]
+        chosen = touching(*self._points(memory))
+        known = [place[q, 1:] - self._known[keys[q]] for q in chosen if keys[q] in self._known]
         slip = sum(known) / len(known) if known else self._slip
-        for q in touching:
+        for q in chosen:
             self._known.setdefault(keys[q], place[q, 1:] - slip)
         self._order_reference()

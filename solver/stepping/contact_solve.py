@@ -170,7 +170,8 @@ class StepProblem:
         """Free step, local contact problem, and the response to the change of the point forces."""
         self._corrections += 1
         if self._corrections <= PLACED_CORRECTIONS:
-            self._configurations = self._placed()
+            u = self._iterate.u
+            self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
         delassus, change = self._settled(y)
@@ -183,11 +184,6 @@ class StepProblem:
                 how = delassus.couplings[k], delassus.near, change, self._weight
                 found.append(response.respond(at, *how, free[k]))
         return joined(found)
-
-    def _placed(self) -> Sequence[Any]:
-        """The configurations of all bodies at the iterate."""
-        u = self._iterate.u
-        return [response.at(u[own], start) for response, own, start in self._bodies]
 
     def _free(self, residual: Array, y: Array) -> list[Any]:
         """The free motions of all bodies; what they do to augmented positions is added to y."""
@@ -237,19 +233,15 @@ class StepProblem:
         if operator is None:
             operator = of_no_points(self._system.dimension)
         elif not operator.fits(self._tangents.responses, self._configurations):
-            operator = self._of_same_points(operator)
+            near, inactive = operator.near.number, self.active_set.points
+            if inactive is not None and inactive[near].any():
+                operator = of_no_points(self._system.dimension)
+            else:
+                operator = self._tangents.operator = self._delassus(near)
         while isinstance(change := self.contact.settle(y, operator), OthersNear):
             self._model.margin.mark_seen(change.number)
             operator = self._tangents.operator = self._delassus(change.number)
         return operator, change
-
-    def _of_same_points(self, operator: Delassus) -> Delassus:
-        """The operator at the points of the last one; of no points where some are inactive."""
-        near, inactive = operator.near.number, self.active_set.points
-        if inactive is not None and inactive[near].any():
-            return of_no_points(self._system.dimension)
-        self._tangents.operator = self._delassus(near)
-        return self._tangents.operator
 
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate."""
@@ -269,13 +261,9 @@ class StepProblem:
         if self.active_set.activate(u):
             self._active = self._pairs()
             return True
-        return self._sinks_in() or self.contact.friction.break_loose(self.contact.force)
-
-    def _sinks_in(self) -> bool:
-        """True if points sink in at the iterate that were in no correction."""
         y = self._positions()
         self._deactivate(y)
-        return self.contact.sinks_in(y)
+        return self.contact.sinks_in(y) or self.contact.friction.break_loose(self.contact.force)
 
     def _deactivate(self, y: Array) -> None:
         """Put points beyond an edge as far from their carrier as their body is large, in y."""
@@ -320,9 +308,9 @@ class ContactSolve:
         self._strained_at: Array | None = None
         """Displacement that the stiffness of bodies was made anew at, last."""
 
-    def destroy(self) -> None:
+    def close(self) -> None:
         """Free what PETSc holds; collective."""
-        self._solver.destroy()
+        self._solver.close()
 
     def saved(self) -> dict[str, Any]:
         """State that the digits of further solves depend on, for `resume`."""

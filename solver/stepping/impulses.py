@@ -70,10 +70,10 @@ def largest_reversal(closed: Indices, first: Indices, force: Array, velocity: Ar
         velocity: Of the closed points at the end of the step, (m, d), m/s.
     """
     if len(first) == 2:
-        return slip_reversal(force[:, 1:], velocity[:, 1:])
+        return slip_reversal(force, velocity)
     ends = closed.searchsorted(first)
     parts = [slice(a, b) for a, b in pairwise(ends) if b > a]
-    return max(slip_reversal(force[part, 1:], velocity[part, 1:]) for part in parts)
+    return max(slip_reversal(force[part], velocity[part]) for part in parts)
 
 
 class VelocityImpulses:

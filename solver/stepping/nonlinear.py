@@ -82,30 +82,6 @@ class NonlinearProblem(Protocol):
         """Largest acceleration of a body by the resultant of that residual, m/s2; collective."""
 
 
-class Correction:
-    """The preconditioner of SNES, which turns a residual into the negative of a correction."""
-
-    def __init__(self, failure: type[Exception]):
-        """Take what a problem raises where it has no correction."""
-        self._failure = failure
-        self._problem: NonlinearProblem | None = None
-        self.trouble: Exception | None = None
-
-    def begin(self, problem: NonlinearProblem) -> None:
-        """Correct the residuals of this problem from now on."""
-        self._problem, self.trouble = problem, None
-
-    def apply(self, pc: PETSc.PC, residual: PETSc.Vec, negative: PETSc.Vec) -> None:
-        """Called by PETSc; the residual is locked and may only be read."""
-        assert self._problem is not None
-        try:
-            negative.array = -self._problem.correction(residual.array_r)
-        except (self._failure, np.linalg.LinAlgError, RockslipError) as trouble:
-            # No exception may pass through PETSc: not-a-number ends SNES.
-            self.trouble = trouble
-            negative.set(np.nan)
-
-
 def _last_line(error: PETSc.Error) -> str:
     """The last line of an error of PETSc."""
     return str(error).splitlines()[-1]
@@ -128,11 +104,14 @@ def check_options(words: Sequence[str] = ()) -> None:
 
     They are those given, besides what PETSc was started with.
     """
-    NonlinearSolver(MPI.COMM_SELF, 1, ArithmeticError, words).destroy()
+    NonlinearSolver(MPI.COMM_SELF, 1, ArithmeticError, words).close()
 
 
 class NonlinearSolver:
-    """One SNES for a whole run; `solve` is given one problem after another."""
+    """One SNES for a whole run; `solve` is given one problem after another.
+
+    It is the context of the Python preconditioner, whose `apply` PETSc calls.
+    """
 
     def __init__(
         self,
@@ -149,14 +128,15 @@ class NonlinearSolver:
         Raises:
             SceneError: PETSc does not take an option, or it is for another method.
         """
-        self._convergence = Convergence()
+        self._convergence, self._failure = Convergence(), failure
         self._problem: NonlinearProblem | None = None
+        self._trouble: Exception | None = None
+        """Exception for want of a correction, if that is why SNES stopped."""
         self._residuals: list[float] = []
         self._x = PETSc.Vec().createMPI((size, None), comm=comm)
         self._r = self._x.duplicate()
         self._shell = PETSc.Mat().createPython(((size, None), (size, None)), object(), comm=comm)
         self._shell.setUp()
-        self._correction = Correction(failure)
         self._options = dict(parse_options(options))
         self.snes = self._set_up(comm)
         self._relative, self._tolerance, self._smallest, _ = self.snes.getTolerances()
@@ -179,7 +159,7 @@ class NonlinearSolver:
         ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = ksp.getPC()
         pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(self._correction)
+        pc.setPythonContext(self)
         snes.setSolution(self._x)
         given = PETSc.Options().getAll()
         defaults = {name: value for name, value in DEFAULTS.items() if name not in given}
@@ -212,6 +192,16 @@ class NonlinearSolver:
         except np.linalg.LinAlgError:  # no exception may pass through PETSc
             r.set(np.nan)
 
+    def apply(self, pc: PETSc.PC, residual: PETSc.Vec, negative: PETSc.Vec) -> None:
+        """The negative of the correction, called by PETSc; the residual may only be read."""
+        assert self._problem is not None
+        try:
+            negative.array = -self._problem.correction(residual.array_r)
+        except (self._failure, np.linalg.LinAlgError, RockslipError) as trouble:
+            # No exception may pass through PETSc: not-a-number ends SNES.
+            self._trouble = trouble
+            negative.set(np.nan)
+
     def _judge(self, snes: PETSc.SNES, iterations: int, norms: tuple[float, float, float]) -> int:
         """The verdict on an iterate, called by SNES with the norms of x, of dx and of r."""
         assert self._problem is not None
@@ -228,7 +218,7 @@ class NonlinearSolver:
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """Called by SNES; the tangent is constant in the frame of the body and not assembled."""
 
-    def destroy(self) -> None:
+    def close(self) -> None:
         """Free what PETSc holds; collective."""
         for thing in (self.snes, self._shell, self._x, self._r):
             thing.destroy()
@@ -246,8 +236,7 @@ class NonlinearSolver:
         Raises:
             RockslipError: A correction needs what this machine has not, or an option a Jacobian.
         """
-        self._problem = problem
-        self._correction.begin(problem)
+        self._problem, self._trouble = problem, None
         if self._tolerance:  # the user's
             tolerance = ResidualTolerance.of_norm(self._tolerance)
         self.snes.setTolerances(atol=tolerance.norm)
@@ -262,7 +251,7 @@ class NonlinearSolver:
                 raise
             allowed = f"those that multiply by no matrix: {_last_line(error)}"
             raise self._refused(allowed) from None
-        trouble = self._correction.trouble
+        trouble = self._trouble
         if isinstance(trouble, RockslipError):
             raise trouble
         code = self.snes.getConvergedReason()

@@ -107,7 +107,7 @@ class Stepper:
                 body.stiffen(link.interface.theta_matrix(body.mass_matrix))
         self._resources.close()
         self._solve = ContactSolve(self.system, self.links, self.local, self._petsc_options)
-        self._resources.callback(self._solve.destroy)
+        self._resources.callback(self._solve.close)
         self._impulses: VelocityImpulses | None = None
 
     def prepare(self, state: State, dt: float) -> StepStart:

@@ -45,7 +45,7 @@ def test_an_iteration_that_diverges_is_ended_early(factor, reason):
     solver = NonlinearSolver(MPI.COMM_SELF, 2, ZeroDivisionError)
     problem = Problem(residual, lambda r: np.asarray(factor * r))
     _, outcome = solver.solve(problem, np.ones(2), ResidualTolerance.of_norm(1e-9))
-    solver.destroy()
+    solver.close()
     assert outcome.converged == (not reason)
     assert reason in outcome.reason
     assert len(seen) == {-1.0: 2, 1e3: 4, 0.5: 31}[factor]
@@ -56,7 +56,7 @@ def test_an_iteration_that_falls_slowly_is_followed_to_the_end():
     solver = NonlinearSolver(MPI.COMM_SELF, 1, ZeroDivisionError)
     problem = Problem(lambda u: u, lambda r: np.asarray(-0.2 * r))
     _, outcome = solver.solve(problem, np.ones(1), ResidualTolerance.of_norm(0.05))
-    solver.destroy()
+    solver.close()
     assert outcome.converged
     assert outcome.residual < 0.05
 

@@ -34,6 +34,7 @@ def study(folder: Path, *words: str) -> int:
     return main(["study", "suite", str(SCENE), "-o", str(folder), "-q", *words])
 
 
+@pytest.mark.slow
 def test_levels_of_intensity(tmp_path: Path) -> None:
     """Every motion has the intensity that was asked for; the engines see the same motions."""
     pytest.importorskip("matplotlib")

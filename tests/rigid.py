@@ -1,0 +1,42 @@
+"""Scenes of rigid blocks in the plane and in space, and what each of their runs keeps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rockslip import Result, Scene, parse_scene, simulate
+
+G = 9.81
+PAPER = {"model": "rigid", "width": 0.25, "height": 1.0, "thickness": 0.75, "mass": 503.0}
+SQUAT = {"model": "rigid", "width": 1.0, "height": 0.2, "thickness": 1.0, "mass": 500.0}
+UPWARDS = {2: [0.0, 1.0], 3: [0.0, 0.0, 1.0]}
+
+
+def scene(d: int, *blocks: dict[str, Any], end: float, step: float = 1e-3, **tables: Any) -> Scene:
+    """Blocks (the paper's without any) in d dimensions; friction 0.7 unless given."""
+    content = {
+        "dimension": d,
+        "block": list(blocks) or [PAPER],
+        "contact": {"friction": tables.pop("friction", 0.7)},
+        "time": {"end": end, "step": step},
+    }
+    return parse_scene(content | tables)
+
+
+def run(
+    given: Scene, *, gain: float = 1e-9, ledger: float = 1e-9, folder: Path | None = None
+) -> Result:
+    """A run that goes to its end, gains no energy and accounts for all of it."""
+    result = simulate(given, folder=folder)
+    assert result.status == "completed", result.summary["reason"]
+    assert result.summary["energy"]["largest_gain_fraction"] < gain
+    assert result.summary["energy"]["ledger_error_fraction"] < ledger
+    return result
+
+
+def table(folder: Path, rows: Any) -> str:
+    """A file of samples for `kind = "table"`: time in s, accelerations in m/s2."""
+    file = folder / "ground.csv"
+    file.write_text("".join(f"{time!r},{value!r}\n" for time, value in rows))
+    return str(file)
