@@ -1,4 +1,4 @@
-"""Demos of a foundation, a stack and a frame at reduced length, and three on two ranks."""
+"""Demos of a foundation, a stack and a frame at reduced length, and two on two ranks."""
 
 from __future__ import annotations
 
@@ -83,7 +83,6 @@ def test_its_checks_can_fail(left: tuple[str, Path]) -> None:
 
 SCRIPTS = {
     "free_rocking/free_rocking.py": "time.end=0.95",
-    "stack/stack_under_record.py": "time.end=2.0",
     "frame/block_on_frame.py": "time.end=0.5",
 }
 
