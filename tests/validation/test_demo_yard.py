@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import importlib
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 import pytest
-from processes import outside_mpirun
 
 from rockslip import load_scene, read_run
 from solver.results.runs import Run
@@ -123,26 +120,3 @@ def test_stacks_lift_at_b_over_h() -> None:
     one = load_scene(ROOT / "demos" / "yard" / "scene.toml").blocks[0]
     ratios = [one.width / (count * one.height) for count in (1, 2, 3, 4)]
     assert ratios == pytest.approx([0.94, 0.47, 0.31, 0.235], abs=5e-3)
-
-
-@pytest.mark.mpi
-def test_it_runs_on_two_ranks(tmp_path: Path) -> None:
-    """Into a folder in the current one."""
-    name = "laboratory"
-    words = ["--set", *SHORT[name]]
-    attribute, kept = FEWER[name]
-    code = f"from demos.{name} import {MODULES[name]} as made\n"
-    code += f"made.{attribute} = tuple(made.{attribute}[k] for k in {kept})\n"
-    code += f"raise SystemExit(made.main({words!r}))\n"
-    done = subprocess.run(
-        ["mpirun", "--oversubscribe", "-n", "2", sys.executable, "-c", code],
-        cwd=tmp_path,
-        env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=900,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.count("holds:") == CHECKS[name]
-    assert (tmp_path / "output" / name / f"{name}.png").is_file()
