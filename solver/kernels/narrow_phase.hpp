@@ -85,7 +85,7 @@ template <int d> class NarrowPhase {
         if (by_a) clip(face_a, facing(at_b_, at_a_.normals[face_a]), true);
         else clip(facing(at_a_, at_b_.normals[face_b]), face_b, false);
         // Corner on corner: no corner is over the other's face, though the bodies overlap.
-        if (apart < 0 && found_.size() == before) deepest_corner(by_a, by_a ? face_a : face_b);
+        if (apart < 0 && found_.size() == before) deepest_corners(by_a, by_a ? face_a : face_b);
         return apart;
     }
 
@@ -149,13 +149,15 @@ template <int d> class NarrowPhase {
         return best;
     }
 
-    void deepest_corner(bool by_a, int face) {
+    /// Adds the corner that is deepest below a face, and those as deep up to round-off: the ends of an
+    /// edge that passes over an edge, the corners of a face.
+    void deepest_corners(bool by_a, int face) {
         const PlacedShape<d>& other = by_a ? at_b_ : at_a_;
         const Vec<d>& normal = (by_a ? at_a_ : at_b_).normals[face];
-        std::size_t deepest = 0;
-        for (std::size_t i = 1; i < other.vertices.size(); i++)
-            if (dot(normal, other.vertices[i]) < dot(normal, other.vertices[deepest])) deepest = i;
-        corner_on_face(!by_a, static_cast<int>(deepest), face);
+        double deepest = INFINITY;
+        for (const Vec<d>& vertex : other.vertices) deepest = std::min(deepest, dot(normal, vertex));
+        for (std::size_t i = 0; i < other.vertices.size(); i++)
+            if (dot(normal, other.vertices[i]) <= deepest + 1e-3 * inset_) corner_on_face(!by_a, static_cast<int>(i), face);
     }
 
     /// The ends of the overlap of two edges of polygons.
