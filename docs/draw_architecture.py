@@ -21,7 +21,6 @@ ORDER = (
     "kernels",
     "law",
     "scheme",
-    "kernels",
     "history",
     "bodies",
     "contact",

@@ -1,4 +1,4 @@
-"""Limits for edges of two faces that cross, the same for meshed and for rigid bodies."""
+"""Limits for edges of two faces that cross, in scenes with a mesh."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def followed(
 ) -> tuple[float, bool]:
     """Coefficient of a point by the motion that `mu` led to; whether it keeps its cohesion.
 
-    All engines bring the friction of their points up to the motion by this function. `past` is what
+    Friction of points is brought up to the motion by this function. `past` is what
     the point remembers; the speed, m/s, is its slip in this step over the step's length, 0 where it
     sticks; `slips`: it has broken loose in this step. With DC = 0 the coefficient only falls, from
     mu_s to mu_d: no choice between the two can then repeat itself.

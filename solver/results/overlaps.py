@@ -1,7 +1,7 @@
 """Blocks that come to overlap in a run, although neither carries the other: a limit of the model.
 
-Only a block and its carrier feel contact. All others are compared as rigid boxes, at the times at
-which snapshots of the fields are due.
+Where something is meshed only a block and its carrier feel contact. All others are compared as
+rigid boxes, at the times at which snapshots of the fields are due.
 """
 
 from __future__ import annotations

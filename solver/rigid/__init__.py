@@ -1,1 +1,1 @@
-"""Rigid blocks: no mesh, three unknowns each in the plane, six in space, compiled by numba."""
+"""Scenes of rigid blocks alone: bodies of the compiled world, and rows of the history."""

@@ -13,7 +13,7 @@ from benchmarks import tables
 ROOT = tables.ROOT
 
 #: What is no result: points of other programs, and what the site is built with.
-INPUTS = {"benchmarks/scenes/beside.csv", "docs/requirements.txt"}
+INPUTS = {"CMakeLists.txt", "benchmarks/scenes/beside.csv", "docs/requirements.txt"}
 
 
 @pytest.fixture(scope="module")
