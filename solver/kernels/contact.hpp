@@ -5,11 +5,11 @@
 // d(n.p) = n_m.dp + dn.p_m. For a point p of body a and a face of body b, and each axis e = n, t of
 // that face,
 //
-//     d(e.(p - x_b)) = e_m.(dx_a - dx_b) + psi_a.(arm_m x e_m) - psi_b.((p_m - x_b,m) x e_m):
+//     d(e.(p - x_b)) = e_m.(dx_a - dx_b) + psi_a.(arm_m x e_m) - psi_b.((p_m - x_b,m) x e_m):   (M53)
 //
 // forces along such rows have no resultant and no moment, and do exactly f.d(...) of work. Two edges
-// with directions u and v have m = u_m x v_m / (n_{n+1}.(u_m x v_m)) in place of e_m ((M30) to (M33)
-// of docs/method.md).
+// with directions u and v have m = u_m x v_m / (n_{n+1}.(u_m x v_m)) in place of e_m ((M30) to
+// (M33)).
 #pragma once
 
 #include "body.hpp"

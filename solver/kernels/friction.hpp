@@ -3,7 +3,7 @@
 // A closed point holds the shear stress tau = c + mu p. The coefficient falls from its static to its
 // dynamic value with the speed v of sliding,
 //
-//     mu = mu_d + (mu_s - mu_d) exp(-DC v),
+//     mu = mu_d + (mu_s - mu_d) exp(-DC v),                                               (M26)
 //
 // or, where DC = 0, as soon as the point has slipped.
 #pragma once

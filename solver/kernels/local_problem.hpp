@@ -1,6 +1,6 @@
 // The law of contact for all contacts of an island at once:
 //
-//     y = c + G w,   M (w - w_free) = G^T P,
+//     y = c + G w,   M (w - w_free) = G^T P,                                              (M55)
 //     0 <= P_n  complementary to  y_n >= 0,   |P_t| <= mu P_n + c, y_t opposite to P_t at the bound, 0 inside,
 //
 // as roots of P - project(P - r y) (Alart and Curnier 1991). Newton's method solves for the motions w
@@ -264,7 +264,7 @@ template <int d> class LocalProblem {
         return found;
     }
 
-    /// M + G^T H G.
+    /// M + G^T H G (M58).
     void assemble(const I& island, BlockLU<unknowns>& factors) {
         factors.clear();
         for (std::size_t b = 0; b < island.w.size(); b++) factors.diagonal(static_cast<int>(b)) = island.mass[b];

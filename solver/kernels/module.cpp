@@ -229,6 +229,10 @@ void world_restore(void* handle, const double* saved) {
     });
 }
 
+void world_reset_deepest(void* handle) {
+    with(handle, [](auto& world) { world.deepest = {}; });
+}
+
 void world_counts(void* handle, double* out) {
     with(handle, [&](auto& world) {
         const auto& o = world.local.outcomes;

@@ -1,7 +1,8 @@
 // Rotations: an angle in the plane (anticlockwise), a unit quaternion in space.
 //
 // A step turns a body by a Cayley vector psi, in space. With the mean R_m of the rotations at both
-// ends, R_{n+1} - R_n = skew(psi) R_m exactly; in the plane psi = 2 tan(dtheta/2).
+// ends, R_{n+1} - R_n = skew(psi) R_m exactly; in the plane psi = 2 tan(dtheta/2). Numbers of equations
+// here and in the other files are those of docs/method.md: this is (M52).
 #pragma once
 
 #include "linear.hpp"

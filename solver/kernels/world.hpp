@@ -1,7 +1,7 @@
 // Rigid bodies in contact, and a step through them.
 //
 // Every body may meet every other. With w = v_n + v_{n+1} = 2 du/dt a step of generalized-alpha reads
-// M (w - w_free) = G_m^T P and y = (2/dt) (gap, place)_{n+1} = c + G_m w with the rows of the middle of
+// (M54) M (w - w_free) = G_m^T P and y = (2/dt) (gap, place)_{n+1} = c + G_m w with the rows of the middle of
 // the step: the same problem as that of velocities, M (v - v_free) = G^T P with v_n complementary to
 // P_n, so that one solver serves both. Impulses act at the end of the step, outside any average.
 //
@@ -298,7 +298,7 @@ template <int d> class World {
             }
     }
 
-    /// The effective mass of a platform on its spring, and its motion without contacts.
+    /// The effective mass of a platform on its spring, and its motion without contacts (M57).
     void set_platform(Attempt& A, int b, double dt, const GroundMotion<d>& ground) const {
         const Body<d>& body = bodies[b];
         const double weight = 0.5 * (1 - scheme.alpha_m) / scheme.beta;
@@ -316,7 +316,7 @@ template <int d> class World {
     }
 
     /// Motion of a free body without contacts; in space by the energy-momentum rule on the angular
-    /// momentum (Simo and Wong 1991), about the last iterate.
+    /// momentum (Simo and Wong 1991), about the last iterate (M56).
     Motion free_motion(const Attempt& A, int b, double dt, const Vec<d>& load) const {
         const Body<d>& body = bodies[b];
         Motion free;
@@ -590,7 +590,10 @@ template <int d> class World {
                 const int b = island.bodies[j];
                 island.free[j] = bodies[b].is_platform() ? A.free[b] : free_motion(A, b, dt, load);
             }
-            if (!local.solve(island) && !(rough_ && local.approximate(island))) return false;
+            if (!local.solve(island)) {
+                if (builds_up_cohesion(island)) continue;
+                if (!rough_ || !local.approximate(island)) return false;
+            }
             if (round == 0)
                 for (C* k : island.contacts) k->anchor = k->impulse;
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
@@ -622,6 +625,17 @@ template <int d> class World {
             return true;
         }
         return false;
+    }
+
+    /// Lets cohesion grow with the pressure; false where it does so already.
+    static bool builds_up_cohesion(const Island<d>& island) {
+        bool changed = false;
+        for (C* k : island.contacts)
+            if (k->bound.cohesion > 0 && std::isinf(k->bound.slope)) {
+                k->bound.slope = COHESION_SLOPE;
+                changed = true;
+            }
+        return changed;
     }
 
     /// True if bodies that stand on fixed ground began at rest and go less than the tolerance leaves.
@@ -724,7 +738,7 @@ template <int d> class World {
 
     /// Spring force, losses of dashpot and averaging, and the impulse on the ground of a platform.
     ///
-    /// (1 - alpha_m) p_{n+1} + alpha_m p_n + k u_alpha = 0; averaging takes (1/2 - alpha_f) du dr with
+    /// (1 - alpha_m) p_{n+1} + alpha_m p_n + k u_alpha = 0 (M6); averaging (M15) takes (1/2 - alpha_f) du dr with
     /// r = p + k u.
     void take_platform(Body<d>& body, const Vec<d>& du, double dt) {
         const double k = body.stiffness, c = body.damping;
@@ -739,11 +753,11 @@ template <int d> class World {
         }
     }
 
-    /// Contact at velocity level: impulses such that no contact that is closed goes on closing.
+    /// Contact at velocity level: impulses such that no contact that is closed goes on closing (M40).
     ///
     /// Contacts that slid keep the direction of their friction and stay at its bound; where a body
     /// landed all obey the law. Where that would return more energy than friction took, those that
-    /// slid keep their friction, then all do, and else velocities stay as they are.
+    /// slid keep their friction, then all do, and else velocities stay as they are ((M41), (M42)).
     void correct_velocities(Attempt& A, Island<d>& island, double dt) {
         const std::size_t count = island.contacts.size();
         step_impulse_.resize(count);
@@ -1231,7 +1245,7 @@ template <int d> class World {
 
     /// The law of impact on the touching contacts of an island, at an instant:
     ///
-    ///     0 <= P_n  complementary to  v_n+ - r >= 0,     r = e [-v_n-(2 c - x)]_+,
+    ///     0 <= P_n  complementary to  v_n+ - r >= 0,     r = e [-v_n-(2 c - x)]_+,            (M48)
     ///
     /// x being the place of the contact and c the middle of the two contacts of its pair that are
     /// farthest apart: a contact takes the rebound of the place opposite. A block that stands on one

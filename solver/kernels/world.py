@@ -314,6 +314,10 @@ class World:
         self._library.world_counts(self._handle, _place(counts))
         return dict(zip(COUNTS, map(float, counts), strict=True))
 
+    def reset_deepest(self) -> None:
+        """Forget the deepest overlap so far."""
+        self._library.world_reset_deepest(self._handle)
+
     def fallbacks(self) -> dict[str, int]:
         """How often contact problems were left to which method after Newton's."""
         found = self.counts()
