@@ -197,6 +197,8 @@ class Scene(Checked):
         """Refuse keys for which a block has to meet more than its carrier, or to rebound."""
         for where, _ in self._restitutions():
             raise not_applicable(f"{where}.restitution", UNMESHED)
+        if self.output.pairs:
+            raise not_applicable("output.pairs", UNMESHED)
         for block in self.blocks:
             if block.position is not None:
                 raise not_applicable(f"{block.name}.position", UNMESHED)

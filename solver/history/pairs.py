@@ -1,0 +1,79 @@
+"""The file `pairs.csv` beside a history: what pairs of bodies do to one another, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from solver.errors import of_file
+from solver.types import Array
+
+NAME = "pairs.csv"
+"""Name of the file."""
+
+MEANING = {
+    "time_s": "time of the row of the history, s",
+    "first": "name of a body",
+    "second": 'name of a body that it has touched by then; "foundation" is never the first',
+    "normal_N": "normal force between them, N; as all forces here the mean over the step",
+    "friction_N": "friction on the first, N, along the first tangent",
+    "friction_second_N": "in space: along the second tangent, N",
+    "gap_m": "how far they are apart along the axis that separates them best, m; below 0: overlap",
+    "slip_m": "what the first has slipped over the second, as long as they touched, m",
+    "slip_second_m": "in space: along the second tangent, m",
+    "points": "number of points that touch",
+}
+"""Names of the columns with what they hold."""
+
+
+def pair_columns(dimension: int) -> tuple[str, ...]:
+    """Names of the columns, in their order."""
+    return tuple(name for name in MEANING if dimension == 3 or "_second" not in name)
+
+
+class PairTable:
+    """The rows that wait for the file, and the file."""
+
+    def __init__(self, file: Path | None, names: Sequence[str], dimension: int):
+        """Begin; `names` are those of the bodies by their numbers. Without a file rows vanish."""
+        self._file, self._names, self._d = file, tuple(names), dimension
+        self._waiting: list[str] = []
+
+    def begin(self, until: float | None = None) -> None:
+        """Write the head; or, where a run goes on after a time (s), keep the lines up to it."""
+        if self._file is None:
+            return
+        lines = [",".join(pair_columns(self._d))]
+        try:
+            if until is not None:
+                known = self._file.read_text(encoding="utf-8").splitlines(keepends=True)[1:]
+                whole = (line for line in known if line.endswith("\n"))
+                lines += [t.rstrip("\n") for t in whole if float(t.split(",", 1)[0]) <= until]
+            self._file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise of_file(error, self._file) from error
+
+    def add(self, times: Array, pairs: Array) -> None:
+        """Rows of steps as `World.pairs` has them, whose numbers are places in `times`, s."""
+        if self._file is None or not len(pairs):
+            return
+        names = self._names
+        for row in pairs:
+            numbers = ",".join(f"{value:.17g}" for value in row[4:])
+            who = f"{names[int(row[1])]},{names[int(row[2])]}"
+            self._waiting.append(f"{times[int(row[0])]:.17g},{who},{numbers},{int(row[3])}\n")
+
+    def flush(self) -> None:
+        """Write the rows that wait."""
+        if self._file is None or not self._waiting:
+            return
+        with self._file.open("a", encoding="utf-8") as file:
+            file.writelines(self._waiting)
+        self._waiting.clear()
+
+
+def kept_pairs(pairs: Array, kept: Array) -> Array:
+    """The rows of those steps that are kept, by a mask over the steps."""
+    return pairs[np.asarray(kept)[pairs[:, 0].astype(int)]] if len(pairs) else pairs
